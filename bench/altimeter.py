@@ -67,8 +67,8 @@ def exact_readouts(track: Track, air: Air, gain: float = 1.0) -> dict[str, float
         shown["eject_altitude_m"] = float(np.interp(track.ejection, track.time, height))
         hanging = np.isnan(track.speed)
         if hanging.sum() > 1:
-            lost, took = height[hanging][0] - height[-1], track.time[hanging][0] - track.time[-1]
-            shown["descent_speed_mps"] = float(-lost / took)
+            lost, duration = height[hanging][0] - height[-1], track.time[hanging][0] - track.time[-1]
+            shown["descent_speed_mps"] = float(-lost / duration)
     return {name: shown[name] for name in RESOLUTION if name in shown}
 
 

@@ -94,6 +94,6 @@ def _lines(results: Sequence[Result]) -> Iterator[str]:
     for one in bins:
         yield f"| {one.low:.0%} to {one.high:.0%} | {one.cases} | {one.expected:.0%} | {one.found:.0%} |"
     yield ""
-    said = [one for one in bins if one.low >= WORTH_SAYING]
-    beyond = f", {calibration_error(said):.1%} from {WORTH_SAYING:.0%} on" if said else ""
+    filled = [one for one in bins if one.low >= WORTH_SAYING]
+    beyond = f", {calibration_error(filled):.1%} from {WORTH_SAYING:.0%} on" if filled else ""
     yield f"expected calibration error: {calibration_error(bins):.1%} of all cases{beyond}"

@@ -190,8 +190,8 @@ def _slope(
 
     ejected = time >= b.ejection
     open_part = np.clip((time - b.ejection) / b.opening, 0, 1)
-    pull = rho / 2 * fast * (b.cd * b.area + b.chute * open_part**2)
-    hanging = -pull * flow / mass
+    drag_force = rho / 2 * fast * (b.cd * b.area + b.chute * open_part**2)
+    hanging = -drag_force * flow / mass
     hanging[2] -= gravity
 
     change = np.empty_like(state)

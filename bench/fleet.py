@@ -28,7 +28,7 @@ class Scatter:
     """Error of the scale. [kg]"""
     delay: float = 1.0
     wind: float = 1.0
-    lean: tuple[float, float] = (0.0, 0.0)
+    launch_angle: tuple[float, float] = (0.0, 0.0)
     """Launch angle downwind and across. [rad]"""
 
 
@@ -94,22 +94,25 @@ def draw(rng: np.random.Generator, needs: Needs) -> Season:
 
 def scattered(flown: Flown) -> Launch:
     """The launch with its random draws."""
-    launch, luck = flown.launch, flown.scatter
-    lean = np.array([launch.tilt * np.cos(launch.heading), launch.tilt * np.sin(launch.heading)]) + luck.lean
+    launch, random_draw = flown.launch, flown.scatter
+    launch_angle = (
+        np.array([launch.tilt * np.cos(launch.heading), launch.tilt * np.sin(launch.heading)])
+        + random_draw.launch_angle
+    )
     motor = replace(
         launch.motor,
-        time=launch.motor.time * luck.stretch,
-        thrust=launch.motor.thrust * luck.thrust / luck.stretch,
+        time=launch.motor.time * random_draw.stretch,
+        thrust=launch.motor.thrust * random_draw.thrust / random_draw.stretch,
     )
     return replace(
         launch,
         motor=motor,
-        dry_mass=launch.dry_mass + luck.mass,
-        drag=replace(launch.drag, cd=launch.drag.cd * luck.drag),
-        air=replace(launch.air, wind=launch.air.wind * luck.wind),
-        tilt=float(np.hypot(*lean)),
-        heading=float(np.arctan2(lean[1], lean[0])),
-        delay=launch.delay * luck.delay,
+        dry_mass=launch.dry_mass + random_draw.mass,
+        drag=replace(launch.drag, cd=launch.drag.cd * random_draw.drag),
+        air=replace(launch.air, wind=launch.air.wind * random_draw.wind),
+        tilt=float(np.hypot(*launch_angle)),
+        heading=float(np.arctan2(launch_angle[1], launch_angle[0])),
+        delay=launch.delay * random_draw.delay,
     )
 
 
@@ -153,7 +156,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
         drag=rocket.drag,
         air=air,
         rail_length=rocket.rail,
-        tilt=rocket.lean,
+        tilt=rocket.launch_angle,
         heading=float(rng.uniform(0, 2 * np.pi)),
         delay=choice.delay,
         chute_area=rocket.chute,
@@ -174,7 +177,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
 def _luck(rng: np.random.Generator, factor: float) -> Scatter:
     """Ordinary scatter: thrust 2.5%, drag 2%, scale 1 g, delay 7%, gusts 15%, a launch angle up to 2 degrees."""
     thrust, stretch, drag, mass, delay, wind = rng.standard_normal(6)
-    lean, way = float(np.radians(rng.uniform(0, 2))), float(rng.uniform(0, 2 * np.pi))
+    launch_angle, way = float(np.radians(rng.uniform(0, 2))), float(rng.uniform(0, 2 * np.pi))
     return Scatter(
         thrust=1 + 0.025 * factor * float(thrust),
         stretch=1 + 0.015 * float(stretch),
@@ -182,7 +185,7 @@ def _luck(rng: np.random.Generator, factor: float) -> Scatter:
         mass=0.001 * float(mass),
         delay=1 + 0.07 * float(np.clip(delay, -2, 2)),
         wind=max(0.0, 1 + 0.15 * float(wind)),
-        lean=(lean * float(np.cos(way)), lean * float(np.sin(way))),
+        launch_angle=(launch_angle * float(np.cos(way)), launch_angle * float(np.sin(way))),
     )
 
 

@@ -45,8 +45,8 @@ def opening(
         wind = wind_speed(state[2], air.wind, air.wind_height, air.shear)
         flow = state[3:] - np.array([float(wind), 0.0, air.updraft])
         filled = np.clip((time - ejected) / launch.opening, 0, 1) ** 2
-        pull = rho / 2 * np.sqrt(flow @ flow) * (body + launch.chute_area * filled) / mass
-        return np.concatenate([state[3:], -pull * flow - np.array([0.0, 0.0, GRAVITY])])
+        drag_rate = rho / 2 * np.sqrt(flow @ flow) * (body + launch.chute_area * filled) / mass
+        return np.concatenate([state[3:], -drag_rate * flow - np.array([0.0, 0.0, GRAVITY])])
 
     def sinks(time: float, state: Float[Array, "six"]) -> float:
         return float(state[5] + 1.0) if time > ejected + launch.opening + 0.5 else 1.0

@@ -69,7 +69,7 @@ class Rocket:
     drag: Drag
     rail: float
     chute: float
-    lean: float
+    launch_angle: float
     """Nominal angle of the rail, declared. [rad]"""
     combinations: tuple[Combination, ...] = field(default=())
 
@@ -103,7 +103,7 @@ def draw_rocket(rng: np.random.Generator, needs: Needs, conditions: str) -> Rock
             drag=Drag(float(rng.uniform(*needs.cd))),
             rail=float(rng.uniform(*needs.rail)),
             chute=mass * float(rng.uniform(0.35, 0.9)),
-            lean=float(np.radians(rng.choice([0, 0, 0, 3, 5]))) if conditions == "all" else 0.0,
+            launch_angle=float(np.radians(rng.choice([0, 0, 0, 3, 5]))) if conditions == "all" else 0.0,
         )
         found = _combinations(rocket, names, configs, needs)
         usable = sorted({c.key for c in found if {d.config for d in found if d.key == c.key} == set(configs)})

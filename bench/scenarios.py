@@ -35,7 +35,7 @@ class Scenario:
         return self.needs
 
 
-TELLING = ("all", "all", "three")
+INFORMATIVE = ("all", "all", "three")
 """Readouts for effects that the apogee alone cannot show."""
 TEN = ("all",)
 
@@ -53,7 +53,7 @@ WEAR = Part("wear", (0.01, 0.02, 0.04))
 FRICTION = Part("rail_friction", (0.5, 1.0, 2.0))
 BASE = Part("base_drag", (0.12, 0.25, 0.4))
 MULTI_SITE = Needs(sites=2, conditions="all", high=300.0)
-FAST = Needs(classes=("fast",), readouts=TELLING, top_speed=300.0, cd=(0.32, 0.45), lift=(5.0, 80.0))
+FAST = Needs(classes=("fast",), readouts=INFORMATIVE, top_speed=300.0, cd=(0.32, 0.45), lift=(5.0, 80.0))
 
 _ALL = (
     Scenario("null", "none", (Part("none", (0,)),)),
@@ -61,21 +61,21 @@ _ALL = (
     Scenario("null_realistic", "none", (Part("realistic", (0,)),)),
     Scenario("wind", "wind", (WIND,), Needs(conditions="wind")),
     Scenario("wind_declared", "wind", (WIND,), Needs(conditions="all")),
-    Scenario("launch_angle", "launch_angle", (TILT,), Needs(readouts=TELLING)),
-    Scenario("early_ejection", "early_ejection", (EJECTION,), Needs(readouts=TELLING)),
+    Scenario("launch_angle", "launch_angle", (TILT,), Needs(readouts=INFORMATIVE)),
+    Scenario("early_ejection", "early_ejection", (EJECTION,), Needs(readouts=INFORMATIVE)),
     Scenario("air_density", "air_density", (AIR,), MULTI_SITE),
     Scenario("hot_days", "air_density", (HOT,)),
     Scenario("mass_offset", "mass_offset", (MASS,), Needs(configs=2)),
     Scenario("motor_thrust", "motor_thrust", (THRUST,)),
     Scenario("thrust_curve", "thrust_curve", (CURVE,), Needs(readouts=TEN)),
     Scenario("mach_drag", "mach_drag", (MACH,), FAST),
-    Scenario("altimeter_scale", "altimeter_scale", (SCALE,), Needs(readouts=TELLING)),
+    Scenario("altimeter_scale", "altimeter_scale", (SCALE,), Needs(readouts=INFORMATIVE)),
     Scenario("wear", "wear", (WEAR,)),
     Scenario("rail_friction", "rail_friction", (FRICTION,), Needs(readouts=TEN, rail=(1.8, 2.4))),
-    Scenario("base_drag", "base_drag", (BASE,), Needs(readouts=TELLING)),
+    Scenario("base_drag", "base_drag", (BASE,), Needs(readouts=INFORMATIVE)),
     Scenario("pair_wind_mass", "wind+mass_offset", (WIND, MASS), Needs(configs=2, conditions="wind")),
     Scenario("pair_wind_wear", "wind+wear", (WIND, WEAR), Needs(conditions="all")),
-    Scenario("pair_thrust_wear", "motor_thrust+wear", (THRUST, WEAR), Needs(readouts=TELLING)),
+    Scenario("pair_thrust_wear", "motor_thrust+wear", (THRUST, WEAR), Needs(readouts=INFORMATIVE)),
     Scenario("pair_air_mass", "air_density+mass_offset", (AIR, MASS), replace(MULTI_SITE, configs=2)),
     Scenario("pair_ejection_scale", "early_ejection+altimeter_scale", (EJECTION, SCALE), Needs(readouts=TEN)),
     Scenario(

@@ -50,7 +50,7 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
             if taken["rejected"]:
                 return Result(**known, error=f"import rejected {taken['rejected'][0]}")
             started = os.times().elapsed
-            said = ask("loop", "--rocket", label["rocket"])
+            answer = ask("loop", "--rocket", label["rocket"])
             seconds = os.times().elapsed - started
             later = folder / f"{label['set']}_future.csv"
             planned = _planned(later, Path(scratch) / "planned.csv")
@@ -59,12 +59,12 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
                 return _errors(ask("predict", "--flights", str(planned), "--model", model)["predictions"], later)
 
             before, after, given = forecast("before"), forecast("after"), None
-            if label["label"] not in ("none", "unexplained") and _could_be(said, label["label"]):
+            if label["label"] not in ("none", "unexplained") and _could_be(answer, label["label"]):
                 ask("loop", "--rocket", label["rocket"], "--effect", label["label"])
                 given = forecast("after")
         except (OSError, ValueError, KeyError, TypeError, subprocess.SubprocessError, CommandFailed) as trouble:
             return Result(**known, error=f"{type(trouble).__name__}: {trouble}"[:400])
-    verdict = said["verdict"]
+    verdict = answer["verdict"]
     return Result(
         **known,
         verdict=verdict["effect"],
@@ -74,8 +74,8 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
         after=after,
         given=given,
         seconds=seconds,
-        top=tuple(candidate["effect"] for candidate in said["candidates"][:4]),
-        probabilities=said.get("probabilities", {}).get("effects", {}),
+        top=tuple(candidate["effect"] for candidate in answer["candidates"][:4]),
+        probabilities=answer.get("probabilities", {}).get("effects", {}),
     )
 
 
@@ -123,9 +123,9 @@ def results(sets: Mapping[str, Set], keep: Path | None, jobs: int, cluster: str)
         yield from (_result(content) for _, content in done(score_set, sets, folder, pool))
 
 
-def _could_be(said: Mapping[str, Any], label: str) -> bool:
+def _could_be(verdict: Mapping[str, Any], label: str) -> bool:
     """Whether the product lists a label's effects as possible for these flights."""
-    return effects(label) <= {candidate["effect"] for candidate in said["candidates"]}
+    return effects(label) <= {candidate["effect"] for candidate in verdict["candidates"]}
 
 
 def _planned(later: Path, path: Path) -> Path:

@@ -32,7 +32,7 @@ def table(results: Sequence[Result]) -> str:
 
 def _row(scenario: str, results: Sequence[Result], confusions: bool) -> str:
     decidable = [r for r in results if r.decidable]
-    said = Counter(r.verdict or "error" for r in results if not r.right).most_common(4) if confusions else []
+    others = Counter(r.verdict or "error" for r in results if not r.right).most_common(4) if confusions else []
     cells = [
         scenario,
         str(len(results)),
@@ -46,7 +46,7 @@ def _row(scenario: str, results: Sequence[Result], confusions: bool) -> str:
         _mean(results, lambda r: r.ideal),
         _coverage([r.before for r in results]),
         _coverage([r.after for r in results]),
-        ", ".join(f"{name} {count}" for name, count in said),
+        ", ".join(f"{name} {count}" for name, count in others),
     ]
     return f"| {' | '.join(cells)} |"
 
@@ -68,10 +68,10 @@ def _coverage(errors: Sequence[Errors | None]) -> str:
 
 def summary(results: Sequence[Result]) -> str:
     """The summary figures: decidable sets, false alarms, fraction of the possible gain."""
-    said = [r for r in results if r.before and r.after]
-    effect = [r for r in said if r.label not in ("none", "unexplained")]
+    answered = [r for r in results if r.before and r.after]
+    effect = [r for r in answered if r.label not in ("none", "unexplained")]
     decidable = [r for r in effect if r.decidable]
-    nulls = [r for r in said if r.label == "none"]
+    nulls = [r for r in answered if r.label == "none"]
     lines = [
         f"right verdicts if the fit with the true effect removes at least {WORTH_IT:.0%} of the error: "
         f"{sum(r.right for r in decidable)} of {len(decidable)}, "
@@ -80,19 +80,20 @@ def summary(results: Sequence[Result]) -> str:
         f"false alarms on nulls: {sum(r.verdict != 'none' for r in nulls)} of {len(nulls)}, "
         f"{sum(r.verdict == 'unexplained' for r in nulls)} of them as unexplained",
         f"wrong effect named for an unknown one: "
-        f"{sum(r.verdict not in ('none', 'unexplained') for r in said if r.label == 'unexplained')} "
-        f"of {sum(r.label == 'unexplained' for r in said)}",
-        f"pairs named in full: {sum(r.named for r in said if '+' in r.label)} of {sum('+' in r.label for r in said)}",
+        f"{sum(r.verdict not in ('none', 'unexplained') for r in answered if r.label == 'unexplained')} "
+        f"of {sum(r.label == 'unexplained' for r in answered)}",
+        f"pairs named in full: {sum(r.named for r in answered if '+' in r.label)} "
+        f"of {sum('+' in r.label for r in answered)}",
     ]
     possible = sum(r.before.mae - r.given.mae for r in decidable if r.before and r.given)
     made = sum(r.before.mae - r.after.mae for r in decidable if r.before and r.after)
     if possible > 0:
         lines.append(f"fraction of the possible gain in these: {made / possible:.0%}")
-    lines += _forecasts(said)
-    lines.append(f"sets with an error: {len(results) - len(said)}")
-    if said:
-        lines.append(f"loop: {np.median([r.seconds for r in said]):.1f} s in the median")
-        lines += ["", *calibration_lines(said)]
+    lines += _forecasts(answered)
+    lines.append(f"sets with an error: {len(results) - len(answered)}")
+    if answered:
+        lines.append(f"loop: {np.median([r.seconds for r in answered]):.1f} s in the median")
+        lines += ["", *calibration_lines(answered)]
     return "\n".join(lines)
 
 

@@ -35,8 +35,8 @@ def climb(launch: Launch, step: float = 0.01) -> Climb:
         mass = launch.dry_mass + motor.total_mass - motor.propellant_mass * spent
         kelvin = float(temperature(np.asarray(height), air.temperature))
         rho = float(pressure(np.asarray(height), air.temperature, station)) / (GAS * kelvin)
-        pull = (thrust - rho / 2 * area * launch.drag.cd * speed * abs(speed)) / mass - GRAVITY
-        return max(pull, 0.0) if height <= 0 and speed <= 0 else pull
+        acceleration = (thrust - rho / 2 * area * launch.drag.cd * speed * abs(speed)) / mass - GRAVITY
+        return max(acceleration, 0.0) if height <= 0 and speed <= 0 else acceleration
 
     time, height, speed, top = 0.0, 0.0, 0.0, 0.0
     while speed > 0 or time < motor.burn_time:

@@ -59,7 +59,7 @@ fieldkit daysheet --rocket Astra --motor F24-4W --wind 4m/s --field-size 400m --
 fieldkit simulate --motor F24-4W --dry-mass 322g --diameter 66mm --cd 0.6 --alpha 1 --wind 5mps
 
 # show only: the model does not change
-fieldkit loop --rocket Astra --look
+fieldkit loop --rocket Astra --dry-run
 # the same at once, from the network
 fieldkit loop --rocket Astra --quick
 fieldkit model --rocket Astra

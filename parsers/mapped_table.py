@@ -97,8 +97,8 @@ def _together(found: Sequence[Found], other: Sequence[Found]) -> list[Found]:
     match.
     """
     flights, more = ([item for item in items if isinstance(item, Reading)] for items in (found, other))
-    apart = any(_channels(one) & _channels(two) for one, two in zip(flights, more, strict=False))
-    if apart or len(flights) != len(more) or any(one.extra for one in flights):
+    overlap = any(_channels(one) & _channels(two) for one, two in zip(flights, more, strict=False))
+    if overlap or len(flights) != len(more) or any(one.extra for one in flights):
         return [*found, *other]
     beside = iter(more)
     return [

@@ -51,9 +51,9 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Ra
     histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
     asked = histories[-1]
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
-    learnt = learn(asked.flown, [asked.plan], shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number)
-    (prediction,) = fly_ahead(learnt)
-    log_cd = bent(learnt.model, learnt.values, "drag")[:, 0]
+    fitted = learn(asked.flown, [asked.plan], shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number)
+    (prediction,) = fly_ahead(fitted)
+    log_cd = bent(fitted.model, fitted.values, "drag")[:, 0]
     flown = {found.motor.designation for _, found in asked.flown}
     readouts = next(kept for kept in SUBSETS.values() if set(kept) >= _seen(asked) and len(kept) >= len(_seen(asked)))
     return Ranked(

@@ -34,7 +34,7 @@ class History:
     """One rocket: the verdict from all its flights, and the relative errors of later forecasts.
 
     `before` and `after` are forecast over flown apogee, minus one; `inside` is whether the flight was in the 90%
-    interval, before and after; `said` is the verdict at each of these flights.
+    interval, before and after; `verdicts` are the verdict at each of these flights.
     """
 
     rocket: str
@@ -44,7 +44,7 @@ class History:
     before: Float[Array, "later"]
     after: Float[Array, "later"]
     inside: Float[Array, "2 later"]
-    said: tuple[str, ...]
+    verdicts: tuple[str, ...]
 
 
 def histories(
@@ -74,15 +74,15 @@ def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], on_progress: Re
         rows.append(_forecast(flown[:row], flown[row]))
     whole = _close(flown)
     columns = np.array([row[:4] for row in rows], float).reshape(-1, 4).T
-    said = tuple(row[4] for row in rows)
-    return History(rocket, len(clean), whole.effect, _where(whole), columns[0], columns[1], columns[2:], said)
+    verdicts = tuple(row[4] for row in rows)
+    return History(rocket, len(clean), whole.effect, _where(whole), columns[0], columns[1], columns[2:], verdicts)
 
 
 def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
     """The loop on these flights."""
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    teach = [flight.clean and flight.apogee is not None for flight in flights]
-    return diagnose(rocket_model(flights, found), observe(flights, teach))
+    used_in_fit = [flight.clean and flight.apogee is not None for flight in flights]
+    return diagnose(rocket_model(flights, found), observe(flights, used_in_fit))
 
 
 def _forecast(
@@ -157,9 +157,9 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     yield f"| {' | '.join(headers)} |"
     yield f"|{'---|' * len(headers)}"
     for number, one in enumerate(found, start=1):
-        said = one.effect if unnamed or not one.place else f"{one.effect}: {as_markdown(one.place)}"
+        verdict = one.effect if unnamed or not one.place else f"{one.effect}: {as_markdown(one.place)}"
         name = f"{number}" if unnamed else as_markdown(one.rocket)
-        yield _row(name, one.flights, said, one.before, one.after, one.inside)
+        yield _row(name, one.flights, verdict, one.before, one.after, one.inside)
     before, after = (np.concatenate([getattr(one, name) for one in found]) for name in ("before", "after"))
     inside = np.hstack([one.inside for one in found])
     yield _row("**all**", sum(one.flights for one in found), "", before, after, inside)
@@ -167,11 +167,11 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     yield from _totals(found, before, after)
 
 
-def _row(name: str, flights: int, said: str, before: Array, after: Array, inside: Array) -> str:
+def _row(name: str, flights: int, verdict: str, before: Array, after: Array, inside: Array) -> str:
     if not len(before):
-        return f"| {name} | {flights} | {said} | 0 | | | | |"
+        return f"| {name} | {flights} | {verdict} | 0 | | | | |"
     shares = (np.abs(before).mean(), np.abs(after).mean(), inside[0].mean(), inside[1].mean())
-    return f"| {name} | {flights} | {said} | {len(before)} | {' | '.join(f'{share:.0%}' for share in shares)} |"
+    return f"| {name} | {flights} | {verdict} | {len(before)} | {' | '.join(f'{share:.0%}' for share in shares)} |"
 
 
 def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[str]:
@@ -186,7 +186,7 @@ def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[s
 
 
 def _changed(found: Sequence[History], old: Array, new: Array) -> str:
-    named = np.array([name not in ("none", "unexplained") for one in found for name in one.said])
+    named = np.array([name not in ("none", "unexplained") for one in found for name in one.verdicts])
     if not named.any():
         return "For none of them had the loop found an effect in the earlier flights, so the forecasts are the same."
     rise = (new - old)[named]

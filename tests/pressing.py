@@ -76,10 +76,10 @@ def _season() -> Path:
     ]
     flights[1] = flights[1].with_changes(**FULL)
     apogee = {"mean": 196.0, "sd": 18.0, "p05": 168.0, "p50": 194.0, "p95": 228.0}
-    said = {"rocket": "Astra", "config": "B", "motor": "F39", "model": "field", "apogee_m": apogee}
+    payload = {"rocket": "Astra", "config": "B", "motor": "F39", "model": "field", "apogee_m": apogee}
     with Ledger.open(folder / "ledger.db") as ledger, patch.object(models, "now", lambda: MOMENT):
         ledger.add(flights)
-        ledger.keep_prediction(said, digest="a digest", rocket="Astra", flight_id="12")
+        ledger.keep_prediction(payload, digest="a digest", rocket="Astra", flight_id="12")
     return folder / "ledger.db"
 
 
@@ -300,7 +300,7 @@ def shown(pilot: Pilot[None]) -> str:
     return "\n".join(lines)
 
 
-def told(pilot: Pilot[None], place: str) -> str:
+def text_of(pilot: Pilot[None], place: str) -> str:
     """The text of one widget on one line."""
     return " ".join(str(pilot.app.screen.query_one(place, Static).content).split())
 

@@ -22,7 +22,7 @@ from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
 from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
-from tests.pressing import opened, press, told
+from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
 from tools import field_report, history_report
@@ -66,7 +66,7 @@ def quoted(page: str) -> Iterator[str]:
     yield from (" ".join(code.split()) for code in re.findall(r"`([^`]+)`", text))
 
 
-SETUP, TESTS, *EXAMPLES = [block.strip() for block in blocks("sh")]
+SETUP, *EXAMPLES, TESTS = [block.strip() for block in blocks("sh")]
 
 
 def lines_of(name: str) -> list[str]:
@@ -225,10 +225,41 @@ def test_every_path_that_is_mentioned_exists(page: str) -> None:
         assert (ROOT / path).exists(), path
 
 
-def test_ci_runs_the_second_command_with_what_trains() -> None:
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_every_tool_and_option_that_is_mentioned_exists(page: str) -> None:
+    """Programs of the checkout, which take minutes or need other people's data, are not run: their names and options
+    are looked up in their code."""
+    lines = [line for block in blocks("sh", page) for line in block.splitlines()]
+    for text in [*quoted(page), *lines]:
+        program, *words = text.split() or [""]
+        if program != "python" or not words:
+            continue
+        name = words[1].replace(".", "/") if words[0] == "-m" else words[0].removesuffix(".py")
+        if name.split("/")[0] not in ("bench", "studies", "tools"):
+            continue
+        assert (ROOT / f"{name}.py").exists() or (ROOT / name / "__main__.py").exists(), text
+        code = "".join(path.read_text(encoding="utf-8") for path in (ROOT / name.split("/")[0]).rglob("*.py"))
+        assert [word for word in words if word.startswith("--") and f'"{word}"' not in code] == [], text
+
+
+@pytest.mark.parametrize("name", ["journal", "real-histories"])
+def test_the_commands_on_flights_that_are_not_shipped_are_written_right(name: str) -> None:
+    for line in lines_of(name):
+        assert main([*shlex.split(line)[1:], "--help"]) == 0, line
+
+
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_every_table_has_an_empty_line_above(page: str) -> None:
+    """Without it, Markdown shows the rows as running text."""
+    lines = page.splitlines()
+    heads = [i - 1 for i, line in enumerate(lines) if re.fullmatch(r"\|(-+\|)+", line)]
+    assert [lines[i] for i in heads if i and lines[i - 1]] == []
+
+
+def test_ci_runs_the_tests_as_the_readme_does_with_what_trains() -> None:
     assert "pytest" in TESTS
     assert "train" not in TESTS, "torch is gigabytes on Linux"
-    with_torch = TESTS.replace("'.[", "'.[train,")
+    with_torch = " && ".join(TESTS.splitlines()).replace("'.[", "'.[train,")
     assert with_torch in [line.strip() for line in (ROOT / ".ci" / "run").read_text().splitlines()]
 
 
@@ -236,9 +267,9 @@ def test_what_the_manual_says_that_the_program_says_is_in_the_program() -> None:
     sources = [path for folder in ("fieldkit", "parsers") for path in (ROOT / folder).rglob("*.py")]
     program = "".join(re.sub(r'"\s+f?"', "", path.read_text(encoding="utf-8")) for path in sources)  # parted texts
     heads = re.findall(r"^\*\*(.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
-    said = [words for head in heads for words in re.findall(r"`([^`]+)`", head)]
-    missing = [words for words in said if re.sub(r"^(1|the file is) ", "", words) not in program]
-    assert len(said) > 8
+    quotes = [words for head in heads for words in re.findall(r"`([^`]+)`", head)]
+    missing = [words for words in quotes if re.sub(r"^(1|the file is) ", "", words) not in program]
+    assert len(quotes) > 8
     assert missing == ["fieldkit: command not found"], "a shell's own words"
 
 
@@ -314,7 +345,7 @@ async def test_the_screen_of_the_manual_shows_the_wind(tmp_path: Path, monkeypat
         page.pages.cache_clear()
         async with opened(tmp_path / "ledger.db") as pilot:
             await press(pilot, "8")
-            assert told(pilot, "#body Static") == "Astra 1: 3.5 m/s"
+            assert text_of(pilot, "#body Static") == "Astra 1: 3.5 m/s"
     finally:
         page.pages.cache_clear()
         sys.modules.pop(f"{screens.__name__}.weather", None)

@@ -73,6 +73,25 @@ def _names(file: Path) -> Iterator[str]:
             yield from (one.arg for one in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs, *extra))
 
 
+ORDINARY = {
+    "fitting": "motors that fit",
+    "kept": "rows that a filter leaves",
+    "tilt": "of a rail, in degrees",
+    "turns": "steps in which a climb turns into a fall",
+    "tell_apart": "an argument of every effect file",
+}
+"""Words and names that variables may have, with what they mean there."""
+
+
+def _variables(file: Path) -> Iterator[str]:
+    """Everything that a module assigns: local variables, private names, and fields of classes."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.arg):
+            yield node.arg
+
+
 def _words(name: str) -> set[str]:
     """The words of a name in snake or camel case, in lower case."""
     return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)}
@@ -93,6 +112,16 @@ def test_a_name_is_split_into_words(name: str, words: set[str]) -> None:
 def test_names_hold_no_word_that_the_glossary_replaces() -> None:
     found = _banned_names()
     assert not found, "\n".join(f"{file.relative_to(ROOT)}: {name}" for name, file in found.items())
+
+
+def test_variables_hold_no_word_that_the_glossary_replaces() -> None:
+    found = {
+        f"{file.relative_to(ROOT)}: {name}"
+        for file in _files()
+        for name in _variables(file)
+        if name not in ORDINARY and _words(name) & BANNED - ORDINARY.keys()
+    }
+    assert not found, "\n".join(sorted(found))
 
 
 def test_the_glossary_says_what_to_write_for_every_banned_word() -> None:

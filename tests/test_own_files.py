@@ -191,9 +191,9 @@ def test_a_number_that_no_calculation_can_use_is_refused_by_its_file_and_name(na
     assert reads(name, tables, tmp_path) == ""
     for path in numbers:
         for value in WRONG_NUMBERS:
-            said = reads(name, with_value(tables, path, value), tmp_path)
-            assert said.startswith(f"{name}: found "), (path, value)
-            assert "\n" not in said
+            message = reads(name, with_value(tables, path, value), tmp_path)
+            assert message.startswith(f"{name}: found "), (path, value)
+            assert "\n" not in message
 
 
 @pytest.mark.parametrize("name", SHIPPED)

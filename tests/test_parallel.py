@@ -91,12 +91,12 @@ def test_parts_of_another_seed_are_not_taken(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(parts, "SIZE", 60)
     few = split_motors()[0][::50]
     monkeypatch.setattr(parts, "split_motors", lambda: (few, []))
-    told: list[tuple[int, int]] = []
+    steps: list[tuple[int, int]] = []
     with ThreadPoolExecutor(1) as pool:
-        one = parts.simulate_parts(tmp_path, 1, 100, (), pool, lambda *said: told.append(said))
+        one = parts.simulate_parts(tmp_path, 1, 100, (), pool, lambda *message: steps.append(message))
         other = parts.simulate_parts(tmp_path, 2, 100, (), pool)
         again = parts.simulate_parts(tmp_path, 1, 100, (), pool)
-    assert told == [(1, 2), (2, 2)]
+    assert steps == [(1, 2), (2, 2)]
     assert not np.isin(one.alpha, other.alpha).any(), "parts draw random numbers of their own"
     assert len(np.unique(one.alpha)) == len(one)
     np.testing.assert_array_equal(one.readouts, again.readouts)
@@ -104,10 +104,12 @@ def test_parts_of_another_seed_are_not_taken(tmp_path: Path, monkeypatch: pytest
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("where", "said"), [("local:0", "at least one worker"), ("nowhere://x", "no Dask scheduler")])
-def test_no_workers_are_named(where: str, said: str) -> None:
+@pytest.mark.parametrize(
+    ("where", "message"), [("local:0", "at least one worker"), ("nowhere://x", "no Dask scheduler")]
+)
+def test_no_workers_are_named(where: str, message: str) -> None:
     pytest.importorskip("distributed")
-    with pytest.raises(FieldkitError, match=said), workers(where):
+    with pytest.raises(FieldkitError, match=message), workers(where):
         pass
 
 

@@ -18,7 +18,7 @@ SHOWN = re.compile(r"<text[^>]*>([^<]*)</text>")
     ("file", "text"),
     [
         ("fieldkit/tui/screens/home.py", "No flights yet. a to add the first one"),
-        ("fieldkit/cli/motors.py", "Total impulse range, in N s."),
+        ("fieldkit/cli/motors.py", "Highest total impulse of a motor, in N s."),
         ("fieldkit/tui/screens/loop.py", "Accept"),
         ("models/effects/wear.py", "wear"),
         ("fieldkit/services/sites.py", "{...}: found a {...} of {...} m, expected a length above zero"),
@@ -76,7 +76,7 @@ def test_the_catalog_has_each_text_once_with_its_places(tmp_path: Path) -> None:
     lines = list(catalog())
     ids = [line for line in lines if line.startswith("msgid ")]
     assert len(ids) == len(set(ids)) > 1500
-    at = lines.index('msgid "Total impulse range, in N s."')
+    at = lines.index('msgid "Highest total impulse of a motor, in N s."')
     assert lines[at - 1].startswith("#: fieldkit/cli/motors.py:")
     counts = lines.index('msgid_plural "{0} flights"')
     assert lines[counts - 1 : counts + 3] == [

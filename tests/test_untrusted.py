@@ -71,8 +71,8 @@ def test_a_hostile_text_reaches_no_terminal_and_comes_back_whole(
         controls = {c for c in out + err if unicodedata.category(c) in ("Cc", "Cf", "Cs") and c != "\n"}
         assert not controls, command
     assert main(["flights", "--json"]) == 0
-    (told,) = json.loads(capsys.readouterr().out)["flights"]
-    assert told["site"] == hostile
+    (listed,) = json.loads(capsys.readouterr().out)["flights"]
+    assert listed["site"] == hostile
     assert main(["export", str(tmp_path / "out.csv")]) == 0
     with Ledger.open(tmp_path / "other.db") as other, Ledger.open() as ledger:
         assert main(["--ledger", str(tmp_path / "other.db"), "import", str(tmp_path / "out.csv")]) == 0
@@ -291,8 +291,8 @@ def asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, lis
     needs."""
     monkeypatch.chdir(tmp_path)
     log = next((ROOT / "sample_logs").glob("perfectflite__drogue*")).read_bytes()
-    odd = "".join(c for c in ROCKET if c not in "<>/" and (c >= " " or sys.platform != "win32"))
-    named = {name: Path(f"{odd}.{name.lower()}") for name in ("TABLE", "DESIGN", "LOG")}
+    unusual = "".join(c for c in ROCKET if c not in "<>/" and (c >= " " or sys.platform != "win32"))
+    named = {name: Path(f"{unusual}.{name.lower()}") for name in ("TABLE", "DESIGN", "LOG")}
     named["TABLE"].write_text(Path(FLIGHTS).read_text(encoding="utf-8").replace("Astra", ROCKET), encoding="utf-8")
     named["DESIGN"].write_text(design().replace("Skylark", "a\u202eb[red]"), encoding="utf-8")
     named["LOG"].write_bytes(log)

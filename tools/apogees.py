@@ -19,9 +19,9 @@ def main() -> int:
         reading, recorded = flown(name)
         right, apogee = robust_apogee(reading.clocks), recorded.figures["apogee"]
         off = apogee.value - right
-        said = f"{right:.1f} | {apogee.value:.1f} ± {apogee.sd:.1f} | {off:+.1f} | {off / right:+.2%}"
+        cells = f"{right:.1f} | {apogee.value:.1f} ± {apogee.sd:.1f} | {off:+.1f} | {off / right:+.2%}"
         late = "" if when is None else f"{recorded.events['apogee'].time - when:+.2f}"
-        print(f"| {name} | {said} | {late} |")
+        print(f"| {name} | {cells} | {late} |")
     return 0
 
 

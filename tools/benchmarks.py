@@ -82,10 +82,10 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
     yield "differ less between machines than seconds. `python tools/benchmarks.py --page` writes this page from the"
     yield "runs saved in `docs/benchmarks/`. The command above each table repeats the measurement."
     for name, kept in runs.items():
-        said = " ".join(
+        heading = " ".join(
             (ROOT / "tests" / "benchmarks" / f"bench_{name}.py").read_text(encoding="utf-8").split('"""')[1].split()
         )
-        yield from ("", f"## {said.partition(':')[0].partition('. ')[0]}", "")
+        yield from ("", f"## {heading.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
         yield from ("| what | seconds | relative to | rate per second; response times |", "|---|---|---|---|")

@@ -92,8 +92,8 @@ def fresh(card: dict) -> Iterator[str]:
     yield ""
     both = card["test_held_out"], card["test_peers"]
     ratios = {name: one["cd_mae"] / both[1][name]["cd_mae"] - 1 for name, one in both[0].items()}
-    said = ", ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
-    yield f"Error of Cd on the held-out motors, relative to the same classes in training: {said}."
+    changes = ", ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
+    yield f"Error of Cd on the held-out motors, relative to the same classes in training: {changes}."
     yield ""
 
 
@@ -103,7 +103,8 @@ def calibration(card: dict) -> Iterator[str]:
     yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are uniform if the posterior is"
     yield "right; the table has the fullest and the emptiest bin relative to a uniform one. The last columns are the"
     yield "fraction of flights whose truth is among the 10, 50 and 90% of the posterior nearest to a random point"
-    yield "(TARP). "
+    yield "(TARP)."
+    yield ""
     rows = []
     for name, one in card["test"].items():
         ranks = [

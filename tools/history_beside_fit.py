@@ -40,25 +40,25 @@ def beside_fit() -> Iterator[str]:
     """The network and the fit on the same flights."""
     yield from ("## Comparison with the fit", "")
     yield from prose("The fit is `predict` and the loop is `loop`, on the same flights in the same run.")
-    if said := measured("history_simulated"):
-        yield from (f"`{said['command']}`", "")
+    if measurements := measured("history_simulated"):
+        yield from (f"`{measurements['command']}`", "")
         worlds = {"selection": "certified hyperprior", "forecast": "learned hyperprior"}
         rows = [
             forecast_row(f"{title}, {name}", one)
             for key, title in worlds.items()
-            for name, one in said.get(key, {}).get("forecast", {}).items()
+            for name, one in measurements.get(key, {}).get("forecast", {}).items()
         ]
         yield from table(FORECAST_COLUMNS, rows)
         for key, title in worlds.items():
-            if one := said.get(key):
+            if one := measurements.get(key):
                 yield from prose(
                     f"{title.capitalize()}: mean absolute error of Cd {one['network_cd_mae']:.3f} (fit",
                     f"{one['fit_cd_mae']:.3f}), of alpha {one['network_alpha_mae']:.4f}",
                     f"(fit {one['fit_alpha_mae']:.4f}).",
                 )
-    if said := measured("history_bench"):
-        yield from ("`python -m bench.make SETS --sets 4 --seed 70707`,", f"`{said['command']}`:", "")
-        yield from table(FORECAST_COLUMNS, [forecast_row("bench, later flights", said["forecast"])])
+    if measurements := measured("history_bench"):
+        yield from ("`python -m bench.make SETS --sets 4 --seed 70707`,", f"`{measurements['command']}`:", "")
+        yield from table(FORECAST_COLUMNS, [forecast_row("bench, later flights", measurements["forecast"])])
         yield from table(
             (
                 "",
@@ -78,15 +78,17 @@ def beside_fit() -> Iterator[str]:
                     *(percent(one[way][key]) for key in ("right", "likeliest_is_there", "false_alarms")),
                     f"{one[way]['seconds']:.2f}",
                 )
-                for name, one in said["selection"].items()
+                for name, one in measurements["selection"].items()
                 for way in ("network", "fit")
                 if way in one
             ),
         )
     for name, title in (("journal", "The open journal"), ("reference", "The reference flights")):
-        if said := measured(f"history_{name}"):
-            yield from (f"{title}, forward in time, `{said['command']}`:", "")
-            yield from table(FORECAST_COLUMNS, [forecast_row(key, one) for key, one in said["forecast"].items()])
+        if measurements := measured(f"history_{name}"):
+            yield from (f"{title}, forward in time, `{measurements['command']}`:", "")
+            yield from table(
+                FORECAST_COLUMNS, [forecast_row(key, one) for key, one in measurements["forecast"].items()]
+            )
 
 
 def network_before() -> Iterator[str]:
@@ -164,8 +166,8 @@ def use() -> Iterator[str]:
         f"{low:.0%} to {high:.0%} of flights in its 90% interval:",
     )
     yield from table(("forecasts", "CRPS relative to the fit", "in 90%", "reached"), lines)
-    said = measured("history_bench")
-    both = (said or {}).get("selection", {}).get("beside the loop", {})
+    measurements = measured("history_bench")
+    both = (measurements or {}).get("selection", {}).get("beside the loop", {})
     if "fit" in both:
         behind = both["fit"]["inclusion_auc"] - both["network"]["inclusion_auc"]
         reached = "is" if behind <= GOALS["auc"] else "is not"
@@ -189,10 +191,13 @@ _FORECASTS = {
 
 def _of_all(name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """The forecasts of a measurement, all together."""
-    said = measured(f"history_{name}") or {}
+    measurements = measured(f"history_{name}") or {}
     if name.removesuffix(OTHER) == "simulated":
         for key in ("selection", "forecast"):
-            if key in said:
-                yield f", {'certified' if key == 'selection' else 'learned'} hyperprior", said[key]["forecast"]["all"]
-    elif "forecast" in said:
-        yield "", said["forecast"].get("all", said["forecast"])
+            if key in measurements:
+                yield (
+                    f", {'certified' if key == 'selection' else 'learned'} hyperprior",
+                    measurements[key]["forecast"]["all"],
+                )
+    elif "forecast" in measurements:
+        yield "", measurements["forecast"].get("all", measurements["forecast"])

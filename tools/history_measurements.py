@@ -105,14 +105,14 @@ def simulated(count: int, network: Ensemble) -> None:
             began = time.process_time()
             (made,) = predict(past, [plan], shared=one.history.shared, draws=DRAWS)
             middle = time.process_time()
-            said = quick_answer(one.history, quick_candidates, network)
+            answer = quick_answer(one.history, quick_candidates, network)
             ended = time.process_time()
             used = sum(one.history.used_in_fit)
             rows[world].append(
                 ForecastRow(
                     used,
                     scored(made.apogee, one.apogee),
-                    scored(said.apogee_draws(DRAWS), one.apogee),
+                    scored(answer.apogee_draws(DRAWS), one.apogee),
                     middle - began,
                     ended - middle,
                 )
@@ -120,9 +120,9 @@ def simulated(count: int, network: Ensemble) -> None:
             errors[world].append(
                 [
                     abs(float(np.median(made.cd)) - np.exp(one.cd)),
-                    abs(float(np.exp(said.log_cd[0])) - np.exp(one.cd)),
+                    abs(float(np.exp(answer.log_cd[0])) - np.exp(one.cd)),
                     abs(float(np.median(made.alpha)) - np.exp(one.alpha)),
-                    abs(float(np.exp(said.log_alpha[0])) - np.exp(one.alpha)),
+                    abs(float(np.exp(answer.log_alpha[0])) - np.exp(one.alpha)),
                 ]
             )
     keys = ("fit_cd_mae", "network_cd_mae", "fit_alpha_mae", "network_alpha_mae")
@@ -156,10 +156,10 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
         each = (time.process_time() - began) / len(later)
         for (flight, motor), forecast in zip(later, made, strict=True):
             middle = time.process_time()
-            said = forecast_at_once(history, (unflown(flight), motor), ensemble=network)
+            answer = forecast_at_once(history, (unflown(flight), motor), ensemble=network)
             spent = time.process_time() - middle
             apogee = float(flight.apogee or np.nan)
-            both = scored(forecast.apogee, apogee), scored(said.apogee_draws(DRAWS), apogee)
+            both = scored(forecast.apogee, apogee), scored(answer.apogee_draws(DRAWS), apogee)
             rows.append(ForecastRow(len(history), *both, each, spent))
         used = [flight.clean and flight.apogee is not None for flight, _ in history]
         began = time.process_time()
@@ -253,9 +253,9 @@ def journal(name: str, ledger: str, network: Ensemble) -> None:
             began = time.process_time()
             (made,) = predict(own, [plan], shared=shared, draws=DRAWS)
             middle = time.process_time()
-            said = forecast_at_once(own, plan, shared=shared, ensemble=network)
+            answer = forecast_at_once(own, plan, shared=shared, ensemble=network)
             ended = time.process_time()
-            both = scored(made.apogee, flight.apogee), scored(said.apogee_draws(DRAWS), flight.apogee)
+            both = scored(made.apogee, flight.apogee), scored(answer.apogee_draws(DRAWS), flight.apogee)
             rows.append(ForecastRow(sum(f.clean for f, _ in own), *both, middle - began, ended - middle))
         own.append((flight, motor))
     write(

@@ -83,6 +83,11 @@ def asked() -> Iterator[str]:
     )
 
 
+def _kinds(span: str) -> str:
+    """Numbers of readouts in words: `2-3 kinds of readouts`, `one kind of readout` for `1-1`."""
+    return "one kind of readout" if span == "1-1" else f"{span} kinds of readouts"
+
+
 def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
     """The evaluation in the network's card."""
     for title, key in (("Held-out histories", "test"), ("Motors of Quest, held out of training", "test_held_out")):
@@ -93,7 +98,7 @@ def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
             "parentheses the result of the linear pass.",
         )
         groups = {"all": test["forecast"]} | {f"{name} flights": x for name, x in test["by_flights"].items()}
-        groups |= {f"{name} kinds of readouts": x for name, x in test["by_readouts"].items()}
+        groups |= {_kinds(name): x for name, x in test["by_readouts"].items()}
         yield from table(
             (
                 "histories",

@@ -90,7 +90,7 @@ strength, which is zero if the effect is absent. [The physics](physics.md) has t
 [the loop](loop.md) how one is chosen. Priors are normal distributions, truncated at their bounds; if the square of the
 strength is fitted, the prior is of the square. {WRITTEN_BY}
 
-| effect | description | strength | prior | one for | changes | source |
+| effect | description | strength | prior | one strength for | changes | source |
 |---|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
@@ -168,7 +168,10 @@ def _text(value: Any) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{key} {item}" for key, item in value.items())
     if isinstance(value, list):
-        return ", ".join(f"`{item}`" for item in value)
+        own = [item for item in value if "." not in str(item)]
+        per_effect = dict.fromkeys(item.partition(".")[2] for item in value if item not in own)
+        names = ", ".join(f"`{item}`" for item in own)
+        return f"{names}; for each effect {', '.join(f'`{item}`' for item in per_effect)}" if per_effect else names
     return f"`{value}`" if "--" in str(value) else str(value)
 
 
@@ -211,8 +214,8 @@ def _first_words(name: str) -> str:
     """The first paragraph of a module's docstring, on one line."""
     folder = ROOT / "fieldkit" / name
     file = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
-    said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-    return " ".join(said.split("\n\n")[0].split()).replace("|", "\\|")
+    docstring = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return " ".join(docstring.split("\n\n")[0].split()).replace("|", "\\|")
 
 
 def pages() -> Iterator[tuple[Path, str]]:

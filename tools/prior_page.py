@@ -20,7 +20,7 @@ SOURCES = {
     "coast_to_apogee": "as top speed",
     "apogee_to_eject": "readout minus the simulated one [s]",
     "coast_drag": "log ratio of drag in a log to the simulated one; 15 degrees off vertical adds 3.5%",
-    "burn_impulse": "log ratio of impulse per mass in a log to the simulated one; 15 degrees off vertical takes off 3%",
+    "burn_impulse": "log ratio of impulse per mass in a log to the simulated one; 15 degrees off vertical subtracts 3%",
 }
 """Definition of each random effect, and the source of its starting figure."""
 

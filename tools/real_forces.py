@@ -1,6 +1,6 @@
 """The force along a climb in the published logs: `python tools/real_forces.py LOGS OUT.md`.
 
-LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was measured, what
+LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: the source of its acceleration, what
 is known of rocket and motor, and whether a missing force can be computed. If mass and motor are known: the law from
 this flight alone, with a free drag. For every coast: drag area over mass, which needs neither.
 """
@@ -57,15 +57,15 @@ def main() -> None:
     arguments = parser.parse_args()
     rows, laws = [], []
     for path in sorted(arguments.logs.iterdir()):
-        said = recorded(path)
-        if said is None:
+        log = recorded(path)
+        if log is None:
             continue
         known = next((one for start, one in KNOWN.items() if path.name.startswith(start)), Known())
-        shown = judged(path.stem, said, known)
+        shown = judged(path.stem, log, known)
         why = shown if isinstance(shown, str) else "usable" + (f", but {known.caveat}" if known.caveat else "")
-        push, area = (said.forces.source, drag_area(said.forces)) if said.forces else ("none", "")
+        source, area = (log.forces.source, drag_area(log.forces)) if log.forces else ("none", "")
         mass = f"{known.dry_mass:.3f} kg" if known.dry_mass else "unknown"
-        rows.append(f"| {path.stem} | {push} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
+        rows.append(f"| {path.stem} | {source} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
         if isinstance(shown, FlightForce):
             laws += ["", *section(shown)]
     arguments.out.write_text("\n".join([*HEAD, *rows, *laws, ""]), encoding="utf-8")
@@ -79,9 +79,9 @@ HEAD = [
     "neither; the table has its median and central 80% between Mach 0.3 and 0.7, or above 30 m/s for slower coasts. A",
     "law requires two flights of one rocket, and these are all of different rockets; `top_shot` and `juno3` are single",
     "flights recorded by two loggers, `hedy` is the raw and the filtered file of one logger. If only heights were",
-    "recorded, the push is their second derivative, and the spread is that of the smoothing.",
+    "recorded, the acceleration is their second derivative, and the spread is that of the smoothing.",
     "",
-    "| log | push from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
+    "| log | acceleration from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
     "|---|---|---|---|---|---|",
 ]
 
@@ -95,16 +95,16 @@ def recorded(path: Path) -> Recorded | None:
     return measure(readings[0].clocks, readings[0].events) if readings else None
 
 
-def judged(name: str, said: Recorded, known: Known) -> FlightForce | str:
+def judged(name: str, recording: Recorded, known: Known) -> FlightForce | str:
     """The missing force of a log, or the reason there is none."""
-    if said.forces is None:
-        return "; ".join(said.notes) or "no climb from lift-off"
+    if recording.forces is None:
+        return "; ".join(recording.notes) or "no climb from lift-off"
     lacking = [what for what, there in (("motor", known.motor), ("mass", known.dry_mass)) if not there]
     if lacking:
         return f"{' and '.join(lacking)} unknown" + (f"; {known.caveat}" if known.caveat else "")
     flight = Flight(name, "", "", known.motor, dry_mass=known.dry_mass)
     area = CD * np.pi / 4 * (known.diameter or GUESSED_DIAMETER) ** 2
-    return flight_force(name, said, rocket_of(flight, catalogue().resolve(known.motor).motor, area))
+    return flight_force(name, recording, rocket_of(flight, catalogue().resolve(known.motor).motor, area))
 
 
 def drag_area(forces: Forces) -> str:
@@ -126,8 +126,8 @@ def section(one: FlightForce) -> list[str]:
         + (f" (or {', '.join(found.also)})" if found.also else "")
         for found in one.law.terms
     ]
-    said = "; ".join(terms) or nothing(one)
-    lines = [f"## {one.flight_id}", "", f"From this flight alone, which is not conclusive: {said}."]
+    result = "; ".join(terms) or nothing(one)
+    lines = [f"## {one.flight_id}", "", f"From this flight alone, which is not conclusive: {result}."]
     lines += ["", "| phase | s from lift-off | m/s | missing m/s² | ± |", "|---|---|---|---|---|"]
     return lines + [
         f"| {phase} | {p.time_from_liftoff:.2f} | {p.speed:.1f} | {p.force:+.2f} | {p.sd:.2f} |"
@@ -139,8 +139,8 @@ def section(one: FlightForce) -> list[str]:
 def nothing(one: FlightForce) -> str:
     """The meaning of a law without terms: nothing is missing, or scatter would hide it."""
     left, drag = one.law.left, float(one.missing.drag.max())
-    said = f"the residual is {left:.2g} m/s², the largest drag {drag:.2g} m/s²"
-    return f"too noisy for a result: {said}" if left > NOISY * drag else f"nothing is missing: {said}"
+    sizes = f"the residual is {left:.2g} m/s², the largest drag {drag:.2g} m/s²"
+    return f"too noisy for a result: {sizes}" if left > NOISY * drag else f"nothing is missing: {sizes}"
 
 
 if __name__ == "__main__":

@@ -68,7 +68,7 @@ class Ended:
 
     status: int
     out: str
-    said: str
+    message: str
     came: bool
 
 
@@ -121,8 +121,8 @@ def forked(
     trace = (notes / "calls.txt").read_text(errors="replace") if tracer is not None else ""
     came = any("(INJECTED)" in line and str(folder) in line for line in trace.splitlines())
     came |= status in (-signal.SIGKILL, HANGS)
-    out, said = map(_poured, pipes)
-    return Ended(status, out, said, came)
+    out, message = map(_poured, pipes)
+    return Ended(status, out, message, came)
 
 
 def leave(work: Callable[[], int]) -> NoReturn:

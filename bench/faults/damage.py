@@ -7,7 +7,7 @@ from pathlib import Path
 from bench.faults.ledgers import Outcome, fieldkit, put, season
 from fieldkit.ledger.backups import folder_of
 
-SAID = (
+DAMAGE_MESSAGES = (
     "the file is damaged",
     "is not a ledger",
     "the file is empty",
@@ -72,14 +72,14 @@ def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content
     came, faults = [], []
     for arguments, answer in zip(ASKED, right, strict=True):
         try:
-            status, out, said = fieldkit(file, *arguments)
+            status, out, message = fieldkit(file, *arguments)
         except Exception as error:  # a traceback in a user's terminal
             faults.append(f"{what}: {arguments[0]} raised {type(error).__name__}: {error}")
             continue
         if status:
-            known = any(one in said for one in SAID) and "fieldkit backups restore" in said
+            known = any(one in message for one in DAMAGE_MESSAGES) and "fieldkit backups restore" in message
             came.append("reported, backup offered")
-            faults += [] if known else [f"{what}: {arguments[0]} said {said.strip()!r}"]
+            faults += [] if known else [f"{what}: {arguments[0]} said {message.strip()!r}"]
         elif out == answer:
             came.append("answers are right")
         else:
@@ -97,8 +97,8 @@ WORST = ("another answer", "reported, backup offered", "answers are right")
 
 def _restored(file: Path, right: list[str]) -> list[str]:
     """A message if a restore does not bring the flights back, except for changes after the backup."""
-    status, _, said = fieldkit(file, "backups", "restore", "1", "--yes")
+    status, _, message = fieldkit(file, "backups", "restore", "1", "--yes")
     if status:
-        return [f"restore said {said.strip()!r}"]
+        return [f"restore said {message.strip()!r}"]
     found = fieldkit(file, "show", "2", "--json")[1]
     return [] if found == right[2] else ["a restored ledger shows another flight 2"]

@@ -45,10 +45,10 @@ def full_disc(folder: Path, step: int = 4) -> Outcome:
             _empty(small)
             put(template, file)
             _fill(filler, free * PAGE)
-            status, _, said = fieldkit(file, *arguments)
+            status, _, message = fieldkit(file, *arguments)
             filler.unlink()
-            _judge(outcome, file, states, status, said, "the disk is full")
-            if not status and "warning" not in said:
+            _judge(outcome, file, states, status, message, "the disk is full")
+            if not status and "warning" not in message:
                 break
     return outcome
 
@@ -67,25 +67,27 @@ def read_only(folder: Path) -> Outcome:
             ("import", str(TABLE)),
             ("add", "--rocket", "Astra", "--apogee", "100m"),
         ):
-            status, out, said = fieldkit(file, *arguments)
+            status, out, message = fieldkit(file, *arguments)
             if arguments == ("flights",):
-                outcome.saw("read", "" if not status and "Astra" in out else f"flights: {said}")
+                outcome.saw("read", "" if not status and "Astra" in out else f"flights: {message}")
             else:
-                _judge(outcome, file, (before, before), status, said, "the ledger is read-only")
+                _judge(outcome, file, (before, before), status, message, "the ledger is read-only")
     return outcome
 
 
-def _judge(outcome: Outcome, file: Path, states: tuple[object, object], status: int, said: str, why: str) -> None:
+def _judge(outcome: Outcome, file: Path, states: tuple[object, object], status: int, message: str, why: str) -> None:
     """Check that a command did its work or reports the reason in one line, and that the ledger matches its status."""
     name, wrong = after(file, states)  # type: ignore[arg-type]
-    if status and why not in said:
-        wrong = wrong or f"found {said!r}, expected {why!r}"
-    lines = [line for line in said.splitlines() if not line.startswith(("note:", "warning:"))]
+    if status and why not in message:
+        wrong = wrong or f"found {message!r}, expected {why!r}"
+    lines = [line for line in message.splitlines() if not line.startswith(("note:", "warning:"))]
     if status and len(lines) != 1:
         wrong = wrong or f"found {len(lines)} lines"
     if status and name == "after" and states[0] != states[1]:
         wrong = wrong or "it was refused and is there"
-    outcome.saw("refused in a line" if status else "done, no room for a backup" if "warning" in said else "done", wrong)
+    outcome.saw(
+        "refused in a line" if status else "done, no room for a backup" if "warning" in message else "done", wrong
+    )
 
 
 def _empty(small: Path) -> None:

@@ -75,7 +75,7 @@ class Bench:
         found_there = self.files()
         began = time.monotonic()
         ended = self.tried()
-        self.spoken, self.prints = set(ended.said.splitlines()), bool(ended.out)
+        self.spoken, self.prints = set(ended.message.splitlines()), bool(ended.out)
         self.takes = time.monotonic() - began
         found = made(self.notes, self.desk)
         with at_home(self.desk / "home"):
@@ -118,14 +118,14 @@ class Bench:
         with at_home(self.desk / "home"):
             name, wrong = after(self.file, self.states)
         changes = self.states[0] != self.states[1]
-        lines = [line for line in ended.said.splitlines() if line]
+        lines = [line for line in ended.message.splitlines() if line]
         if wrong:
             return name, wrong
         if torn := self.torn():
             return name, torn
         if ended.status == -signal.SIGKILL:
             return "killed, " + (name if changes else "nothing to lose"), ""
-        if ended.status == TRACEBACK or "Traceback" in ended.said:
+        if ended.status == TRACEBACK or "Traceback" in ended.message:
             return name, f"a traceback: {lines[-1] if lines else ''}"
         if ended.status == HANGS:
             return name, "it hangs"
@@ -235,7 +235,7 @@ def history(folder: Path, steps: int, seed: int) -> Outcome:
             if ended.status == 0 and not applied:
                 wrong = wrong or "acknowledged, and not in the replay"
             if ended.status == TRACEBACK:
-                wrong = wrong or f"a traceback: {ended.said.strip()[-200:]}"
+                wrong = wrong or f"a traceback: {ended.message.strip()[-200:]}"
             what = "acknowledged" if ended.status == 0 else "killed" if ended.status < 0 else "refused"
             outcome.saw(
                 f"{what}, {'replayed' if applied else 'as before'}",

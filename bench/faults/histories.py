@@ -51,8 +51,8 @@ def _add(file: Path, writer: int, each: int) -> None:
 def _restore(file: Path, restores: int) -> None:
     for _ in range(restores):
         time.sleep(0.05)
-        status, _, said = fieldkit(file, "backups", "restore", "1", "--yes")
-        assert status == 0, said
+        status, _, message = fieldkit(file, "backups", "restore", "1", "--yes")
+        assert status == 0, message
 
 
 def _acknowledged(folder: Path) -> list[str]:

@@ -94,9 +94,11 @@ def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading) as pipe:
-        said = pipe.read()
+        message = pipe.read()
     os.waitpid(pid, 0)
-    return Outcome(**json.loads(said)) if said else Outcome("kill -9", case.name, faults=["the bench itself died"])
+    return (
+        Outcome(**json.loads(message)) if message else Outcome("kill -9", case.name, faults=["the bench itself died"])
+    )
 
 
 def _quiet() -> None:
@@ -139,8 +141,8 @@ class _Bench:
         before = state(self.file)
         put(self.template, self.file)
         with unit(self.case.arguments) as arguments:
-            status, _, said = fieldkit(self.file, *arguments)
-        assert status == 0, said
+            status, _, message = fieldkit(self.file, *arguments)
+        assert status == 0, message
         self.states = (before, state(self.file))
 
     def kill_anywhere(self, trials: int) -> None:

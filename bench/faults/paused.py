@@ -33,9 +33,9 @@ def from_first_write(work: Callable[[], int], folder: Path, trials: Callable[[],
         leave(lambda: _paused(work, folder, trials, writing))
     os.close(writing)
     with os.fdopen(reading) as pipe:
-        said = pipe.read()
+        message = pipe.read()
     os.waitpid(pid, 0)
-    return [(what, wrong) for what, wrong in json.loads(said)] if said else [("", "the bench itself died")]
+    return [(what, wrong) for what, wrong in json.loads(message)] if message else [("", "the bench itself died")]
 
 
 def _paused(work: Callable[[], int], folder: Path, trials: Callable[[], list[Seen] | None], pipe: int) -> int:

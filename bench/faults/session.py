@@ -30,7 +30,7 @@ MORE = (
     "predict --flights planned.csv",
     "daysheet --flights planned.csv --out planned.pdf",
     "loop --rocket Astra --effect motor_thrust",
-    "loop --rocket Astra --look --report loop.html",
+    "loop --rocket Astra --dry-run --report loop.html",
     "loop --rocket Astra --decline wind",
     "score --rocket Astra --out score.png",
     "motors --import own.eng",
@@ -127,9 +127,9 @@ def calls(folder: Path) -> list[Call]:
             words = (*words, "--date-time", FLOWN)
         made.append(Call(words, found))
         with unit(words) as arguments, chdir(place):
-            status, _, said = fieldkit(place / "ledger.db", *arguments)
+            status, _, message = fieldkit(place / "ledger.db", *arguments)
         if status:
-            raise ValueError(f"{shlex.join(words)}: {said.strip()}")
+            raise ValueError(f"{shlex.join(words)}: {message.strip()}")
     return made
 
 

@@ -48,18 +48,18 @@ def process_killed(url: str, counts: Iterable[int]) -> Outcome:
             for count in counts:
                 with recovered_server(url) as recovered:
                     with _killed_after(ledger, count) as killed:
-                        said = _failure(ledger, change)
+                        message = _failure(ledger, change)
                     if not killed:
-                        outcome.faults += [f"{name}: refused: {said}"] if said else []
+                        outcome.faults += [f"{name}: refused: {message}"] if message else []
                         break
                     recovered()
-                outcome.saw(*_judged(state(url) == before, said, f"{name}, after {count} statements"))
+                outcome.saw(*_judged(state(url) == before, message, f"{name}, after {count} statements"))
     return outcome
 
 
-def _judged(as_before: bool, said: str, what: str) -> tuple[str, str]:
+def _judged(as_before: bool, message: str, what: str) -> tuple[str, str]:
     """Which state the ledger is in, and what is wrong with it."""
-    if not said:
+    if not message:
         return "done", f"{what}: went through without its server"
     return ("before", "") if as_before else ("half", f"{what}: not as before")
 

@@ -78,10 +78,10 @@ class Path:
         return found
 
 
-def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, lean: float = 0.0) -> list[Path]:
+def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, launch_angle: float = 0.0) -> list[Path]:
     """Typical sport flights, or supersonic ones, from rails at the given angle, or at a random one. [rad]"""
     launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
-    launches = [replace(one, tilt=lean or one.tilt) for one in launches]
+    launches = [replace(one, tilt=launch_angle or one.tilt) for one in launches]
     return [_path(launch, track, rng) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
 
 

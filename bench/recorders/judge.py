@@ -70,7 +70,9 @@ def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[M
     rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
     misses: list[Miss] = []
     wrong: list[str] = []
-    for flight, path in enumerate(draw(rng, count, sonic=recorder.sonic, lean=float(np.radians(recorder.lean)))):
+    for flight, path in enumerate(
+        draw(rng, count, sonic=recorder.sonic, launch_angle=float(np.radians(recorder.launch_angle)))
+    ):
         try:
             right = path.readouts(barometric=recorder.baro > 0)
             misses += compared(name, flight, right, read(written(path, recorder, rng)))

@@ -58,7 +58,7 @@ class Recorder:
     """Gap in the log: its start relative to apogee, and its length. [s]"""
     sonic: bool = False
     """Whether it flies beyond Mach 1."""
-    lean: float = 0.0
+    launch_angle: float = 0.0
     """Angle of the launch rail; 0 for a few random degrees. [deg]"""
 
 
@@ -123,9 +123,9 @@ _ACCELEROMETERS = {
     "accel, static 4 %": Recorder(accel=100, static=0.04),
     "accel, begins 0.3 s late": Recorder(accel=100, wait=-0.3),
     "accel, short wait": Recorder(accel=100, wait=0.3),
-    "accel, leaning 20 degrees": Recorder(accel=100, lean=20.0),
-    "accel, leaning 28 degrees": Recorder(accel=100, lean=28.0),
-    "barometer, leaning 20 degrees": Recorder(lean=20.0),
+    "accel, leaning 20 degrees": Recorder(accel=100, launch_angle=20.0),
+    "accel, leaning 28 degrees": Recorder(accel=100, launch_angle=28.0),
+    "barometer, leaning 20 degrees": Recorder(launch_angle=20.0),
     "accel, charge": Recorder(accel=100, charge=40.0),
 }
 _RADIO = {

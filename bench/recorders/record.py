@@ -41,9 +41,9 @@ def written(path: Path, recorder: Recorder, rng: np.random.Generator) -> bytes:
         columns |= _accelerometer(path, recorder, when, rng)
     if recorder.gps:
         when = _clock(begin, end, recorder.gps, 0.0, rng)
-        wander = receiver_drift(when, recorder, rng)
+        drift = receiver_drift(when, recorder, rng)
         height = np.interp(when, path.time, path.above, left=0, right=0) + path.elevation
-        noise = rng.normal(0, recorder.gps_noise / 3, when.size) + wander
+        noise = rng.normal(0, recorder.gps_noise / 3, when.size) + drift
         columns["gps altitude (m)"] = (when, np.round(height + noise, 1))
     return _table(columns, recorder, path)
 
@@ -131,10 +131,10 @@ def _table(columns: dict[str, tuple[Array, Array]], recorder: Recorder, path: Pa
     for place, (when, values) in enumerate(columns.values()):
         rows[np.searchsorted(clock, when), place] = values
     begin = path.apogee_time + recorder.gap[0] if recorder.gap[0] > -90 else 0.3
-    heard = (clock < begin) | (clock >= begin + recorder.gap[1])
+    in_range = (clock < begin) | (clock >= begin + recorder.gap[1])
     start = clock[0]
     out = io.StringIO()
     out.write(",".join(["time (s)", *columns]) + "\n")
-    for moment, row in zip((clock[heard] - start).tolist(), rows[heard].tolist(), strict=True):
+    for moment, row in zip((clock[in_range] - start).tolist(), rows[in_range].tolist(), strict=True):
         out.write(",".join([f"{moment:.4f}", *("" if cell != cell else f"{cell:.6g}" for cell in row)]) + "\n")
     return out.getvalue().encode()

@@ -86,12 +86,12 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     middle = even[width // 2 : -(width // 2)]
     after = middle > apogee.time
     fall, when = -speed[after], middle[after]
-    steady_speed = float(np.median(fall[-len(fall) // 3 :]))
+    final_speed = float(np.median(fall[-len(fall) // 3 :]))
     fastest = int(np.argmax(fall))
     blur = 3 * track.noise / (width * (even[1] - even[0]))
     late = when[fastest] - apogee.time
     if (
-        fall[fastest] < 1.5 * steady_speed + max(2.0, blur)
+        fall[fastest] < 1.5 * final_speed + max(2.0, blur)
         or fall[fastest] < 0.55 * GRAVITY * late
         or fastest > 0.8 * fall.size
     ):

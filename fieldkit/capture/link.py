@@ -52,7 +52,7 @@ class Link:
     heard: int = 0
     _pending: bytearray = field(default_factory=bytearray)
     _searched: int = 0
-    _told: float = field(default=float("-inf"))
+    _reported: float = field(default=float("-inf"))
 
     def send(self, command: bytes) -> None:
         """Send a command from the table. Raises PortLost."""
@@ -82,8 +82,8 @@ class Link:
             return chunk
         chunk = self.line.hear()
         self.heard += len(chunk)
-        if time.monotonic() - self._told >= PROGRESS_INTERVAL:
-            self._told = time.monotonic()
+        if time.monotonic() - self._reported >= PROGRESS_INTERVAL:
+            self._reported = time.monotonic()
             yield self.progress()
         return chunk
 

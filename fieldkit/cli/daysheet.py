@@ -44,7 +44,7 @@ def daysheet(
     force: Force = False,
     **given: str | None,
 ) -> None:
-    """Write the sheet of a day: forecast, landing, and safety of every planned flight, with room for results."""
+    """Write a day sheet: forecast, landing, and safety of every planned flight, with room for results."""
     import datetime
 
     from fieldkit import files

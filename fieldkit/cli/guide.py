@@ -246,7 +246,7 @@ def _table(choices: "list[MotorChoice]", names: Names, most: int) -> None:
     from fieldkit.planning.quantiles import three
 
     shown = ShownUnits(system())
-    headers = ("motor", "shown", "90%", "true", "rail", "T/W", "avg", "top", "✗", "eject")
+    headers = ("motor", "shown", "90%", "true", "rail", "T:W", "avg", "top", "✗", "eject")
     rows = []
     for choice in choices:
         prediction = choice.prediction
@@ -270,5 +270,5 @@ def _table(choices: "list[MotorChoice]", names: Names, most: int) -> None:
     say_wrapped(
         f"*: not flown by this rocket. shown: apogee on the altimeter, true: true apogee [{shown.length_unit}]. "
         f"rail, top: speed off the rail and top speed [{shown.speed(0.0).split()[1]}]. "
-        "T/W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks."
+        "T:W, avg: thrust to weight in the first half second and on average. ✗: number of failed checks."
     )

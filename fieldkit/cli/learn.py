@@ -69,7 +69,8 @@ def learn(
 ) -> None:
     """Fit how much rockets, motors, and flights vary, from the flights of several flyers (tables from `export`).
 
-    Every forecast starts from this card and is then updated by your own flights.
+    The result, the hyperprior, is a JSON file called its card. Every forecast starts from it and is then updated by
+    your own flights.
     """
     from dataclasses import replace
     from json import dumps

@@ -34,7 +34,9 @@ def loop(
             show_default=False,
         ),
     ] = None,
-    look: Annotated[bool, typer.Option("--look", help="Show only; do not change the model.")] = False,
+    look: Annotated[
+        bool, typer.Option("--dry-run", "--look", help="Show the result without changing the model.")
+    ] = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="Probabilities from the network, at once; do not change the model.")
     ] = False,

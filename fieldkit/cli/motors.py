@@ -75,7 +75,8 @@ def motors(
         str | None, typer.Option(help="Longest motor that fits: 124mm, 5in.", rich_help_panel=GUIDE)
     ] = None,
     max_impulse: Annotated[
-        float | None, typer.Option(callback=not_negative, help="Total impulse range, in N s.", rich_help_panel=GUIDE)
+        float | None,
+        typer.Option(callback=not_negative, help="Highest total impulse of a motor, in N s.", rich_help_panel=GUIDE),
     ] = None,
     retired: Annotated[
         bool, typer.Option("--retired", help="Include motors no longer made.", rich_help_panel=GUIDE)

@@ -55,7 +55,7 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
         flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
         column = flight.BY_NAME[name]
         typed = f", or with a unit: {TYPED[name]}" if name in TYPED else ""
-        own.append(_option(name, flags, f"{column.help[:-1]}; in {spelled(column.unit)}{typed}.", panel))
+        own.append(_option(name, flags, f"{column.help[:-1]}; in {_unit(column.unit)}{typed}.", panel))
     keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
     command.__signature__ = inspect.Signature(keyword)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
@@ -81,6 +81,11 @@ FIELD = (
     ("rules", "Rules that govern the launch: NAR,FAA or UKRA. Default: saved with the site."),
 )
 """Options of a plan that are not columns of a flight; the safety checks use them."""
+
+
+def _unit(unit: str) -> str:
+    """A unit as the help of an option names it."""
+    return "degrees" if unit == "deg" else "percent" if unit == "pct" else spelled(unit)
 
 
 def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) -> None:

@@ -22,7 +22,7 @@ def ork(
     file: Annotated[Path, typer.Argument(help="OpenRocket design, .ork.", show_default=False)],
     rocket: Annotated[str | None, typer.Option(help="Default: the name in the file.", show_default=False)] = None,
     config: Annotated[str, typer.Option(help="Name of this build, such as A.")] = "",
-    look: Annotated[bool, typer.Option("--look", help="Show only; save nothing.")] = False,
+    look: Annotated[bool, typer.Option("--dry-run", "--look", help="Show the result without saving it.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Start a rocket from its OpenRocket design (mass without motor, diameter, length, Cd) until it has flown."""
@@ -56,12 +56,12 @@ def _lines(start: "Start", design: "Design") -> list[str]:
 
     lines = []
     if start.dry_mass is not None:
-        lines.append(f"  dry mass  {measured('dry_mass', start.dry_mass)}, by {design.mass_by}")
+        lines.append(f"  dry mass  {measured('dry_mass', start.dry_mass)}, from {design.mass_by}")
     if start.diameter is not None:
         lines.append(f"  diameter  {measured('diameter', start.diameter)}")
     if start.length is not None:
         lines.append(f"  length    {written(start.length, 'mm', system())}")
-    lines.append(f"  Cd        {start.cd:.2f}, by {design.cd_by}" if start.cd else "  Cd        not in the file")
+    lines.append(f"  Cd        {start.cd:.2f}, from {design.cd_by}" if start.cd else "  Cd        not in the file")
     if start.margin is not None:
         lines.append(f"  stability {start.margin:.1f} calibers with its motor, off the launch rod")
     motors = dict.fromkeys(

@@ -105,5 +105,5 @@ def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given)
         yield f"nothing is saved of the site {plan.site!r}; did you mean {near}?"
     yield from doubts(plan, figure=partial(significant, system=system()))
     with suppress(UnknownMotor):
-        if plan.motor and (odd := implausible(plan, motors.resolve_several(plan.motor).motor)):
-            yield in_system(odd, system())
+        if plan.motor and (reason := implausible(plan, motors.resolve_several(plan.motor).motor)):
+            yield in_system(reason, system())

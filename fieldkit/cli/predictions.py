@@ -41,19 +41,15 @@ def predictions(
     if not found:
         complain(f"No forecasts saved in {where} yet; `fieldkit predict` saves one")
         return
-    rockets = {one.made.rocket for one in shown}
     units = ShownUnits(system())
     apogee = f"apogee {units.length_unit}"
-    headers = ["no", "made", "flight", "motor", apogee, "90%", "flown", "miss", ""]
+    headers = ["no.", "made", "flight", "motor", apogee, "90%", "flown", "miss", ""]
     rows = [_cells(one, units) for one in shown]
-    configs = [str(one.made.payload.get("config", "")) for one in shown]
-    if len(set(configs)) > 1:
-        headers.insert(3, "config")
-        rows = [[*row[:3], config, *row[3:]] for row, config in zip(rows, configs, strict=True)]
-    if len(rockets) > 1:
+    builds = [f"{one.made.rocket} {one.made.payload.get('config', '')}".strip() for one in shown]
+    if len(set(builds)) > 1:
         headers.insert(2, "rocket")
-        rows = [[*row[:2], one.made.rocket, *row[2:]] for row, one in zip(rows, shown, strict=True)]
-    print_table(headers, rows, numbers=["no", apogee, "90%", "flown", "miss"])
+        rows = [[*row[:2], build, *row[2:]] for row, build in zip(rows, builds, strict=True)]
+    print_table(headers, rows, numbers=["no.", "made", apogee, "90%", "flown", "miss"])
     for one in shown:
         if one.stale:
             say_wrapped(f"  {one.made.number}: {'; '.join(one.changes_in(units.system))}", "   ")
@@ -73,7 +69,7 @@ def _cells(one: "SavedForecast", units: "ShownUnits") -> list[str]:
         f"{low}-{high}",
         "" if one.flown is None else units.length(one.flown, 1).split()[0],
         "" if one.miss is None else units.difference(one.miss).split()[0],
-        "flown, stale" if one.stale and one.state == "flown" else one.state,
+        "stale" if one.stale else one.state,
     ]
 
 

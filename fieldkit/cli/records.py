@@ -12,6 +12,8 @@ from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledge
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fieldkit.flight import Flight
     from fieldkit.ledger import FlightSummary, Ledger
     from fieldkit.services.replay import Recording
@@ -169,7 +171,7 @@ def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     from fieldkit.flight import read_tags
 
     with open_ledger(context) as ledger:
-        say(f"{flight}: {'; '.join(ledger.tag(flight, *read_tags(';'.join(tags))).tags)}")
+        _say_tags(flight, ledger.flight(flight).tags, ledger.tag(flight, *read_tags(";".join(tags))).tags)
 
 
 @app.command()
@@ -178,13 +180,26 @@ def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     from fieldkit.flight import read_tags
 
     with open_ledger(context) as ledger:
-        say(f"{flight}: {'; '.join(ledger.untag(flight, *read_tags(';'.join(tags))).tags) or 'no tags'}")
+        _say_tags(flight, ledger.flight(flight).tags, ledger.untag(flight, *read_tags(";".join(tags))).tags)
+
+
+def _say_tags(flight: str, before: "Sequence[str]", after: "Sequence[str]") -> None:
+    """Print the tags of a flight, and how to undo a change of them."""
+    tags = (
+        f"has the tags {'; '.join(after)}" if len(after) > 1 else f"has the tag {after[0]}" if after else "has no tags"
+    )
+    say(f"Flight {flight} {tags}" + (". `fieldkit undo` to undo." if before != after else ""))
 
 
 @app.command()
 def remove(
     context: typer.Context,
-    flights: Annotated[list[str], typer.Argument(metavar="FLIGHT...", show_default=False, autocompletion=flight_ids)],
+    flights: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FLIGHT...", help="flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+        ),
+    ],
 ) -> None:
     """Remove flights from the ledger. Can be undone."""
     with open_ledger(context) as ledger:

@@ -29,7 +29,7 @@ def open_app(ledger: str | None) -> None:
 
 @app.command()
 def tui(context: typer.Context) -> None:
-    """Open the app: flights, entry, import, next flight, and loop, by keys or mouse."""
+    """Open the app, for keyboard or mouse: flights, entry, import, next flight, and loop."""
     open_app(context.find_root().obj)
 
 

@@ -85,9 +85,9 @@ class Flight:
         """
         changed = {c.name for c in MEASURED if c.name in changes and changes[c.name] != self.number(c.name)}
         for part in ("sd", "source"):
-            told: Mapping[str, object] = getattr(self, part)
-            if part not in changes and changed & told.keys():
-                changes[part] = {name: value for name, value in told.items() if name not in changed}
+            recorded: Mapping[str, object] = getattr(self, part)
+            if part not in changes and changed & recorded.keys():
+                changes[part] = {name: value for name, value in recorded.items() if name not in changed}
         return replace(self, **changes)  # type: ignore[arg-type]
 
     def with_source(self, names: Iterable[str], source: str) -> "Flight":

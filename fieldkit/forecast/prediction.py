@@ -75,14 +75,14 @@ class Prediction:
         of intervals, because a thousand draws determine the variance of a Student t poorly. The size
         of the scatter is taken as known; for a new rocket it is not, and the interval narrows more.
         """
-        luck, rest = self._luck_and_rest()
-        stays, left = interval_width(luck) ** 2, interval_width(rest) ** 2
+        scatter, rest = self._scatter_and_rest()
+        stays, left = interval_width(scatter) ** 2, interval_width(rest) ** 2
         if not stays + left:
             return 1.0
         shrunk = 1 / (1 + more * left / stays) if stays else float(more == 0)
         return float(np.sqrt((stays + shrunk * left) / (stays + left)))
 
-    def _luck_and_rest(self) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+    def _scatter_and_rest(self) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
         """The part of the log apogee that the scatter of single flights explains, by regression, and the rest, both
         centered, over the draws that leave the pad."""
         flown = self.apogee > 0
@@ -91,8 +91,8 @@ class Prediction:
             return np.zeros(0), np.zeros(0)
         causes = np.stack(self.random_draws, axis=-1)[flown]
         logs, causes = logs - logs.mean(), causes - causes.mean(axis=0)
-        luck = causes @ np.linalg.lstsq(causes, logs, rcond=None)[0]
-        return luck, logs - luck
+        scatter = causes @ np.linalg.lstsq(causes, logs, rcond=None)[0]
+        return scatter, logs - scatter
 
     @property
     def median_eject(self) -> float | None:

@@ -17,17 +17,17 @@ from fieldkit.quantities import counted
 def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
     """What was found in a log, with the readouts of each flight measured from its samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
-    told: list[Found] = []
+    results: list[Found] = []
     for item in found:
         if isinstance(item, Reading) and item.describes == "simulation":
-            told.append(_simulated(item))
+            results.append(_simulated(item))
         elif not isinstance(item, Reading) or item.describes != "flight":
-            told.append(item)
+            results.append(item)
         elif item.clocks:
-            told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
+            results += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
         else:
-            told.append(_stated(item, format) if item.part else item)
-    return told
+            results.append(_stated(item, format) if item.part else item)
+    return results
 
 
 def _simulated(reading: Reading) -> Reading:
@@ -76,5 +76,5 @@ def _stated(reading: Reading, format: str) -> Reading:
 
 def _origin(reading: Reading, format: str) -> dict[str, str]:
     """Extra columns: the device of a flight, the kinds of its files, and the parser that reads them."""
-    told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
-    return {name: text for name, text in (told | {KINDS: reading.part}).items() if text}
+    metadata = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
+    return {name: text for name, text in (metadata | {KINDS: reading.part}).items() if text}

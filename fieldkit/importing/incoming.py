@@ -18,7 +18,7 @@ class Original:
 
     digest: str
     size: int
-    packed: bytes
+    compressed: bytes
 
     @classmethod
     def of(cls, content: bytes) -> "Original":
@@ -28,11 +28,11 @@ class Original:
 
 def _packed(content: bytes) -> bytes:
     """Compress the bytes in pieces, because a single call would hold the output of a long log twice."""
-    packer, packed, view = zlib.compressobj(), io.BytesIO(), memoryview(content)
+    packer, compressed, view = zlib.compressobj(), io.BytesIO(), memoryview(content)
     for start in range(0, len(content), _PIECE):
-        packed.write(packer.compress(view[start : start + _PIECE]))
-    packed.write(packer.flush())
-    return packed.getvalue()
+        compressed.write(packer.compress(view[start : start + _PIECE]))
+    compressed.write(packer.flush())
+    return compressed.getvalue()
 
 
 def digest_of(content: bytes) -> str:

@@ -131,14 +131,14 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
     """
     values: dict[str, object] = {}
     extra = dict(flight.extra)
-    told: dict[str, dict[str, object]] = {}
+    details: dict[str, dict[str, object]] = {}
     for name, text in changes.items():
         if name in extra:
             extra = {key: text if key == name else old for key, old in extra.items() if text or key != name}
             continue
         try:
             if place := beside(name.strip().lower().replace("-", "_")):
-                told.setdefault(place.part, {})[place.readout] = place.read(
+                details.setdefault(place.part, {})[place.readout] = place.read(
                     "" if text.strip() == NOT_RECORDED else text
                 )
                 continue
@@ -147,7 +147,7 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
         except BadValue as error:
             raise BadValue(str(error) if str(error).startswith("no column") else f"{name}: {error}") from error
     changed = flight.with_changes(**values)
-    for part, new in told.items():
+    for part, new in details.items():
         both = {**getattr(changed, part), **new}
         values[part] = {name: value for name, value in both.items() if value is not None}
     return values | ({"extra": extra} if extra != dict(flight.extra) else {})

@@ -43,11 +43,11 @@ def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser
 
 def claims(log: bytes) -> list[str]:
     """Names of the parsers that recognize a log, highest score first; fallbacks only if no other does."""
-    shelf = parsers()
+    known = parsers()
     for fallback in (False, True):
-        claimed = [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
+        claimed = [name for name, p in known.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
         if claimed:
-            return sorted(claimed, key=lambda name: score(shelf[name], log), reverse=True)
+            return sorted(claimed, key=lambda name: score(known[name], log), reverse=True)
     return []
 
 
@@ -55,35 +55,35 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
     """Names of the parsers to try, highest score first; if the user maps the columns, one that accepts a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
-    shelf = parsers()
+    known = parsers()
     kind = _kind_of(log, choices)
-    takers = [name for name, parser in shelf.items() if parser.mapped and parser.maps == kind]
+    takers = [name for name, parser in known.items() if parser.mapped and parser.maps == kind]
     if format is not None:
-        if format not in shelf:
-            raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {', '.join(shelf)}")
+        if format not in known:
+            raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {', '.join(known)}")
         claimed = [format]
     else:
         claimed = claims(log)
     chosen = mapped or _chosen(log, choices) is not None
-    if chosen and (not claimed or (shelf[claimed[0]].fallback and claimed[0] not in takers)):
-        claimed = [name for name in takers if shelf[name].fallback or kind == "flights"]
+    if chosen and (not claimed or (known[claimed[0]].fallback and claimed[0] not in takers)):
+        claimed = [name for name in takers if known[name].fallback or kind == "flights"]
     if not claimed:
         raise UnknownFormat(f"{place}no parser recognizes this file{_near(log)}{_hint(log)}")
-    if len(claimed) > 1 and score(shelf[claimed[0]], log) == score(shelf[claimed[1]], log):
+    if len(claimed) > 1 and score(known[claimed[0]], log) == score(known[claimed[1]], log):
         both = " and ".join(sorted(claimed[:2]))
         raise UnknownFormat(f"{place}{both} both recognize this file; choose one with --format")
     if mapped and claimed[0] not in takers:
         expected = f"expected no mapping, or --format {' or '.join(takers)} with it"
         raise UnknownFormat(f"{place}found a column mapping for a log that {claimed[0]} reads without one; {expected}")
-    if format is not None or shelf[claimed[0]].fallback:
+    if format is not None or known[claimed[0]].fallback:
         return claimed[:1]
-    return claimed + [name for name, parser in shelf.items() if parser.fallback and _claims(parser, log[:HEAD])]
+    return claimed + [name for name, parser in known.items() if parser.fallback and _claims(parser, log[:HEAD])]
 
 
 def _near(log: bytes) -> str:
     """The formats most similar to a file, and what the file lacks for each."""
-    shelf = parsers()
-    near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
+    known = parsers()
+    near = (f"{known[name].title} ({name}) {_lacks(like)}" for name, like in nearest(known, log))
     shown_damage = "; ".join(near)
     return f"; most similar: {shown_damage}" if shown_damage else ", and no known format is similar"
 

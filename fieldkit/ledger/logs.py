@@ -16,7 +16,7 @@ from fieldkit.quantities import counted
 def keep_log(connection: Connection, original: Original) -> None:
     """Store a log's bytes under their digest, once."""
     if connection.scalar(select(logs.c.digest).where(logs.c.digest == original.digest)) is None:
-        row = {"digest": original.digest, "size": original.size, "content": original.packed}
+        row = {"digest": original.digest, "size": original.size, "content": original.compressed}
         connection.execute(insert(logs).values(**row))
 
 

@@ -145,7 +145,7 @@ def _candidates(listings: Listings, text: str, maker: str) -> tuple[Name, list[L
     if is_cluster(text):
         raise UnknownMotor(
             f"{text.strip()}: found several motors, expected a single one such as C6-5: flights on clusters and stages "
-            "are used in no fit"
+            "are not used in any fit"
         )
     name = _parsed(listings, f"{maker} {text}" if maker else text)
     candidates = _fitting(listings, name, name.maker)
@@ -276,7 +276,7 @@ def _unknown(listings: Listings, text: str, name: Name) -> str:
     last = name if name.core else parse(text.split()[-1]) if text.split() else name
     near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(listings, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
-    return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
+    return f"{text.strip()!r}: found no such motor; {'nearest:' if near else 'expected'} {offer}"
 
 
 def _table(listings: Sequence[Listing]) -> str:

@@ -43,10 +43,10 @@ class Air:
         if self.scale_height is not None:
             share = np.asarray(height * (-1 / self.scale_height))
             return np.asarray(np.exp(share, out=share))
-        warmth = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
-        np.log1p(warmth, out=warmth)
-        warmth *= HYDROSTATIC - 1
-        return np.asarray(np.exp(warmth, out=warmth))
+        exponent = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
+        np.log1p(exponent, out=exponent)
+        exponent *= HYDROSTATIC - 1
+        return np.asarray(np.exp(exponent, out=exponent))
 
     def sinking_path(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Integral of the square root of the density ratio from the pad up to a height [m]. [m]
@@ -98,12 +98,12 @@ def pad_air(
     standard one at that elevation; the default humidity is 0.
     """
     elevation = np.nan_to_num(np.asarray(elevation, float), nan=0.0)
-    warmth = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
-    weight = station_pressure(np.where(np.isnan(pressure), STANDARD_PRESSURE, pressure), elevation)
-    celsius = warmth - 273.15
+    kelvin = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
+    pascal = station_pressure(np.where(np.isnan(pressure), STANDARD_PRESSURE, pressure), elevation)
+    celsius = kelvin - 273.15
     saturation = 611.21 * np.exp((18.678 - celsius / 234.5) * celsius / (257.14 + celsius))
     vapour = np.nan_to_num(np.asarray(humidity, float), nan=0.0) * saturation
-    return Air((weight - (1 - VAPOUR_RATIO) * vapour) / (GAS_CONSTANT * warmth), warmth)
+    return Air((pascal - (1 - VAPOUR_RATIO) * vapour) / (GAS_CONSTANT * kelvin), kelvin)
 
 
 def density_altitude(density: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
@@ -126,9 +126,9 @@ def altimeter_gain(
     is below 1 on a hot day.
     """
     elevation = np.nan_to_num(np.asarray(elevation, float), nan=0.0)
-    warmth = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
-    weight = station_pressure(np.where(np.isnan(pressure), STANDARD_PRESSURE, pressure), elevation)
-    return STANDARD_TEMPERATURE * (weight / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / warmth
+    kelvin = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
+    pascal = station_pressure(np.where(np.isnan(pressure), STANDARD_PRESSURE, pressure), elevation)
+    return STANDARD_TEMPERATURE * (pascal / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / kelvin
 
 
 def wind_at(

@@ -90,11 +90,11 @@ def _speed(velocity: Array) -> Array:
     return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else length_of(velocity))
 
 
-def _along(velocity: Array, pull: Array) -> Array:
+def _along(velocity: Array, acceleration: Array) -> Array:
     """Rate of change of speed. [m/s^2]"""
     if len(velocity) == 1:
-        return np.asarray(pull[0])
-    return np.asarray((velocity * pull).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
+        return np.asarray(acceleration[0])
+    return np.asarray((velocity * acceleration).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
 
 
 def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
@@ -102,28 +102,28 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
 
     Without `highlights`, top speed, peak acceleration and rail exit speed are not computed.
     """
-    pull = EquationsOfMotion(setup, burning=True)
+    acceleration = EquationsOfMotion(setup, burning=True)
     zero = np.zeros(setup.draws)
     start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
     latest = start[np.isfinite(start)].max(initial=0.0)
-    at_rest = np.zeros((pull.axes, setup.draws))
+    at_rest = np.zeros((acceleration.axes, setup.draws))
     track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
-    first_pull: Array | None = None
+    first_acceleration: Array | None = None
     for step, (first, dt, thrust, mass) in enumerate(_steps(setup)):
         held = _with_stages(setup, step)
         if held is not setup:
-            pull, first_pull = EquationsOfMotion(held, burning=True), None
+            acceleration, first_acceleration = EquationsOfMotion(held, burning=True), None
         if waits := bool(first.min() < latest):
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
-        _advance(track, held, pull, dt, thrust, mass, first_pull)
+        _advance(track, held, acceleration, dt, thrust, mass, first_acceleration)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
-            ended = pull(track.position, track.velocity, thrust[2], mass[2])
-            slope, first_pull = (
+            ended = acceleration(track.position, track.velocity, thrust[2], mass[2])
+            slope, first_acceleration = (
                 _along(track.velocity, ended),
                 None if waits else ended,
             )  # the next step starts where this one ends
@@ -203,15 +203,15 @@ def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
 def _advance(
     track: AscentState,
     setup: Setup,
-    pull: EquationsOfMotion,
+    acceleration: EquationsOfMotion,
     dt: Array,
     thrust: Stages,
     mass: Stages,
-    first_pull: Array | None,
+    first_acceleration: Array | None,
 ) -> None:
     """Advance a step in as many substeps as each draw needs; if few draws need more, those continue separately.
 
-    `first_pull` is the acceleration at the start of the step, if known.
+    `first_acceleration` is the acceleration at the start of the step, if known.
     """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))
@@ -222,12 +222,19 @@ def _advance(
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
             setup = setup.part(kept)
-            pull = EquationsOfMotion(setup, burning=True)
+            acceleration = EquationsOfMotion(setup, burning=True)
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
-        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), first_pull)
-        first_pull = None
+        _step(
+            moving,
+            acceleration,
+            dt * (end - start),
+            _between(thrust, start, end),
+            _between(mass, start, end),
+            first_acceleration,
+        )
+        first_acceleration = None
     _put_back(track, moving, rows)
 
 
@@ -247,17 +254,22 @@ def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
 
 
 def _step(
-    track: AscentState, pull: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, first_pull: Array | None
+    track: AscentState,
+    acceleration: EquationsOfMotion,
+    dt: Array,
+    thrust: Stages,
+    mass: Stages,
+    first_acceleration: Array | None,
 ) -> None:
-    """One classical Runge-Kutta step of position and velocity; `first_pull` as in `_advance`."""
+    """One classical Runge-Kutta step of position and velocity; `first_acceleration` as in `_advance`."""
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
-    a1 = pull(x, v, thrust[0], mass[0]) if first_pull is None else first_pull
+    a1 = acceleration(x, v, thrust[0], mass[0]) if first_acceleration is None else first_acceleration
     v2 = v + half * a1
-    a2 = pull(x + half * v, v2, thrust[1], mass[1])
+    a2 = acceleration(x + half * v, v2, thrust[1], mass[1])
     v3 = v + half * a2
-    a3 = pull(x + half * v2, v3, thrust[1], mass[1])
+    a3 = acceleration(x + half * v2, v3, thrust[1], mass[1])
     v4 = v + dt * a3
-    a4 = pull(x + dt * v3, v4, thrust[2], mass[2])
+    a4 = acceleration(x + dt * v3, v4, thrust[2], mass[2])
     a2 += a3
     track.position = x + dt * (v + sixth * (a1 + a2))
     a2 *= 2

@@ -50,7 +50,7 @@ class _Point:
     time: Array
     height: Array
     upward: Array
-    pull: Array
+    acceleration: Array
     drift: Array
     across: Array
     sideways: Array
@@ -101,7 +101,7 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
     mass = setup.dry_mass + burns.casing_mass[motor]
     even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG) / g
     time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
-    zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
+    zero, undefined = np.zeros(len(time)), np.full(len(time), np.nan)
     thin = even * setup.air.density_ratio(height)
     yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero, zero, zero)
     count = _count(np.log1p(thin * upward**2) / (thin * (2 * LAYER * g)))
@@ -119,7 +119,7 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
             yield _Point(time, height, slower, -g * (1 + thin * slower**2), zero, zero, zero, zero)
         upward = slower
     if not timed:
-        yield _Point(untold, height, upward, untold, zero, zero, zero, zero)
+        yield _Point(undefined, height, upward, undefined, zero, zero, zero, zero)
 
 
 def _count(wanted: Array) -> Array:
@@ -130,7 +130,7 @@ def _count(wanted: Array) -> Array:
 def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     """Classical Runge-Kutta in upward speed for time, position and horizontal speed."""
     burns, motor = setup.burns, setup.motor
-    pull = EquationsOfMotion(setup, burning=False)
+    acceleration = EquationsOfMotion(setup, burning=False)
     mass = setup.dry_mass + burns.casing_mass[motor]
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)
@@ -140,11 +140,11 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     def look(y: Array, at: Array) -> tuple[Array, Array]:
         """Velocity and acceleration at a point."""
         velocity = np.concatenate([at[None], y[sideways]])
-        return velocity, pull(y[:axes], velocity, 0.0, mass)
+        return velocity, acceleration(y[:axes], velocity, 0.0, mass)
 
-    def rates(velocity: Array, pulled: Array) -> Array:
+    def rates(velocity: Array, accelerations: Array) -> Array:
         """Derivatives of (position, horizontal velocity, time) with respect to upward speed."""
-        return np.asarray(np.concatenate([velocity, pulled[1:], ones]) / pulled[0])
+        return np.asarray(np.concatenate([velocity, accelerations[1:], ones]) / accelerations[0])
 
     y = np.concatenate([track.position, track.velocity[1:], track.time[None]])
     sideways = slice(axes, 2 * axes - 1)
@@ -157,19 +157,19 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
             return _Point(y[-1], y[0], at, slope, y[1], zero, y[2], zero)
         return _Point(y[-1], y[0], at, slope, y[1], y[2], y[3], y[4])
 
-    velocity, pulled = look(y, upward)
-    yield point(y, upward, pulled[0])
+    velocity, accelerations = look(y, upward)
+    yield point(y, upward, accelerations[0])
     for _ in range(int(count.max())):
         after = np.maximum(upward - share, 0.0)
         step = after - upward
         half = upward + 0.5 * step
-        k1 = rates(velocity, pulled)
+        k1 = rates(velocity, accelerations)
         k2 = rates(*look(y + 0.5 * step * k1, half))
         k3 = rates(*look(y + 0.5 * step * k2, half))
         k4 = rates(*look(y + step * k3, after))
         y, upward = y + step / 6 * (k1 + 2 * (k2 + k3) + k4), after
-        velocity, pulled = look(y, upward)
-        yield point(y, upward, pulled[0])
+        velocity, accelerations = look(y, upward)
+        yield point(y, upward, accelerations[0])
 
 
 def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> list[Array]:
@@ -179,7 +179,7 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> l
         return marks
     dt = np.where(inside, after.time - before.time, 1.0)
     s = np.where(inside, (moment - before.time) / dt, 0.0)
-    rise, lift0, lift1 = after.upward - before.upward, before.pull * dt, after.pull * dt
+    rise, lift0, lift1 = after.upward - before.upward, before.acceleration * dt, after.acceleration * dt
     square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
     upward = before.upward + s * (lift0 + s * (square + s * cubic))
     gain = dt * s * (before.upward + s * (lift0 / 2 + s * (square / 3 + s * cubic / 4)))

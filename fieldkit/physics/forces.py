@@ -54,12 +54,12 @@ class EquationsOfMotion:
         if self.planar:
             return self._planar(position, velocity, thrust, mass)
         if self.setup.forces:
-            pull = thrust / mass - self.drag_like(position[0], velocity[0], mass)
+            acceleration = thrust / mass - self.drag_like(position[0], velocity[0], mass)
         else:
-            pull = np.asarray(thrust - self._drag(position[0], velocity[0]))
-            pull /= mass
-        pull -= self.setup.gravity
-        return np.asarray(pull[None])
+            acceleration = np.asarray(thrust - self._drag(position[0], velocity[0]))
+            acceleration /= mass
+        acceleration -= self.setup.gravity
+        return np.asarray(acceleration[None])
 
     def _planar(self, position: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         height = position[0]
@@ -72,10 +72,10 @@ class EquationsOfMotion:
         speed = np.maximum(length_of(through_air), 1e-9)
         heading = through_air / speed
         axis = self.rail + free * (heading - self.rail)
-        pull = axis * (thrust / mass) - heading * self.drag_like(height, speed, mass)
-        pull[0] -= self.setup.gravity
-        along = self._path(pull) - self.setup.rail_friction * (path < self.setup.rail_length)
-        return np.asarray(free * pull + (1 - free) * self.rail * along)
+        acceleration = axis * (thrust / mass) - heading * self.drag_like(height, speed, mass)
+        acceleration[0] -= self.setup.gravity
+        along = self._path(acceleration) - self.setup.rail_friction * (path < self.setup.rail_length)
+        return np.asarray(free * acceleration + (1 - free) * self.rail * along)
 
     def _turned(self, height: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         """Acceleration when every draw has long left its rail: thrust and drag act along the path through the air."""
@@ -83,15 +83,15 @@ class EquationsOfMotion:
             through_air = velocity.copy()
             through_air[1] -= self._wind(height)
             speed = np.maximum(length_of(through_air), 1e-9)
-            pull = through_air * ((thrust / mass - self.drag_like(height, speed, mass)) / speed)
-            pull[0] -= self.setup.gravity
-            return np.asarray(pull)
+            acceleration = through_air * ((thrust / mass - self.drag_like(height, speed, mass)) / speed)
+            acceleration[0] -= self.setup.gravity
+            return np.asarray(acceleration)
         up, sideways = velocity[0], velocity[1] - self._wind(height)
         speed = np.maximum(np.hypot(up, sideways), 1e-9)
         along = (thrust / mass - self.drag_like(height, speed, mass)) / speed
-        pull = np.empty_like(velocity)
-        pull[0], pull[1] = up * along - self.setup.gravity, sideways * along
-        return pull
+        acceleration = np.empty_like(velocity)
+        acceleration[0], acceleration[1] = up * along - self.setup.gravity, sideways * along
+        return acceleration
 
     def _wind(self, height: Array) -> Array:
         """Wind at a height [m]. [m/s]"""

@@ -24,14 +24,14 @@ def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
     plain = 0.5 * setup.drag_area * setup.air.density / mass
     if not setup.forces:
         return np.asarray(np.broadcast_to(plain, setup.draw_shape))
-    pull = EquationsOfMotion(setup, burning=False)
+    acceleration = EquationsOfMotion(setup, burning=False)
     slowed, squares = np.zeros(setup.draw_shape), np.zeros(setup.draw_shape)
     begin = flown.apogee - 0.5 * flown.top_speed * flown.coast_to_apogee
     for part in _PARTS:
         speed = part * flown.top_speed
         height = flown.apogee - part**2 * (flown.apogee - np.maximum(begin, 0.0))
         shape = setup.air.density_ratio(height) * speed**2
-        slowed += shape * pull.drag_like(height, speed, mass)
+        slowed += shape * acceleration.drag_like(height, speed, mass)
         squares += shape**2
     return np.asarray(slowed / np.where(squares > 0, squares, np.nan))
 

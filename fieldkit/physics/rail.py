@@ -19,12 +19,14 @@ def rail_exit_speed(setup: Setup) -> Float[Array, "*draw"]:
         length = (burns.edge[step + 1] - burns.edge[step])[motor] * setup.burn_stretch
         thrust = burns.thrust[step, 1][motor] * setup.thrust_factor / setup.burn_stretch
         mass = empty + propellant * (1 - burns.spent[step, 1][motor])
-        pull = np.maximum(thrust / mass - setup.gravity - setup.rail_friction, -speed / np.maximum(length, 1e-9))
-        reached = height + speed * length + pull * length**2 / 2
+        acceleration = np.maximum(
+            thrust / mass - setup.gravity - setup.rail_friction, -speed / np.maximum(length, 1e-9)
+        )
+        reached = height + speed * length + acceleration * length**2 / 2
         leaves = np.isnan(exit_speed) & (reached >= setup.rail_length)
-        squared = speed**2 + 2 * pull * np.maximum(setup.rail_length - height, 0.0)
+        squared = speed**2 + 2 * acceleration * np.maximum(setup.rail_length - height, 0.0)
         exit_speed = np.where(leaves, np.sqrt(np.maximum(squared, 0.0)), exit_speed)
-        height, speed = reached, np.maximum(speed + pull * length, 0.0)
+        height, speed = reached, np.maximum(speed + acceleration * length, 0.0)
         if not np.isnan(exit_speed).any():
             break
     return np.asarray(np.where(np.isnan(exit_speed), speed, exit_speed))

@@ -140,8 +140,8 @@ def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float
 
 def opening_times(flights: Sequence[Flight]) -> Float[Array, "#flight"]:
     """Time from the charge to an open parachute for every flight; half a second if not recorded. [s]"""
-    said = {recovery_figure(flight, "opening_time") if flight.extra else None for flight in flights}
-    if said <= {None}:
+    recorded_times = {recovery_figure(flight, "opening_time") if flight.extra else None for flight in flights}
+    if recorded_times <= {None}:
         return np.full(1, OPENING_TIME)
     times = [recovery_figure(flight, "opening_time") for flight in flights]
     return np.array([OPENING_TIME if time is None else max(time, 0.0) for time in times])

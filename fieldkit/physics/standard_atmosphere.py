@@ -40,12 +40,12 @@ def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
 def height_pressure(height: Float[Array, "time"]) -> Float[Array, "time"]:
     """Pressure of the standard atmosphere at a height above sea level [m]. [Pa]"""
     height = np.asarray(height, float)
-    warmth = 1 - LAPSE / STANDARD_TEMPERATURE * np.minimum(height, TROPOPAUSE)
+    temperature_ratio = 1 - LAPSE / STANDARD_TEMPERATURE * np.minimum(height, TROPOPAUSE)
     above = np.exp(-np.maximum(height - TROPOPAUSE, 0) / _SCALE_HEIGHT)
-    return np.asarray(STANDARD_PRESSURE * warmth**HYDROSTATIC * above)
+    return np.asarray(STANDARD_PRESSURE * temperature_ratio**HYDROSTATIC * above)
 
 
 def standard_density(height: Float[Array, "time"]) -> Float[Array, "time"]:
     """Density of the standard atmosphere at a height above sea level [m]. [kg/m^3]"""
-    warmth = np.maximum(STANDARD_TEMPERATURE - LAPSE * np.asarray(height, float), _STRATOSPHERE_TEMPERATURE)
-    return np.asarray(height_pressure(height) / (GAS_CONSTANT * warmth))
+    temperature = np.maximum(STANDARD_TEMPERATURE - LAPSE * np.asarray(height, float), _STRATOSPHERE_TEMPERATURE)
+    return np.asarray(height_pressure(height) / (GAS_CONSTANT * temperature))

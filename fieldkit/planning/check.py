@@ -137,8 +137,10 @@ def compared(value: float, limit: float, unit: str) -> tuple[str, str]:
     """A value and its limit [SI] within a finding, with decimals if they look the same without: `1500.3 g` and
     `1500.0 g`."""
     scale = 1e3 if unit == "g" else 1.0
-    apart = (digits for digits in range(MOST_DECIMALS) if round(value * scale, digits) != round(limit * scale, digits))
-    digits = next(apart, 0)
+    distinct = (
+        digits for digits in range(MOST_DECIMALS) if round(value * scale, digits) != round(limit * scale, digits)
+    )
+    digits = next(distinct, 0)
     return figure(value, unit, digits), figure(limit, unit, digits)
 
 

@@ -63,7 +63,7 @@ def why_no_score(flight: Flight) -> str:
 
 def _whole(eggs: str) -> bool:
     """Whether a text about the eggs means that they are intact, or is empty. A count does not mean that."""
-    said = eggs.strip().casefold()
+    condition = eggs.strip().casefold()
     for word in ("all", "both", "eggs", "egg"):
-        said = said.removeprefix(f"{word} ")
-    return said in ("", "-", *WHOLE_EGGS)
+        condition = condition.removeprefix(f"{word} ")
+    return condition in ("", "-", *WHOLE_EGGS)

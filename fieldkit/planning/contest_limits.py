@@ -50,11 +50,11 @@ def _is_listed(motor: Motor, line: str) -> bool:
     """
     if squeeze(line) in (squeeze(motor.designation), squeeze(f"{motor.maker} {motor.designation}")):
         return True
-    told, own = parse(line), parse(motor.designation)
-    letters = _DELAYS.sub("", told.letters)
-    if told.core != motor.name or told.prefix not in ("", own.prefix) or told.maker not in ("", motor.maker):
+    on_list, own = parse(line), parse(motor.designation)
+    letters = _DELAYS.sub("", on_list.letters)
+    if on_list.core != motor.name or on_list.prefix not in ("", own.prefix) or on_list.maker not in ("", motor.maker):
         return False
-    if not (letters or told.maker):
+    if not (letters or on_list.maker):
         return False
     return letters in ("", own.letters) or letters + LOADABLE == own.letters
 

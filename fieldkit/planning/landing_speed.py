@@ -30,7 +30,7 @@ def landing_speed_line(
     if device == "parachute":
         bounds = f"usual {speed(slow.value)} to {speed(limits['landing_speed_usual'].value)}, {bounds}"
     if not (fall.flights or fall.typed):
-        text = f"not known, {speed(found)} assumed: enter the parachute or a descent speed; {bounds}"
+        text = f"{speed(found)} assumed; enter the parachute or a descent speed; {bounds}"
         return SafetyCheck(NAME, "unknown", text, most.source)
     if slow.value <= found <= most.value:
         return SafetyCheck(NAME, "ok", f"{speed(found)}; {bounds}", most.source)

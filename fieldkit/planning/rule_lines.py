@@ -24,10 +24,10 @@ def _line(
 
 
 def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | None = None) -> SafetyCheck:
-    told = (row or rule).text
-    verdict = "caution" if verdict == "unsafe" and told.unverified else verdict
-    words = f"{told.words} ({row.stated})" if row is not None and row.stated else told.words
-    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", words, told.mark)
+    text_of_rule = (row or rule).text
+    verdict = "caution" if verdict == "unsafe" and text_of_rule.unverified else verdict
+    words = f"{text_of_rule.words} ({row.stated})" if row is not None and row.stated else text_of_rule.words
+    return SafetyCheck(name, verdict, text, f"{rule.of}; {text_of_rule.origin()}", words, text_of_rule.mark)
 
 
 def wind_line(governed_by: Governed, wind: float | None) -> SafetyCheck:
@@ -70,7 +70,7 @@ def mass_line(governed_by: Governed) -> SafetyCheck:
             verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
             own, most = compared(value, limit, unit)
             shown = f"{name} unknown" if math.isnan(value) else f"{own}{what}"
-            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {most}{what}", rule))
+            lines.append(_check("mass and impulse", verdict, f"{shown}, at most {most}", rule))
     if not lines:
         return SafetyCheck("mass and impulse", "unknown", NO_RULE, "")
     last = worst(lines)
@@ -110,8 +110,8 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
         text = f"the code requires {wanted} across{why}"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
         if verdict == "unsafe" and (small := _small_field(governed_by)) and size >= small.rows[0].value - 1e-6:
-            told = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
-            return _check("field size", "caution", told, small)
+            text_small = f"{text}, {length(small.rows[0].value)} for small high power; this field is {own}"
+            return _check("field size", "caution", text_small, small)
         return _check("field size", verdict, f"{text}; this field is {own}", rule, row)
 
     wanted = governed_by.rules("field size")

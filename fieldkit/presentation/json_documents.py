@@ -8,7 +8,7 @@ from fieldkit.presentation.json_values import finite
 from fieldkit.presentation.loop_text import in_odds, misses, what_accepting_changes
 from fieldkit.scoring.proper_scores import crps, pit
 from fieldkit.selection.diagnose import Ranked
-from fieldkit.selection.force.log_evidence import document as testimony_document
+from fieldkit.selection.force.log_evidence import document as log_evidence_document
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import CANDIDATE_EVALUATION, Compared, Findings
@@ -57,7 +57,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
         ],
         "implausible": list(found.excluded),
         "misses": misses(found),
-        "missing_force": finite(testimony_document(found.testimony)),
+        "missing_force": finite(log_evidence_document(found.log_evidence)),
     }
 
 

@@ -18,6 +18,8 @@ BARS = "▁▂▃▄▅▆▇█"
 """Characters of the bars, from zero to the largest miss."""
 MAX_DRAWN = 60
 """Number of latest flights whose misses are drawn. [1]"""
+NAME_WIDTH = 34
+"""Width of the names in the table of effects, in characters."""
 MAX_P_SHOWN = 0.1
 """Corrected p-value below which a pattern in the residuals is listed. [1]"""
 
@@ -37,7 +39,7 @@ def report(found: Findings, system: str = "SI") -> Iterator[str]:
             place = str(item.best.candidate.place)
             how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
             strength = in_system(f"{rounded(mean, 3)} +/- {rounded(sd, 2)} {item.best.unit}", system)
-            yield f"  {place:34.34}{how_sure}   {strength}"
+            yield from candidate_row(place, f"{how_sure}   {strength}")
     yield ""
     yield f"  verdict: {diagnosis.effect}: {in_system(diagnosis.why, system)}"
     for line in beside_verdict(found, system):
@@ -47,6 +49,14 @@ def report(found: Findings, system: str = "SI") -> Iterator[str]:
     yield ""
     yield from misses_drawn(found, system)
     yield from _errors(found, shown)
+
+
+def candidate_row(name: str, figures: str) -> Iterator[str]:
+    """A row of the table of effects; a name longer than its column has a line of its own."""
+    if len(name) > NAME_WIDTH:
+        yield f"  {name}"
+        name = ""
+    yield f"  {name:{NAME_WIDTH}}{figures}"
 
 
 def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
@@ -132,19 +142,20 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
 
 def climbs(found: Findings) -> Iterator[str]:
     """The missing force that the logs of the climbs show."""
-    yield from climbs_in_words(found.testimony)
+    yield from climbs_in_words(found.log_evidence)
 
 
 def in_next_flight(one: NextFlight, system: str = "SI") -> str:
-    """`next F24 in the same conditions: 5 m (1.7%) lower than the plain model`, and the forecast itself."""
+    """The forecast, and its change: `next F24 in the same conditions: 281 m, ...; 5 m (1.7%) lower than with the plain
+    model`."""
     change, shown = one.after - one.before, ShownUnits(system)
     span = f"{shown.length(one.after)}, 90% interval {shown.lengths(*one.interval)}"
-    name = f"next {one.flight.motor} in the same conditions"
+    forecast = f"next {one.flight.motor} in the same conditions: {span}"
     if abs(change) < 0.5:
-        return f"{name}: same as the plain model, {span}"
-    way = "higher" if change > 0 else "lower"
-    much = f"{shown.length(abs(change))} ({abs(change) / one.before:.1%})"
-    return f"{name}: {much} {way} than the plain model, {span}"
+        return f"{forecast}; the same as with the plain model"
+    direction = "higher" if change > 0 else "lower"
+    size = f"{shown.length(abs(change))} ({abs(change) / one.before:.1%})"
+    return f"{forecast}; {size} {direction} than with the plain model"
 
 
 def how_sure(found: Findings) -> str:
@@ -224,7 +235,7 @@ def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:
                 f"{rmse:>6}{bias:>6} {f'({least} to {most})':14}{score.coverage90:6.0%}"
             )
     yield f"  left out: {found.left_out.how}"
-    yield f"  forward: {found.forward.how}"
+    yield f"  forward in time: {found.forward.how}"
     yield "  in parentheses: 90% bootstrap intervals over flights"
 
 

@@ -10,6 +10,7 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_values import finite
+from fieldkit.presentation.loop_text import candidate_row
 from fieldkit.quantities import ShownUnits, counted, in_system, rounded
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary
@@ -65,11 +66,11 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
     yield ""
     yield "  candidate effect                  probability  evidence   strength"
-    yield f"  {'none':34.34}{answer.none:11.0%}"
-    yield f"  {'unexplained':34.34}{answer.unexplained:11.0%}"
+    yield from candidate_row("none", f"{answer.none:11.0%}")
+    yield from candidate_row("unexplained", f"{answer.unexplained:11.0%}")
     for one in found.candidates:
         strength = in_system(f"{rounded(one.mean, 3)} +/- {rounded(one.sd, 2)} {one.unit}", system)
-        yield f"  {one.place:34.34}{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}"
+        yield from candidate_row(one.place, f"{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}")
     yield ""
     yield f"  verdict: {found.effect} ({found.confidence:.0%}): {in_system(found.why, system)}"
     if found.also:

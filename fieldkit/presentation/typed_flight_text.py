@@ -12,7 +12,7 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
     if found.needs:
         return f"Cd and next apogee: needs {_listed(found.needs)}"
     if found.cd is None or found.alpha is None or found.next_apogee is None:
-        return f"Cd and next apogee: {in_system(found.odd, system)}"
+        return f"Cd and next apogee: {in_system(found.implausible_because, system)}"
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
     apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"

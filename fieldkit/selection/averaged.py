@@ -44,7 +44,7 @@ class Ahead:
 
 
 @dataclass(frozen=True, slots=True)
-class _Said:
+class _ByHypothesis:
     """One hypothesis's forecast of the log apogee of every flight for each scale, and its log weight."""
 
     mean: Float[Array, "scale flight"]
@@ -60,31 +60,31 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
     If the importance weights are unreliable, the fit is repeated without the flight.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
-    said = [_sampled(one) for one in some]
-    log_weight = np.stack([one.log_weight for one in said])
+    forecasts = [_sampled(one) for one in some]
+    log_weight = np.stack([one.log_weight for one in forecasts])
     chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
-    for number, (one, own) in enumerate(zip(some, said, strict=True)):
+    for number, (one, own) in enumerate(zip(some, forecasts, strict=True)):
         on_progress("flights left out", number / len(some))
         assert one.sampled is not None
         unsure = (one.sampled.pareto_k_without > RELIABLE_PARETO_K) & one.fit.data.seen.any(axis=1)
         rows = np.flatnonzero(unsure & (chance[number] > NEGLIGIBLE_PROBABILITY))
         if len(rows):
-            said[number] = _refitted(one, own, rows.tolist())
-    return _mixed(said, posterior.hypotheses[0].fit.model.hyperprior.tail)
+            forecasts[number] = _refitted(one, own, rows.tolist())
+    return _mixed(forecasts, posterior.hypotheses[0].fit.model.hyperprior.tail)
 
 
-def _sampled(one: Hypothesis) -> _Said:
+def _sampled(one: Hypothesis) -> _ByHypothesis:
     assert one.sampled is not None
     drawn = one.sampled
-    return _Said(drawn.mean, drawn.known, drawn.own, drawn.weight, one.log_prior + drawn.log_without)
+    return _ByHypothesis(drawn.mean, drawn.known, drawn.own, drawn.weight, one.log_prior + drawn.log_without)
 
 
-def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
+def _refitted(one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int]) -> _ByHypothesis:
     """Forecasts of some flights by a hypothesis from fits without each of them."""
     assert one.sampled is not None
     scales = one.sampled.scales
-    columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
-    log_weight = said.log_weight.copy()
+    columns = [whole.copy() for whole in (forecasts.mean, forecasts.known, forecasts.own, forecasts.weight)]
+    log_weight = forecasts.log_weight.copy()
     fit, left = one.sampled.fit, one.sampled.log_evidence - one.sampled.fit.log_evidence
     for row, again in zip(rows, refits_without(fit, rows), strict=True):
         apogee = again.tangent.slope[row, 0]
@@ -98,17 +98,17 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
             column[:, row] = part[scales]
         log_weight[row] = one.log_prior + left + again.log_evidence
     mean, known, own, weight = columns
-    return _Said(mean, known, own, weight, log_weight)
+    return _ByHypothesis(mean, known, own, weight, log_weight)
 
 
-def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
+def _mixed(forecasts: Sequence[_ByHypothesis], tail: float) -> Forecasts:
     """The mixture of the forecasts of all hypotheses, with Student t scatter of single flights."""
 
     precision = gammaincinv(tail / 2, (np.arange(TAIL_PARTS) + 0.5) / TAIL_PARTS) / (tail / 2)
-    log_weight = np.stack([one.log_weight for one in said])
+    log_weight = np.stack([one.log_weight for one in forecasts])
     chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
     means, variances, weights = [], [], []
-    for one, own_chance in zip(said, chance, strict=True):
+    for one, own_chance in zip(forecasts, chance, strict=True):
         for factor in precision:
             means.append(one.mean)
             variances.append(one.known + one.own / factor)
@@ -124,17 +124,17 @@ def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead
     The points of linearization, the weights of outlier flights and the set of hypotheses come from all flights.
     """
     some = _followed(posterior)
-    said = []
+    forecasts = []
     for number, one in enumerate(some):
         on_progress("forward in time", number / len(some))
-        said.append(_grown(one))
+        forecasts.append(_grown(one))
     plain = next(number for number, one in enumerate(some) if not one.candidates)
     fit = some[plain].fit
     used = fit.data.seen[:, 0]
     judged = used & (np.concatenate([[0], np.cumsum(used)[:-1]]) >= MIN_EARLIER_FLIGHTS)
     tail = fit.model.hyperprior.tail
-    chosen = tuple(name if there else "" for name, there in zip(_most_probable(some, said), judged, strict=True))
-    return Ahead(_mixed([said[plain]], tail), _mixed(said, tail), judged, chosen)
+    chosen = tuple(name if there else "" for name, there in zip(_most_probable(some, forecasts), judged, strict=True))
+    return Ahead(_mixed([forecasts[plain]], tail), _mixed(forecasts, tail), judged, chosen)
 
 
 def _followed(posterior: SetPosterior) -> list[Hypothesis]:
@@ -148,20 +148,20 @@ def _followed(posterior: SetPosterior) -> list[Hypothesis]:
     return [*kept, *(one for one in order if one not in kept)][: max(MAX_FORWARD, len(kept))]
 
 
-def _grown(one: Hypothesis) -> _Said:
+def _grown(one: Hypothesis) -> _ByHypothesis:
     """A hypothesis's forecast of every flight from the earlier flights."""
     grown, near = growing(one.fit), one.fit.tangent
     apogee = near.slope[:, 0]
     mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, grown.mean - near.at)
     known = np.einsum("ft,sftu,fu->sf", apogee, grown.covariance, apogee, optimize=True)
     total = np.logaddexp.reduce(grown.log_weight, axis=0)
-    return _Said(mean, known, own_variance(one.fit), np.exp(grown.log_weight - total), one.log_prior + total)
+    return _ByHypothesis(mean, known, own_variance(one.fit), np.exp(grown.log_weight - total), one.log_prior + total)
 
 
-def _most_probable(some: Sequence[Hypothesis], said: Sequence[_Said]) -> tuple[str, ...]:
+def _most_probable(some: Sequence[Hypothesis], forecasts: Sequence[_ByHypothesis]) -> tuple[str, ...]:
     """The name of the most probable set at each flight."""
     by_set: dict[Members, Array] = {}
-    for one, own in zip(some, said, strict=True):
+    for one, own in zip(some, forecasts, strict=True):
         by_set[one.members] = np.logaddexp(by_set.get(one.members, -np.inf), own.log_weight)
     names = ["+".join(sorted(members)) for members in by_set]
     return tuple(names[row] for row in np.argmax(np.stack(list(by_set.values())), axis=0))

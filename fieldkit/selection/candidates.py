@@ -33,21 +33,28 @@ class Place:
     def __str__(self) -> str:
         if not self.effect:
             return self.where
-        group = f" of {self.where}" if self.where else ""
-        if self.where == EACH_GROUP:
-            group = f" of each {effects()[self.effect].per}"
-        return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
+        group = f" of {self._group}" if self.where else ""
+        return f"{self.effect}{group}{self._since}"
 
     @property
     def in_words(self) -> str:
-        """For a flyer: an effect by its title, and its flights, `a weak or strong motor of F24`; a pattern in words,
-        `a trend with the hour of the day`, `a change from flight 4 on`."""
+        """For a flyer: an effect by its title, and its flights, `a weak or strong motor (F24)`; a pattern in words, `a
+        trend with the hour of the day`, `a change from flight 4 on`."""
         if self.effect:
             title = effects()[self.effect].title if self.effect in effects() else self.effect
-            return str(self).replace(self.effect, title, 1)
+            return f"{title}{f' ({self._group})' if self.where else ''}{self._since}"
         if self.where.endswith(SMOOTHLY):
             return f"a trend with {self.where.removesuffix(SMOOTHLY)}"
         return self.where.replace(LASTING_PREFIX, "a change from flight ", 1)
+
+    @property
+    def _group(self) -> str:
+        """The group of flights in words: its name, or `each motor`."""
+        return f"each {effects()[self.effect].per}" if self.where == EACH_GROUP else self.where
+
+    @property
+    def _since(self) -> str:
+        return f" from flight {self.since} on" if self.since else ""
 
     @property
     def start(self) -> str:

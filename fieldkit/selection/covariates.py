@@ -31,7 +31,7 @@ MIN_FLIGHTS = 4
 def known_before(name: str, flights: Sequence[Flight]) -> bool:
     """Whether a column of the user's table was known before lift-off, judging by its header and values."""
     words = _words(name)
-    if any(said <= words for said in _outcomes()):
+    if any(outcome <= words for outcome in _outcomes()):
         return False
     numbers = own_numbers(name, flights)
     apogee = recorded(flights, "apogee")

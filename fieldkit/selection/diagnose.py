@@ -134,12 +134,12 @@ def diagnose(
     families = {name: family for name, family in families.items() if (name or UNEXPLAINED) not in declined}
     posterior = explore(model, data, families, part(on_progress, 0.0, 0.85), pairs=not given)
     plain = posterior.best(frozenset())
-    said, forecast_by = verdict(posterior), posterior
+    named, forecast_by = verdict(posterior), posterior
     if given:
         pinned = checked(SetPosterior((plain, *chain(plain.fit, data, families, given))), window=np.inf)
         forecast_by = SetPosterior(pinned.hypotheses[1:])
         others = (one for one in posterior.hypotheses if one.members != frozenset(given))  # a single one was tried too
-        said = given_verdict(SetPosterior((*others, *forecast_by.hypotheses)), given)
+        named = given_verdict(SetPosterior((*others, *forecast_by.hypotheses)), given)
     before = left_out(SetPosterior((plain,)))
     after = left_out(forecast_by, part(on_progress, 0.85, 0.15))
     return Diagnosis(
@@ -148,7 +148,7 @@ def diagnose(
         base=Plain(plain.fit, leave_one_out(plain.fit)),
         posterior=posterior,
         ranking=_ranking(posterior, families, truth, seen),
-        verdict=said,
+        verdict=named,
         averaged=averaged(forecast_by),
         before=score(before, truth, seen),
         after=score(after, truth, seen),

@@ -30,7 +30,10 @@ def rocket_model(
     if hyperprior.kind == "certified":
         model = model.with_terms(*background_terms(model))
     known = [place for place in accepted if place.effect in effects()]
-    odd = [place for place in accepted if not place.effect]
+    patterns = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown
-    terms = [*(effect_terms(place, model) for place in known), *(pattern_terms(place, model, past) for place in odd)]
+    terms = [
+        *(effect_terms(place, model) for place in known),
+        *(pattern_terms(place, model, past) for place in patterns),
+    ]
     return model.with_terms(*(term for some in terms for term in some))

@@ -74,13 +74,15 @@ def _misses(plain: Fit) -> Float[Array, "flight readout"]:
 
 def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
     """The part of a shift that the plain model cannot absorb, in expected standard deviations of each readout."""
-    best, told = int(np.argmax(plain.log_weight)), plain.told
-    usable = (plain.data.seen & np.isfinite(plain.tangent.values))[:, told.readouts]
-    shown = np.where(usable, shift[:, told.readouts], 0.0)
-    pull = np.einsum("fot,fop,fp->t", told.slope, told.sharpness[best], shown)
-    offset = plain.covariance[best] @ pull
+    best, evidence = int(np.argmax(plain.log_weight)), plain.evidence
+    usable = (plain.data.seen & np.isfinite(plain.tangent.values))[:, evidence.readouts]
+    shown = np.where(usable, shift[:, evidence.readouts], 0.0)
+    score = np.einsum("fot,fop,fp->t", evidence.slope, evidence.sharpness[best], shown)
+    offset = plain.covariance[best] @ score
     left = np.zeros(shift.shape)
-    left[:, told.readouts] = (shown - told.slope @ offset) / np.sqrt(np.diagonal(told.noise()[best], axis1=1, axis2=2))
+    left[:, evidence.readouts] = (shown - evidence.slope @ offset) / np.sqrt(
+        np.diagonal(evidence.noise()[best], axis1=1, axis2=2)
+    )
     return left
 
 

@@ -73,17 +73,18 @@ def _gains(tried: Sequence[_Tried], columns: Columns, near: Fit) -> Float[Array,
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     slope, expected = stacked([(one.candidate, one.start) for one in tried], columns, near)
     count = len(tried)
-    products = _products(np.concatenate([near.told.miss[..., None], slope[..., 0], expected], axis=-1), scales, near)
+    shown = np.concatenate([near.evidence.miss[..., None], slope[..., 0], expected], axis=-1)
+    products = _products(shown, scales, near)
     own, other = slice(1, count + 1), slice(count + 1, None)
     sds = np.array([one.candidate.terms[0].sd for one in tried])
     found = np.full((count, count), -np.inf)
     for scale, product in zip(scales, products, strict=True):
-        told, moved, both = product[own, own], product[own, other], product[other, other]
+        between, moved, both = product[own, own], product[own, other], product[other, other]
         score = (product[own, 0] - np.diagonal(moved))[:, None] - moved
-        precision = np.diagonal(told) + 1 / sds**2
-        det = np.multiply.outer(precision, precision) - told**2
+        precision = np.diagonal(between) + 1 / sds**2
+        det = np.multiply.outer(precision, precision) - between**2
         one = precision * score**2
-        raised = (one + one.T - 2 * told * score * score.T) / det
+        raised = (one + one.T - 2 * between * score * score.T) / det
         shift = product[0, other] - np.diagonal(both) / 2
         gain = shift[:, None] + shift - both + 0.5 * (raised - np.log(det))
         np.logaddexp(found, near.log_weight[scale] + gain, out=found)
@@ -95,8 +96,8 @@ def _products(
 ) -> Float[Array, "scale column column"]:
     """Inner products of columns of readouts, weighted by the noise of the flights, after the smaller model's terms are
     refitted."""
-    told, flat = near.told, columns.reshape(-1, columns.shape[-1])
-    absorbed = told.slope.reshape(len(flat), -1).T
-    weighed = (told.sharpness[scales] @ columns).reshape(len(scales), *flat.shape)
+    evidence, flat = near.evidence, columns.reshape(-1, columns.shape[-1])
+    absorbed = evidence.slope.reshape(len(flat), -1).T
+    weighed = (evidence.sharpness[scales] @ columns).reshape(len(scales), *flat.shape)
     pull = absorbed @ weighed
     return np.asarray(flat.T @ weighed - np.swapaxes(pull, 1, 2) @ (near.covariance[scales] @ pull))

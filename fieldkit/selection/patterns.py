@@ -134,8 +134,8 @@ def _smooth(read: Weigh, column: Float[Array, "flown"]) -> Weigh:
     middle, spread = float(column.mean()), float(column.std()) or 1.0
 
     def kernel(one: Array, other: Array) -> Array:
-        apart = (one[:, None] - other) / (SMOOTH_LENGTH * spread)
-        return np.asarray(np.exp(-0.5 * apart**2))
+        distance = (one[:, None] - other) / (SMOOTH_LENGTH * spread)
+        return np.asarray(np.exp(-0.5 * distance**2))
 
     variance, shape = np.linalg.eigh(kernel(column, column))
     kept = np.flatnonzero(variance > NEGLIGIBLE_VARIANCE * len(column))[-MAX_COMPONENTS:]

@@ -97,11 +97,11 @@ def quick_look(
         certified(),
         trained_prior(network),
     )
-    said = quick_answer(history, quick_candidates, network)
-    truth, seen = said.summary.data.values[:, 0], said.summary.data.seen[:, 0]
-    before = score(forecasts_of(said.summary.left_out), truth, seen)
-    candidates = _candidates(said)
-    effect, confidence = _verdict(said)
+    estimate = quick_answer(history, quick_candidates, network)
+    truth, seen = estimate.summary.data.values[:, 0], estimate.summary.data.seen[:, 0]
+    before = score(forecasts_of(estimate.summary.left_out), truth, seen)
+    candidates = _candidates(estimate)
+    effect, confidence = _verdict(estimate)
     named = [one for one in candidates if one.effect in effect.split("+")]
     also = [
         one.effect
@@ -111,7 +111,7 @@ def quick_look(
     return QuickLook(
         rocket,
         int(seen.sum()),
-        said,
+        estimate,
         candidates,
         effect,
         confidence,
@@ -122,15 +122,15 @@ def quick_look(
     )
 
 
-def _verdict(said: QuickAnswer) -> tuple[str, float]:
+def _verdict(estimate: QuickAnswer) -> tuple[str, float]:
     """The verdict of lowest expected cost, as in `fieldkit.selection.verdict`, and its probability."""
-    ranked = sorted(said.inclusion, key=lambda name: -said.inclusion[name])
-    likely = [name for name in ranked if said.inclusion[name] > NAMING_PROBABILITY]
+    ranked = sorted(estimate.inclusion, key=lambda name: -estimate.inclusion[name])
+    likely = [name for name in ranked if estimate.inclusion[name] > NAMING_PROBABILITY]
     if likely:
-        return "+".join(likely), min(said.inclusion[name] for name in likely)
-    if 1 - said.none > NAMING_PROBABILITY:
-        return "unexplained", 1 - said.none
-    return "none", said.none
+        return "+".join(likely), min(estimate.inclusion[name] for name in likely)
+    if 1 - estimate.none > NAMING_PROBABILITY:
+        return "unexplained", 1 - estimate.none
+    return "none", estimate.none
 
 
 def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
@@ -141,15 +141,19 @@ def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
     return "; ".join(f"{one.place}: {one.mean:.3g} +/- {one.sd:.2g} {one.unit}" for one in named)
 
 
-def _candidates(said: QuickAnswer) -> tuple[QuickCandidate, ...]:
+def _candidates(estimate: QuickAnswer) -> tuple[QuickCandidate, ...]:
     """Every effect that may act, most probable first."""
-    trials = said.summary.trials
-    found = [_candidate(said, name, rows) for name, rows in families(trials).items() if name and name in said.inclusion]
+    trials = estimate.summary.trials
+    found = [
+        _candidate(estimate, name, rows)
+        for name, rows in families(trials).items()
+        if name and name in estimate.inclusion
+    ]
     return tuple(sorted(found, key=lambda one: -one.probability))
 
 
-def _candidate(said: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCandidate:
-    summary, trials = said.summary, said.summary.trials
+def _candidate(estimate: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCandidate:
+    summary, trials = estimate.summary, estimate.summary.trials
     leader = max(rows, key=lambda row: float(trials.weight[row]))
     own = summary.candidates[trials.candidate[leader]]
     assert isinstance(own, Candidate)
@@ -160,7 +164,7 @@ def _candidate(said: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCandid
         mean, sd = _root(mean, sd)
     log_bayes = float(np.logaddexp.reduce(trials.log_bayes[rows] + trials.log_share[rows]))
     after = _left_out_with(summary, trials, leader)
-    return QuickCandidate(name, said.inclusion[name], log_bayes, str(own.place), mean, sd, bends.unit, after)
+    return QuickCandidate(name, estimate.inclusion[name], log_bayes, str(own.place), mean, sd, bends.unit, after)
 
 
 def _root(mean: float, sd: float) -> tuple[float, float]:

@@ -163,14 +163,14 @@ def _gains_of_size(pairs: Sequence[tuple[Candidate, float]], columns: Columns, n
     Around the start `x0` the readouts are the smaller model's plus `shift + slope (x - x0)`.
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
-    told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
+    evidence, covariance, sharpness = near.evidence, near.covariance[scales], near.evidence.sharpness[scales]
     slope, expected = stacked(pairs, columns, near)
     flights, used, count, own = slope.shape
-    absorbed = told.slope.reshape(flights * used, -1).T
+    absorbed = evidence.slope.reshape(flights * used, -1).T
     entries = (sharpness @ slope.reshape(flights, used, -1)).reshape(len(scales), flights * used, -1)
     ties = absorbed @ entries  # scale term pair*own
-    miss = told.miss[..., None] - expected
-    before, _ = _left(told.miss[..., None], sharpness, absorbed, covariance)
+    miss = evidence.miss[..., None] - expected
+    before, _ = _left(evidence.miss[..., None], sharpness, absorbed, covariance)
     after, moved = _left(miss, sharpness, absorbed, covariance)
     weighed = entries.reshape(*entries.shape[:2], count, own)
     known = ties.reshape(*ties.shape[:2], count, own)
@@ -197,7 +197,7 @@ def stacked(
 ) -> tuple[Float[Array, "flight used pair own"], Float[Array, "flight used pair"]]:
     """The derivatives of the used readouts with respect to the terms of each candidate, and their shift at the means of
     those terms."""
-    used, slopes, shifts = near.told.readouts, [], []
+    used, slopes, shifts = near.evidence.readouts, [], []
     for one, start in pairs:
         slope, shift = _added(one, start, columns, near)
         away = np.array([term.mean for term in one.terms]) - _begins(one, start)
@@ -214,6 +214,6 @@ def _left(
 ) -> tuple[Float[Array, "scale pair"], Float[Array, "scale term pair"]]:
     """Squared standardized residuals after the smaller model's terms are refitted, and the shift of its terms."""
     weighed = (sharpness @ miss).reshape(len(sharpness), absorbed.shape[1], -1)
-    pull = absorbed @ weighed
-    moved = covariance @ pull
-    return (miss.reshape(absorbed.shape[1], -1) * weighed).sum(axis=1) - (pull * moved).sum(axis=1), moved
+    gradient = absorbed @ weighed
+    moved = covariance @ gradient
+    return (miss.reshape(absorbed.shape[1], -1) * weighed).sum(axis=1) - (gradient * moved).sum(axis=1), moved

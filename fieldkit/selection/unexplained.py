@@ -64,8 +64,8 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
             return _compared(f"with {_title(row.against)} above {middle:.3g}", values > middle, error)
         kinds = np.array(kinds_of(diagnosis)[row.against])
         candidates = [_compared(f"with {row.against} {kind}", kinds == kind, error) for kind in np.unique(kinds)]
-        told = [one for one in candidates if one is not None]
-        return max(told, key=lambda one: abs(one.amount) / max(one.sd, 1e-6), default=None)
+        described = [one for one in candidates if one is not None]
+        return max(described, key=lambda one: abs(one.amount) / max(one.sd, 1e-6), default=None)
     return None
 
 

@@ -68,7 +68,7 @@ class Findings:
     `left_out` are leave-one-out errors, `forward` are errors of forecasts from earlier flights. `fingerprints` are
     those of the accepted effects, or else of the most likely. `tests` would distinguish the most probable explanation
     from the next. `next_flight` has the forecasts of the flight after the last. `unexplained` is set if the verdict is
-    "unexplained". `testimony` is the evidence of logs of the climb, which the verdict does not use.
+    "unexplained". `log_evidence` is the evidence of logs of the climb, which the verdict does not use.
     """
 
     rocket: str
@@ -83,7 +83,7 @@ class Findings:
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
     next_flight: NextFlight
-    testimony: LogEvidence
+    log_evidence: LogEvidence
     excluded: tuple[str, ...] = ()
     """Notes on the clean flights that the fit did not use."""
 
@@ -118,7 +118,7 @@ def findings(
         tests=_tests(diagnosis),
         unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
         next_flight=next_flight(diagnosis),
-        testimony=compare_with_logs(diagnosis, logs or {}),
+        log_evidence=compare_with_logs(diagnosis, logs or {}),
     )
 
 

@@ -18,7 +18,7 @@ def recorded_logs(
     """The climb in the log of each flight in a diagnosis, by flight id, or the reason there is none. Only the latest
     logs are read; the others have `OLDER_LOGS_NOTE`."""
     seen = diagnosis.data.seen[:, 0]
-    flights = [flight for flight, teaches in zip(diagnosis.model.flights, seen, strict=True) if teaches]
+    flights = [flight for flight, used_in_fit in zip(diagnosis.model.flights, seen, strict=True) if used_in_fit]
     logged = [flight for flight in flights if flight.has_log]
     latest = logged[-MAX_LOGS:]
     if not logged:

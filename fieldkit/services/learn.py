@@ -79,8 +79,8 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
         raise NoFlights(f"{path}: found no flight with a dry mass and a known motor, expected at least one")
     dated = sorted(usable, key=lambda one: (one[0].date_time is not None, str(one[0].date_time or "")))
     digests = {file.name: hashlib.sha256(read(file)).hexdigest() for file in paths}
-    odd = implausible_flights([arrival.flight for arrival in gathered.arrivals], motors)
-    return Flyer(path.stem, dated, digests, tuple(f"{path.name}: {line}" for line in odd))
+    excluded = implausible_flights([arrival.flight for arrival in gathered.arrivals], motors)
+    return Flyer(path.stem, dated, digests, tuple(f"{path.name}: {line}" for line in excluded))
 
 
 def learn(

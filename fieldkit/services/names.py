@@ -8,8 +8,8 @@ def same_name(typed: str, names: Iterable[str]) -> str:
     """The known name that a typed one means: the same, or the only one that differs by the case of its letters; else
     the typed one."""
     known = list(names)
-    alike = [name for name in known if name.casefold() == typed.strip().casefold()]
-    return alike[0] if typed not in known and len(alike) == 1 else typed
+    same_name = [name for name in known if name.casefold() == typed.strip().casefold()]
+    return same_name[0] if typed not in known and len(same_name) == 1 else typed
 
 
 def similar_name(typed: str, names: Iterable[str]) -> str:

@@ -23,8 +23,10 @@ def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight,
 
 def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
     """The flights whose setup a plan can start from, whatever their readouts; clusters are not checked."""
-    odd = {id(one) for one, found in _with_motors(flights, motors) if implausible(_set_up(one), found.motor)}
-    return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in odd]
+    implausible_ids = {
+        id(one) for one, found in _with_motors(flights, motors) if implausible(_set_up(one), found.motor)
+    }
+    return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in implausible_ids]
 
 
 def _set_up(flight: Flight) -> Flight:

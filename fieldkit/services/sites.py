@@ -64,8 +64,8 @@ def with_site(ledger: Ledger, site: Site, was: str) -> Callable[[dict[str, Any]]
     is_flown = was in ledger.names("site")
 
     def replaced(saved: dict[str, Any]) -> dict[str, Any]:
-        told = {"elevation"} if is_flown and "elevation" not in saved.get(was, {}) else set()
-        known = {key: getattr(site, key) for key in (*SITE_LENGTHS, "rules") if key not in told}
+        from_flights = {"elevation"} if is_flown and "elevation" not in saved.get(was, {}) else set()
+        known = {key: getattr(site, key) for key in (*SITE_LENGTHS, "rules") if key not in from_flights}
         others = {name: one for name, one in saved.items() if name != was}
         return others | {site.name: {key: value for key, value in known.items() if value not in (None, "")}}
 

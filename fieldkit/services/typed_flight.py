@@ -32,11 +32,11 @@ class TypedEstimate:
     """The network's estimate from a rocket's flights and the one being entered.
 
     `cd` (on the body's frontal area) [1], `alpha` [1] and `next_apogee` [m] are for repeating the flight. All are None
-    if `needs` names missing inputs, or `odd` gives the reason the figures are impossible.
+    if `needs` names missing inputs, or `implausible_because` gives the reason the figures are impossible.
     """
 
     needs: tuple[str, ...] = ()
-    odd: str = ""
+    implausible_because: str = ""
     cd: Interval | None = None
     alpha: Interval | None = None
     next_apogee: Interval | None = None
@@ -89,8 +89,8 @@ class TypedFlight:
             found = None if is_cluster(typed.motor) else self._motor(typed.motor)
             if found is None:
                 return TypedEstimate(("a motor in the catalog",))
-            if odd := implausible(typed, found.motor):
-                return TypedEstimate(odd=odd)
+            if implausible_because := implausible(typed, found.motor):
+                return TypedEstimate(implausible_because=implausible_because)
             used = typed.clean and shows(typed)
             ready = self._prepared(typed, found, used)
             flights = [*(flight for flight, _ in self._flown), typed]
@@ -127,7 +127,7 @@ def _estimate(answer: QuickAnswer) -> TypedEstimate:
     low, middle, high = (answer.apogee_at(level) for level in (0.05, 0.5, 0.95))
     cd, alpha = _interval(answer.log_cd), _interval(answer.log_alpha)
     if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):
-        return TypedEstimate(odd="these values are inconsistent")
+        return TypedEstimate(implausible_because="these values are inconsistent")
     return TypedEstimate(
         cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=int(answer.summary.data.seen.any(axis=1).sum())
     )

@@ -233,13 +233,13 @@ class FieldkitApp(Surviving):
         """Redo what was undone last."""
         self._journal("redo", "Redone")
 
-    def _journal(self, method: str, said: str) -> None:
+    def _journal(self, method: str, done: str) -> None:
         page = self.screen
         if isinstance(page, PageScreen):
-            page.change(lambda: getattr(self.resources.ledger, method)(), partial(self._journalled, said))
+            page.change(lambda: getattr(self.resources.ledger, method)(), partial(self._journalled, done))
 
-    def _journalled(self, said: str, change: Any) -> None:
-        self.show_notice(f"{said}: {change.command} {change.what}")
+    def _journalled(self, done: str, change: Any) -> None:
+        self.show_notice(f"{done}: {change.command} {change.what}")
         self.changed()
 
     async def open_flight(self, id: str) -> None:
@@ -270,12 +270,16 @@ class FieldkitApp(Surviving):
             yield SystemCommand(f"Colors: {theme}", "Change the colors", partial(self.choose, theme=theme))
         for units in UNITS:
             yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
-        said = set[str]()
+        described = set[str]()
         for active in screen.active_bindings.values():
             binding = active.binding
             label, key = binding.tooltip or binding.description, self.get_key_display(binding)
-            if active.enabled and label not in said and (binding.tooltip or (binding.description and binding.show)):
-                said.add(label)
+            if (
+                active.enabled
+                and label not in described
+                and (binding.tooltip or (binding.description and binding.show))
+            ):
+                described.add(label)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
 
 

@@ -69,7 +69,7 @@ class Choosing(InOrder):
         """The next system of units."""
         self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
 
-    def choose(self, said: str = "", **changes: Any) -> None:
+    def choose(self, done: str = "", **changes: Any) -> None:
         """Change settings, apply them, and save them."""
         before = self.resources.settings
         try:
@@ -77,7 +77,7 @@ class Choosing(InOrder):
         except FieldkitError as error:
             self.show_notice(str(error), error=True)
         else:
-            self.show_notice(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
+            self.show_notice(done or "; ".join(f"{name} {value}" for name, value in changes.items()))
         now = self.resources.settings
         self.theme = now.theme
         if {name for name in asdict(now) if getattr(now, name) != getattr(before, name)} <= LOOKS:

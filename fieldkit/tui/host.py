@@ -34,7 +34,7 @@ class Host(Protocol):
     def survive(self, error: Exception) -> None:
         """Log an unexpected error, and show a notice."""
 
-    def choose(self, said: str = "", **changes: Any) -> None:
+    def choose(self, done: str = "", **changes: Any) -> None:
         """Change settings, apply them, and save them."""
 
     def ask_target(self) -> None:

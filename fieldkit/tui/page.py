@@ -22,6 +22,12 @@ from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 from fieldkit.tui.widgets.dialogs import HelpScreen
 from fieldkit.tui.widgets.table import Table
 
+OF_TEXTUAL = {
+    "app.focus_next": "Next part of the page",
+    "app.focus_previous": "Previous part of the page",
+    "screen.copy_text": "",
+}
+"""Actions that Textual itself binds and describes, with what the help says instead; nothing leaves them out."""
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
@@ -44,6 +50,11 @@ def pages() -> dict[str, Page]:
         if page is not None:
             found[module.name] = page
     return dict(sorted(found.items(), key=lambda item: item[1].number))
+
+
+def _description(binding: Binding) -> str:
+    """What a key does, for the help."""
+    return OF_TEXTUAL.get(binding.action, binding.tooltip or binding.description)
 
 
 class PageScreen(AskingScreen):
@@ -181,8 +192,8 @@ class PageScreen(AskingScreen):
     def _keys(self) -> list[tuple[str, str]]:
         """The keys and their current actions."""
         bindings = [active.binding for active in self.active_bindings.values() if active.enabled]
-        named = {b.action: (self.app.get_key_display(b), b.tooltip or b.description) for b in bindings if b.description}
-        return list(named.values())
+        described = {b.action: (self.app.get_key_display(b), _description(b)) for b in bindings}
+        return [(key, text) for key, text in described.values() if text]
 
     def action_copy(self) -> None:
         """Copy the line or the figure."""

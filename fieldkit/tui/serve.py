@@ -90,10 +90,10 @@ def address(host: str) -> str:
 def heard(text: str) -> tuple[str, Any] | None:
     """Parse a message from a page: its kind and its data; None for a message that our page does not send."""
     try:
-        said = json.loads(text)
+        received = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    match said:
+    match received:
         case ["stdin", str(keys)]:
             return "stdin", keys.encode(errors="replace")
         case ["resize", {"width": int(width), "height": int(height)}]:
@@ -105,9 +105,9 @@ def heard(text: str) -> tuple[str, Any] | None:
     return None
 
 
-async def _passed_on(said: tuple[str, Any] | None, page: web.WebSocketResponse, service: AppService) -> bool:
+async def _passed_on(received: tuple[str, Any] | None, page: web.WebSocketResponse, service: AppService) -> bool:
     """Pass a message from a page on to its app; returns whether it was valid."""
-    match said:
+    match received:
         case "stdin", keys:
             await service.send_bytes(keys)
         case "resize", (width, height):
@@ -118,7 +118,7 @@ async def _passed_on(said: tuple[str, Any] | None, page: web.WebSocketResponse, 
             await service.blur()
         case "focus", _:
             await service.focus()
-    return said is not None
+    return received is not None
 
 
 async def _end(service: AppService) -> None:

@@ -13,7 +13,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
 
 
 EFFECT = Effect(
-    title="air density other than recorded",
+    title="wrong air density",
     family="air",
     explains="the air at a site is thinner or denser than recorded, so drag is lower or higher",
     unit="fraction of the density",

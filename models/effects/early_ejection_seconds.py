@@ -13,9 +13,9 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
 
 
 EFFECT = Effect(
-    title="ejection some seconds early",
+    title="ejection a few seconds early",
     family="recovery",
-    explains="the ejection charge fires some seconds early and the parachute ends the climb",
+    explains="the ejection charge fires a few seconds early and the parachute ends the climb",
     unit="s",
     prior=Prior(mean=1.5, sd=1.0, low=0.4, high=8.0),
     source="delays of certified motors vary by up to 20% or 1.5 s (NFPA 1125); adjustable ones are drilled in seconds",

@@ -12,7 +12,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
 
 
 EFFECT = Effect(
-    title="a heavier recovery",
+    title="heavier recovery gear",
     family="mass",
     explains="from some flight on the rocket carries more than the mass entered, such as a larger parachute",
     unit="fraction of the dry mass",

@@ -11,7 +11,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
 
 
 EFFECT = Effect(
-    title="a lot that burns longer",
+    title="a motor lot that burns longer",
     family="motor",
     explains="from some flight on this motor ignites more slowly and burns longer, as another lot may",
     unit="fraction of the burn time",

@@ -14,9 +14,9 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Makes the air at the pad warmer by this temperature and adjusts the reading of an altimeter that assumes standard
     air. [K]
     """
-    warmth = setup.air.temperature + strength
-    share = setup.air.temperature / warmth
-    air = replace(setup.air, density=setup.air.density * share, temperature=warmth)
+    temperature = setup.air.temperature + strength
+    share = setup.air.temperature / temperature
+    air = replace(setup.air, density=setup.air.density * share, temperature=temperature)
     return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * share)
 
 

@@ -161,8 +161,8 @@ def log_likelihood(one: Problem, normals: Float[Array, "flight draw latent"]) ->
         middle = np.where(both, clean[name], 1.0)
         share, floor = NOISE[name].share * np.abs(middle), np.full(len(middle), NOISE[name].floor)
         ends = [_below(np.where(both, end, 1.0) - middle, floor, share) for end in (low, high)]
-        told = np.log(np.maximum(ends[1] - ends[0], 1e-300))
-        total += np.where(both, told, np.where(np.isfinite(low), -np.inf, 0.0))
+        log_probability = np.log(np.maximum(ends[1] - ends[0], 1e-300))
+        total += np.where(both, log_probability, np.where(np.isfinite(low), -np.inf, 0.0))
     return np.asarray(total.reshape(normals.shape[:2]))
 
 

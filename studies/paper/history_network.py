@@ -38,9 +38,9 @@ def history_forecasts(flights: Reference) -> list[HistoryForecast]:
     for row, (flight, motor) in enumerate(flown):
         others = [one for other, one in enumerate(flown) if flights.valid[other] and other != row]
         plan = flight.with_changes(**dict.fromkeys(flight.readouts()), sd={}, source={}, tags=())
-        said = forecast_at_once(others, (plan, motor))
-        low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
-        cd, alpha = (float(np.exp(mean)) for mean, _ in (said.log_cd, said.log_alpha))
+        forecast = forecast_at_once(others, (plan, motor))
+        low, middle, high = (forecast.apogee_at(level) for level in (0.05, 0.5, 0.95))
+        cd, alpha = (float(np.exp(mean)) for mean, _ in (forecast.log_cd, forecast.log_alpha))
         found.append(HistoryForecast(flight.flight_id, (low, middle, high), cd, alpha))
     return found
 

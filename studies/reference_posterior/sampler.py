@@ -142,10 +142,10 @@ def _shared_figures(case: Case, terms: Float[Array, "draw term"]) -> Float[Array
     return np.concatenate([bent(plan, terms, name) for name in ("drag", "thrust", "apogee")], axis=1)
 
 
-def _figures(learnt: FittedForecast) -> Float[Array, "draw figure"]:
-    (prediction,) = fly_ahead(learnt)
+def _figures(fitted: FittedForecast) -> Float[Array, "draw figure"]:
+    (prediction,) = fly_ahead(fitted)
     apogee = np.log(np.maximum(prediction.true_apogee, 1.0))
-    return np.stack([apogee, *(bent(learnt.model, learnt.values, name)[:, 0] for name in ("drag", "thrust"))], axis=-1)
+    return np.stack([apogee, *(bent(fitted.model, fitted.values, name)[:, 0] for name in ("drag", "thrust"))], axis=-1)
 
 
 def _inside(density: hamiltonian.Density, start: Float[Array, "chain dimension"]) -> Float[Array, "chain dimension"]:

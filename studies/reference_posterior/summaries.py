@@ -46,24 +46,26 @@ def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int
     figures = next_flight(case, exact.terms, exact.scales, seed)
     thin = figures[np.linspace(0, len(figures) - 1, THINNED).astype(int)]
     by_linear = quantiles(next_flight(case, linear.terms, linear.scales, seed), LEVELS)
-    said = said_by_fit(case, len(figures), seed)
-    excess = excess_crps(np.exp(said[:, 0]), np.exp(figures[:, 0]))
+    forecast = said_by_fit(case, len(figures), seed)
+    excess = excess_crps(np.exp(forecast[:, 0]), np.exp(figures[:, 0]))
     return Reference(name, case, quantiles(figures, LEVELS), by_linear, thin, exact.r_hat, exact.effective, excess)
 
 
-def off(said: Float[Array, "level figure"], reference: Float[Array, "level figure"]) -> Float[Array, "level figure"]:
+def off(
+    forecast: Float[Array, "level figure"], reference: Float[Array, "level figure"]
+) -> Float[Array, "level figure"]:
     """Differences of quantiles from the reference's, as fractions of its 90% interval. [1]"""
-    return np.asarray((said - reference) / (reference[-1] - reference[0]))
+    return np.asarray((forecast - reference) / (reference[-1] - reference[0]))
 
 
-def excess_crps(said: Float[Array, "draw"], exact: Float[Array, "draw"]) -> float:
+def excess_crps(forecast: Float[Array, "draw"], exact: Float[Array, "draw"]) -> float:
     """Relative excess of a forecast's expected CRPS over the exact forecast's. [1]
 
     With the truth drawn from the exact forecast, the difference is the integral of the squared difference of their
     distribution functions, and the exact forecast's CRPS is the integral of F (1 - F).
     """
-    grid = np.sort(np.concatenate([said, exact]))
-    by = [np.searchsorted(np.sort(draws), grid[:-1], side="right") / len(draws) for draws in (said, exact)]
+    grid = np.sort(np.concatenate([forecast, exact]))
+    by = [np.searchsorted(np.sort(draws), grid[:-1], side="right") / len(draws) for draws in (forecast, exact)]
     width = np.diff(grid)
     return float(((by[0] - by[1]) ** 2 @ width) / ((by[1] * (1 - by[1])) @ width))
 

@@ -80,11 +80,11 @@ def test_drag_and_impulse_are_within_two_standard_deviations() -> None:
     drag, impulse, relative = [], [], []
     for rocket in ROCKETS:
         for logger in LOGGERS:
-            said, flown, truth = recorded(rocket, logger)
-            if found := said.figures.get("coast_drag"):
+            measured, flown, truth = recorded(rocket, logger)
+            if found := measured.figures.get("coast_drag"):
                 drag.append((found.value - drag_of(flown)) / found.sd)
                 relative.append(found.sd / found.value)
-            if (found := said.figures.get("burn_impulse")) and rocket != "fast":
+            if (found := measured.figures.get("burn_impulse")) and rocket != "fast":
                 impulse.append((found.value - impulse_of(truth, flown)) / found.sd)
     assert len(drag) >= 45
     assert len(impulse) >= 25
@@ -102,23 +102,23 @@ def test_twice_the_mass_has_half_the_drag_in_a_log() -> None:
 
 
 def test_a_coast_without_drag_shows_none() -> None:
-    said = measure(log(fly(replace(SMALL, area=1e-9)), Logger(), np.random.default_rng(1)))
-    assert "apogee" in said.figures
-    assert "coast_drag" not in said.figures
+    measured = measure(log(fly(replace(SMALL, area=1e-9)), Logger(), np.random.default_rng(1)))
+    assert "apogee" in measured.figures
+    assert "coast_drag" not in measured.figures
 
 
 @pytest.mark.parametrize(
     "logger", [Logger(rate=1), Logger(early=0.35), Logger(late=0.5)], ids=["1 Hz", "early", "late"]
 )
 def test_a_coast_that_is_too_coarse_or_too_short_says_nothing(logger: Logger) -> None:
-    said = measure(log(fly(TINY), logger, np.random.default_rng(1)))
-    assert not {"coast_drag", "burn_impulse"} & set(said.figures)
+    measured = measure(log(fly(TINY), logger, np.random.default_rng(1)))
+    assert not {"coast_drag", "burn_impulse"} & set(measured.figures)
 
 
 def test_a_burn_that_ends_near_the_speed_of_sound_has_no_impulse() -> None:
-    said = recorded("fast", "plain")[0].figures
-    assert "coast_drag" in said
-    assert "burn_impulse" not in said
+    measured = recorded("fast", "plain")[0].figures
+    assert "coast_drag" in measured
+    assert "burn_impulse" not in measured
 
 
 @pytest.mark.parametrize("gain", [0.94, 1.06])
@@ -142,8 +142,8 @@ def motor() -> Motor:
 def flown_on(cd: float, thrust_factor: float, logger: Logger, seed: int) -> Flight:
     """A flight on a motor of the catalog, with what is measured in its log."""
     rocket = Rocket(mass=0.322, area=cd * AREA, delay=8.0, elevation=0.0)
-    said = measure(log(fly(rocket, motor(), thrust_factor), logger, np.random.default_rng(seed)))
-    fields, _ = columns(said, {})
+    measured = measure(log(fly(rocket, motor(), thrust_factor), logger, np.random.default_rng(seed)))
+    fields, _ = columns(measured, {})
     plan = Flight("1", "Astra", "A", F24, dry_mass=0.322, diameter=0.066, delay=8.0)
     return plan.with_changes(**fields)
 

@@ -190,7 +190,7 @@ def test_an_accelerometer_on_a_late_clock_is_not_believed() -> None:
 def test_an_accelerometer_of_a_tilted_flight_is_believed_and_air_brakes_are_not() -> None:
     """The flight is 22 degrees off vertical; for two seconds of the coast the pressures are those of 150 m lower."""
     random = np.random.default_rng(11)
-    for path in draw(random, 3, lean=float(np.radians(22))):
+    for path in draw(random, 3, launch_angle=float(np.radians(22))):
         right = path.readouts()
         found = open_log(written(path, Recorder(baro=50, accel=100), random), "log", None).found
         (series,) = next(item for item in found if isinstance(item, Reading)).clocks

@@ -18,8 +18,8 @@ def results(sharpened: float) -> list[Result]:
     for number, chance in enumerate(rng.uniform(0, 1, 2000)):
         label = "wind" if rng.uniform() < chance else "none"
         odds = (chance / (1 - chance)) ** sharpened
-        said = {"wind": odds / (1 + odds)}
-        found.append(Result(str(number), "wind", label, 0.5, 1.0, "none", probabilities=said))
+        output = {"wind": odds / (1 + odds)}
+        found.append(Result(str(number), "wind", label, 0.5, 1.0, "none", probabilities=output))
     return found
 
 
@@ -59,14 +59,14 @@ def test_the_summary_compares_forecasts_with_the_plain_model_the_truth_given_and
         mae = [Errors(m, 0.0, covered, 10, IDEAL_INTERVAL * m) if m else None for m in (before, after, given)]
         return Result("s", scenario, label, 0.5, 5.0, label, before=mae[0], after=mae[1], given=mae[2])
 
-    said = summary(
+    output = summary(
         [
             one("wind", "wind", 20.0, 10.0, 10.0, 9),
             one("wear", "wear", 20.0, 40.0, 20.0, 7),
             one("null", "none", 10.0, 10.0, None, 10),
         ]
     )
-    assert "the fit with the true effect: 1.41 (geometric mean), highest 2.00 (wear)" in said
-    assert "more than 5% above the plain model's: 1 of 3" in said
-    assert "coverage after by scenario: 70% (wear) to 100%" in said
-    assert "interval score after relative to before: 1.00, to the ideal: 3.17 (geometric mean)" in said
+    assert "the fit with the true effect: 1.41 (geometric mean), highest 2.00 (wear)" in output
+    assert "more than 5% above the plain model's: 1 of 3" in output
+    assert "coverage after by scenario: 70% (wear) to 100%" in output
+    assert "interval score after relative to before: 1.00, to the ideal: 3.17 (geometric mean)" in output

@@ -359,7 +359,7 @@ def blue_raven(low: Sequence[bytes], high: Sequence[bytes], live: bytes = b"") -
     """A unit that sends its status `live` all the time, and its memory when asked."""
 
     def device(wire: Wire) -> None:
-        said = time.monotonic()
+        last_sent = time.monotonic()
         unread = b""
         while True:
             unread += wire.listen(0.02)
@@ -367,8 +367,8 @@ def blue_raven(low: Sequence[bytes], high: Sequence[bytes], live: bytes = b"") -
                 command, _, unread = unread.partition(b"\n")
                 wire.commands.append(command + b"\n")
                 wire.say({b"download l": b"".join(low), b"download h": b"".join(high)}.get(command.strip(), b"?\r\n"))
-            if live and time.monotonic() - said > 0.1:
-                said = time.monotonic()
+            if live and time.monotonic() - last_sent > 0.1:
+                last_sent = time.monotonic()
                 wire.say(live)
 
     return device

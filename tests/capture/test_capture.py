@@ -378,10 +378,10 @@ def test_ctrl_c_ends_a_stream_in_good_order(folder: Path) -> None:
     with played(packets) as wire, running("capture", wire.name, "--device", "teledongle", "--no-import") as process:
         until(lambda: folder.is_dir() and size(folder) > 5_000)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=30)
+        _, stderr = process.communicate(timeout=30)
         until(lambda: bytes(wire.received).endswith(b"m 0\n"))
     assert process.returncode == 0
-    assert re.search(rb"stopped: \d+ samples", said)  # as many as had come by then
+    assert re.search(rb"stopped: \d+ samples", stderr)  # as many as had come by then
 
 
 @terminals

@@ -80,7 +80,7 @@ def ended(events: Sequence[Event]) -> Ended:
     return last
 
 
-def told(events: Sequence[Event]) -> str:
+def text_of(events: Sequence[Event]) -> str:
     return "\n".join(event.text for event in events if isinstance(event, Instruction))
 
 
@@ -139,7 +139,7 @@ def test_a_micropeak_with_a_wrong_checksum_is_switched_on_again(tmp_path: Path) 
     wrong, right = devices.micropeak_stream(PAYLOADS[0], crc=0x1234), devices.micropeak_stream(PAYLOADS[0])
     with played(devices.talking(wrong + b"\x7f" + right)) as wire:
         events = heard(wire, "micropeak", tmp_path)
-    assert "damaged; switch the unit off and on to receive it again" in told(events)
+    assert "damaged; switch the unit off and on to receive it again" in text_of(events)
     assert ended(events).whole
     (log,) = logs_in(ended(events).file)
     assert log.content.strip() == right.strip()
@@ -149,7 +149,7 @@ def test_a_micropeak_that_was_never_flown_is_no_error(tmp_path: Path) -> None:
     with played(devices.talking(devices.micropeak_stream(b"\xff" * 10))) as wire:
         events = heard(wire, "micropeak", tmp_path)
     assert ended(events).whole
-    assert "holds no flight" in told(events)
+    assert "holds no flight" in text_of(events)
 
 
 @pytest.mark.usefixtures("impatient")
@@ -157,7 +157,7 @@ def test_a_micropeak_that_stops_in_the_middle_and_stays_away_keeps_what_came(tmp
     half = devices.micropeak_stream(PAYLOADS[0])[:160]
     with played(devices.talking(half)) as wire:
         events = heard(wire, "micropeak", tmp_path, replace(QUICK, wait=1.5))
-    assert "stopped in the middle" in told(events)
+    assert "stopped in the middle" in text_of(events)
     assert not ended(events).whole
     assert read_capture(ended(events).file).raw == half
     assert logs_in(ended(events).file)[0].content == half
@@ -201,7 +201,7 @@ def test_a_chosen_flight_that_wraps_its_clock_comes_alone(tmp_path: Path) -> Non
 def test_a_flight_with_a_wrong_checksum_is_read_again(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS[:1], spoil=1)) as wire:
         events = heard(wire, "altimulti", tmp_path)
-    assert "flight 0: 1 sentence with a wrong checksum; reading it again" in told(events)
+    assert "flight 0: 1 sentence with a wrong checksum; reading it again" in text_of(events)
     assert ended(events).whole
     assert flown(logs_in(ended(events).file)[0].content) == FLIGHTS[0]
 
@@ -281,7 +281,7 @@ def test_an_altos_flight_comes_block_by_block_and_ends_where_memory_is_erased(tm
         events = heard(wire, "altos", tmp_path)
     end = ended(events)
     assert end.whole
-    assert "block 12: 2 lines arrived incomplete; reading it again" in told(events)
+    assert "block 12: 2 lines arrived incomplete; reading it again" in text_of(events)
     assert (end.about["serial"], end.about["firmware"]) == ("2094", "1.9.14")
     have = altos.blocks(read_capture(end.file))
     assert {number: have[number].content for number in memory} == memory
@@ -363,7 +363,7 @@ def test_a_frame_with_a_wrong_checksum_costs_that_frame(tmp_path: Path) -> None:
     with played(devices.blue_raven(low, [])) as wire:
         events = heard(wire, "blue_raven", tmp_path, BRIEF)
     assert (ended(events).samples, ended(events).damaged) == (len(LOW) - 1, 1)
-    assert "no high-rate data" in told(events)
+    assert "no high-rate data" in text_of(events)
 
 
 # --- PerfectFlite
@@ -377,7 +377,7 @@ def test_a_mawd_is_asked_again_for_a_flight_that_stopped(tmp_path: Path) -> None
         events = heard(wire, "mawd", tmp_path)
     end = ended(events)
     assert end.whole
-    assert "101 of 203 samples arrived; reading it again" in told(events)
+    assert "101 of 203 samples arrived; reading it again" in text_of(events)
     assert end.about == {"model": "PerfectFlite miniAlt/WD", "firmware": "Version 1.4"}
     assert set(wire.received) <= set(b"IVSD")
 

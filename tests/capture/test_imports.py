@@ -50,16 +50,16 @@ def altos_unit(log: bytes) -> Device:
         for line in log[end:].split(b"\n")[1:]
     ]
     flash = bytes.fromhex("".join(rows)).rstrip(b"\xff")
-    told = {key.replace("_", "-"): value for key, value in json.loads(log[:end]).items()}
+    settings = {key.replace("_", "-"): value for key, value in json.loads(log[:end]).items()}
     count = -(-len(flash) // 256)
     memory = {0x20 + n: flash[256 * n :][:256].ljust(256, b"\xff") for n in range(count)}
     names = {"serial": "serial-number", "log-format": "log-format", "product": "product"}
     lines = [
         f"{names.get(key, key.replace('ms5607-', 'ms5607 '))}{': ' if 'ms5607' in key else ' '}{value}"
-        for key, value in told.items()
+        for key, value in settings.items()
     ]
     identity = "\n".join(line for line in lines if "software" not in line) + "\nsoftware-version 1.9.18\n"
-    return devices.altos(memory, [(told["flight"], 0x20, 0x20 + count)], identity=identity.encode())
+    return devices.altos(memory, [(settings["flight"], 0x20, 0x20 + count)], identity=identity.encode())
 
 
 def blue_raven_unit(log: bytes) -> Device:

@@ -28,17 +28,17 @@ def interrupted(device: devices.Device, word: bytes, before: bytes, tail: int, p
     """A unit whose first answer with a word in it has noise before the `tail` last lines, which come slowly. [s]"""
 
     def noisy(wire: Wire) -> None:
-        said, left = wire.say, [True]
+        send, left = wire.say, [True]
 
         def say(content: bytes, dribble: random.Random | None = None) -> None:
             if not (left and word in content):
-                said(content, dribble)
+                send(content, dribble)
                 return
             left.clear()
             lines = content.splitlines(keepends=True)
-            said(b"".join(lines[:-tail]))
+            send(b"".join(lines[:-tail]))
             for piece in [*before.splitlines(keepends=True), *lines[-tail:]]:
-                said(piece)
+                send(piece)
                 time.sleep(pause)
 
         with patch.object(wire, "say", say):

@@ -69,8 +69,8 @@ class Ear:
         return len(command)
 
     def read(self, _: int) -> bytes:
-        said, self.waiting = self.waiting, b""
-        return said
+        answer, self.waiting = self.waiting, b""
+        return answer
 
     def close(self) -> None:
         return

@@ -75,9 +75,9 @@ def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Con
         asked.append(prompt)
         return next(waiting, None)
 
-    talk = Conversation(ledger, listen, True, MotorCheck(), **state)
-    converse(talk)
-    return talk, asked
+    conversation = Conversation(ledger, listen, True, MotorCheck(), **state)
+    converse(conversation)
+    return conversation, asked
 
 
 def test_a_flight_is_typed_in_from_top_to_bottom(add: Add, file: Path) -> None:
@@ -161,18 +161,18 @@ def test_a_digit_too_many_is_seen_by_the_flights_before(add: Add, file: Path) ->
 def test_the_last_flight_is_offered(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST])
-        talk, asked = person(ledger, ["", "", "", *READ_OFF, "", "", "", "", "", "", ""])
+        conversation, asked = person(ledger, ["", "", "", *READ_OFF, "", "", "", "", "", "", ""])
     assert asked[:3] == ["Rocket [Astra]: ", "Configuration [A]: ", "Motor [F24-4W]: "]
     assert "Dry mass (g) [322 g]: " in asked
-    assert talk.flight.with_changes(**talk.flight.readouts()).dry_mass == pytest.approx(0.322)
-    assert (talk.flight.site, talk.flight.diameter) == ("North field", pytest.approx(0.066))
+    assert conversation.flight.with_changes(**conversation.flight.readouts()).dry_mass == pytest.approx(0.322)
+    assert (conversation.flight.site, conversation.flight.diameter) == ("North field", pytest.approx(0.066))
 
 
 def test_a_dash_takes_nothing_of_what_is_offered(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST])
-        talk, _ = person(ledger, ["", "-", "-", "100m", *[""] * 9, "-", "-"])
-    assert (talk.flight.config, talk.flight.motor, talk.flight.dry_mass) == ("", "", None)
+        conversation, _ = person(ledger, ["", "-", "-", "100m", *[""] * 9, "-", "-"])
+    assert (conversation.flight.config, conversation.flight.motor, conversation.flight.dry_mass) == ("", "", None)
 
 
 def test_another_build_of_a_rocket_is_not_offered_the_mass_of_the_last(file: Path) -> None:
@@ -184,29 +184,29 @@ def test_another_build_of_a_rocket_is_not_offered_the_mass_of_the_last(file: Pat
 
 def test_back_goes_to_the_field_before_and_offers_what_was_said(file: Path) -> None:
     with Ledger.open(file) as ledger:
-        talk, asked = person(ledger, ["<", "Astra", "A", "<", "B", "F24-4W", "100m", "<", "110m"])
+        conversation, asked = person(ledger, ["<", "Astra", "A", "<", "B", "F24-4W", "100m", "<", "110m"])
     assert asked[:2] == ["Rocket: ", "Rocket: "]
     assert asked[4] == "Configuration [A]: "
     assert "Apogee (m) [100m]: " in asked
-    assert (talk.flight.config, talk.flight.apogee) == ("B", 110.0)
+    assert (conversation.flight.config, conversation.flight.apogee) == ("B", 110.0)
 
 
 def test_a_person_may_correct_what_is_odd_or_keep_it(file: Path) -> None:
     with Ledger.open(file) as ledger:
-        talk, asked = person(ledger, ["Astra", "", "F24-4W", "28000m", "280m", "800", ""])
-    assert (talk.flight.apogee, talk.flight.top_speed) == (280.0, 800.0)
+        conversation, asked = person(ledger, ["Astra", "", "F24-4W", "28000m", "280m", "800", ""])
+    assert (conversation.flight.apogee, conversation.flight.top_speed) == (280.0, 800.0)
     assert asked.count("  Enter to accept it, or type it again: ") == 2
 
 
 def test_the_unit_typed_last_is_the_next_ones(file: Path) -> None:
     with Ledger.open(file) as ledger:
         answers = ["Astra", "A", "F24-4W", "923ft", *[""] * 6, "905", "14mph", "", "", "11.4oz", "2.6in"]
-        talk, asked = person(ledger, answers)
+        conversation, asked = person(ledger, answers)
         assert "Ejection altitude (ft): " in asked
-        assert talk.flight.eject_altitude == pytest.approx(275.844)
+        assert conversation.flight.eject_altitude == pytest.approx(275.844)
         assert "Peak acceleration (g): " in asked
-        assert talk.flight.dry_mass == pytest.approx(0.3232, abs=1e-4)
-        _, asked = person(ledger, ["Astra", "A", "F24-4W"], units=talk.units)
+        assert conversation.flight.dry_mass == pytest.approx(0.3232, abs=1e-4)
+        _, asked = person(ledger, ["Astra", "A", "F24-4W"], units=conversation.units)
     assert "Apogee (ft): " in asked
 
 
@@ -290,8 +290,8 @@ def test_an_answer_weighed_with_the_motor_gives_the_dry_mass(add: Add, file: Pat
 
 def test_a_script_may_give_the_mass_ready_to_fly(add: Add, file: Path) -> None:
     flown = ["--rocket", "Astra", "--apogee", "250m"]
-    status, _, said = add((), *flown, "--motor", "F24-4W", "--lift-off-mass", "385g")
-    assert (status, "note: dry mass 322 g, without F24-4W" in said) == (0, True)
+    status, _, printed = add((), *flown, "--motor", "F24-4W", "--lift-off-mass", "385g")
+    assert (status, "note: dry mass 322 g, without F24-4W" in printed) == (0, True)
     with Ledger.open(file) as ledger:
         assert ledger.flights()[0].dry_mass == pytest.approx(0.322, abs=0.001)
     for wrong, why in (
@@ -300,9 +300,9 @@ def test_a_script_may_give_the_mass_ready_to_fly(add: Add, file: Path) -> None:
         (["--motor", "F24-4W", "--lift-off-mass", "385g", "--dry-mass", "322g"], "expected one of them"),
         (["--motor", "F24-4W", "--lift-off-mass", "heavy"], "expected a number"),
     ):
-        status, _, said = add((), *flown, *wrong)
+        status, _, printed = add((), *flown, *wrong)
         assert status != 0
-        assert why in said
+        assert why in printed
 
 
 def test_a_lift_off_mass_in_a_draft_of_the_app_is_not_lost(add: Add, file: Path) -> None:
@@ -345,24 +345,24 @@ def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tup
     adding = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True)
     os.close(terminal)
     os.write(controller, "".join(f"{answer}\n" for answer in answers).encode())
-    said, deadline = "", time.monotonic() + 60
-    while last_words not in said and time.monotonic() < deadline:
+    printed, deadline = "", time.monotonic() + 60
+    while last_words not in printed and time.monotonic() < deadline:
         if select.select([controller], [], [], 0.1)[0]:
-            said += os.read(controller, 4096).decode()
+            printed += os.read(controller, 4096).decode()
     adding.kill()
     adding.wait()
     os.close(controller)
-    return said, adding.returncode
+    return printed, adding.returncode
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 def test_add_killed_at_the_fifth_prompt_offers_to_continue(file: Path) -> None:
-    said, _ = converse_in_terminal(file, ["Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
-    assert "Top speed (m/s): " in said
+    printed, _ = converse_in_terminal(file, ["Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
+    assert "Top speed (m/s): " in printed
     assert held(file) == []
-    said, _ = converse_in_terminal(file, ["y"], "Top speed (m/s): ")
-    assert "A flight is unfinished (rocket Astra, config A, motor F24-4W, apogee 923ft)." in said
-    assert "Rocket" not in said.split("[Y/n]")[1]
+    printed, _ = converse_in_terminal(file, ["y"], "Top speed (m/s): ")
+    assert "A flight is unfinished (rocket Astra, config A, motor F24-4W, apogee 923ft)." in printed
+    assert "Rocket" not in printed.split("[Y/n]")[1]
 
 
 def test_a_saved_forecast_and_its_miss_are_printed_once(

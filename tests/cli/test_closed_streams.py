@@ -23,9 +23,9 @@ def test_a_closed_output_is_one_line_that_says_where_to_look(
 ) -> None:
     monkeypatch.setattr("sys.stdout", None)
     assert main(["--ledger", ledger, *ADDED]) == 1
-    said = capsys.readouterr().err.splitlines()
-    assert said[-1].startswith("the output: found ")
-    assert "may have finished" in said[-1]
+    printed = capsys.readouterr().err.splitlines()
+    assert printed[-1].startswith("the output: found ")
+    assert "may have finished" in printed[-1]
     with Ledger.open(ledger) as kept:
         assert [flight.apogee for flight in kept.flights()] == [240.0]
 

@@ -50,9 +50,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_an_option_without_effect_is_wrong_usage(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(line.split()) == 2
-    said = capsys.readouterr()
-    assert LINES[line] in said.err
-    assert not said.out
+    printed = capsys.readouterr()
+    assert LINES[line] in printed.err
+    assert not printed.out
     assert not (folder / "sheet.pdf").exists()
 
 
@@ -76,9 +76,9 @@ def test_an_unknown_site_is_named_with_those_that_are_known(folder: Path, capsys
     assert main(["sites", "Meadow", "--elevation", "200m"]) == 0
     capsys.readouterr()
     assert main(["sites", "Medow"]) == 1
-    said = capsys.readouterr().err
-    assert "found no site 'Medow', expected one of: Meadow" in said
-    assert "No sites yet" not in said
+    printed = capsys.readouterr().err
+    assert "found no site 'Medow', expected one of: Meadow" in printed
+    assert "No sites yet" not in printed
 
 
 def test_consent_to_replace_one_file_is_not_consent_to_replace_the_other(

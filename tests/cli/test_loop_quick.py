@@ -35,19 +35,19 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 def test_every_effect_has_a_probability_and_nothing_is_kept(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["--ledger", ledger, "loop", "--rocket", "Astra", "--quick", "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["evaluation"] == "amortized"
-    assert said["n_flights"] == 12
-    chances = said["probabilities"]
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["evaluation"] == "amortized"
+    assert answer["n_flights"] == 12
+    chances = answer["probabilities"]
     assert {"none", "unexplained"} < set(chances) <= {"none", "unexplained", *effect_names()}
     assert all(0 <= chance <= 1 for chance in chances.values())
-    ranked = [one["probability"] for one in said["candidates"]]
+    ranked = [one["probability"] for one in answer["candidates"]]
     assert ranked == sorted(ranked, reverse=True)
     assert len(ranked) == len(chances) - 2
-    assert said["verdict"]["effect"]
-    assert 0 < said["verdict"]["confidence"] <= 1
-    assert said["before"]["mae_m"] > 0
-    assert {"mae_m", "rmse_m", "bias_m"} <= set(said["candidates"][0]["after"])
+    assert answer["verdict"]["effect"]
+    assert 0 < answer["verdict"]["confidence"] <= 1
+    assert answer["before"]["mae_m"] > 0
+    assert {"mae_m", "rmse_m", "bias_m"} <= set(answer["candidates"][0]["after"])
     with Ledger.open(ledger) as book:
         assert not book.versions("Astra")
         assert not book.predictions()
@@ -125,7 +125,7 @@ def test_it_says_checked_by_the_fit_only_if_it_is_and_else_the_fit_answers(
     effective: float,
     agrees: bool,
 ) -> None:
-    monkeypatch.setattr(quick_look, "check", lambda said, linear: Check(k, 0.5, effective, 400))
+    monkeypatch.setattr(quick_look, "check", lambda answer, linear: Check(k, 0.5, effective, 400))
     command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra"]
     document, line = answered(command, capsys)
     assert document["check"]["agrees"] is agrees

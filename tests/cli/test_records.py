@@ -118,12 +118,12 @@ def test_a_dry_run_changes_nothing(run: Run, table: Path) -> None:
 
 def test_rejected_rows_are_named_on_stderr_and_the_rest_goes_in(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("281.3", "28l.3").replace("E35-5W", "ZZ99"), encoding="utf-8")
-    said = run("import", table, "--json")
-    assert said.status == 0
-    assert said.document["imported"] == 1
-    bad = {row["column"]: row for row in said.document["rejected"]}
+    outcome = run("import", table, "--json")
+    assert outcome.status == 0
+    assert outcome.document["imported"] == 1
+    bad = {row["column"]: row for row in outcome.document["rejected"]}
     assert (bad["apogee_m"]["row"], bad["motor"]["row"]) == (2, 4)
-    first, second = said.err.splitlines()
+    first, second = outcome.err.splitlines()
     assert first.startswith(f"{table}, row 2, apogee_m: found")
     assert "ZZ99" in second
 
@@ -140,14 +140,14 @@ def test_what_a_file_leaves_open_can_be_set(run: Run, table: Path) -> None:
 
 def test_a_name_that_is_not_unicode_is_taken_all_the_same(run: Run, table: Path) -> None:
     try:
-        odd = table.with_name(os.fsdecode(b"odd\xff.csv"))
-        odd.write_text(TABLE, encoding="utf-8")
+        unreadable = table.with_name(os.fsdecode(b"odd\xff.csv"))
+        unreadable.write_text(TABLE, encoding="utf-8")
     except (UnicodeError, OSError):
         pytest.skip("this system has no such names")
-    assert run("import", odd).status == 0
+    assert run("import", unreadable).status == 0
     assert "odd\ufffd.csv" in run("history", "--json").document["changes"][0]["what"]
-    said = run("flights", "--rocket", os.fsdecode(b"\xff"))
-    assert (said.status, len(said.err.splitlines())) == (1, 1)
+    outcome = run("flights", "--rocket", os.fsdecode(b"\xff"))
+    assert (outcome.status, len(outcome.err.splitlines())) == (1, 1)
 
 
 def test_a_terminal_that_lacks_a_letter_still_gets_the_line(table: Path, tmp_path: Path) -> None:
@@ -163,9 +163,9 @@ def test_a_terminal_that_lacks_a_letter_still_gets_the_line(table: Path, tmp_pat
 
 def test_a_changed_row_is_rejected_with_the_way_to_change_it(full: Run, table: Path) -> None:
     table.write_text(TABLE.replace("281.3", "290"), encoding="utf-8")
-    said = full("import", table, "--json").document
-    assert said["duplicates"] == 2
-    (row,) = said["rejected"]
+    outcome = full("import", table, "--json").document
+    assert outcome["duplicates"] == 2
+    (row,) = outcome["rejected"]
     assert row["row"] == 2
     assert "fieldkit edit" in row["error"]
 
@@ -174,10 +174,10 @@ def test_a_missing_or_unreadable_file_ends_with_one_and_the_others_go_in(run: Ru
     junk = table.with_name("junk.csv")
     junk.write_bytes(bytes(range(256)) * 64)
     for bad in (table.with_name("absent.csv"), junk):
-        said = run("import", table, bad)
-        assert said.status == 1
-        assert bad.name in said.err
-        assert len(said.err.splitlines()) == 1
+        outcome = run("import", table, bad)
+        assert outcome.status == 1
+        assert bad.name in outcome.err
+        assert len(outcome.err.splitlines()) == 1
     assert run("import", table, "--format", "nonsense").status == 1
     assert len(run("flights", "--json").document["flights"]) == 3
 
@@ -185,9 +185,9 @@ def test_a_missing_or_unreadable_file_ends_with_one_and_the_others_go_in(run: Ru
 def test_several_files_are_one_command(run: Run, table: Path) -> None:
     other = table.with_name("other.csv")
     other.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
-    said = run("import", table, other, "--json").document
-    assert said["imported"] == 6
-    assert said["flights"][0] == "Astra/1"
+    outcome = run("import", table, other, "--json").document
+    assert outcome["imported"] == 6
+    assert outcome["flights"][0] == "Astra/1"
     run("undo")
     assert run("flights", "--json").document == {"flights": []}
 
@@ -197,9 +197,9 @@ def test_a_log_named_by_a_table_is_kept_with_its_flight(run: Run, table: Path, t
     log = tmp_path / "logs" / "one.txt"
     log.write_bytes(b"0.0,1.0\n")
     table.write_text(TABLE.replace("good,,", "good,logs/one.txt,"), encoding="utf-8")
-    said = run("import", table, "--json")
-    assert said.document["imported"] == 3
-    assert "row 2, log: stored but not read" in said.err
+    outcome = run("import", table, "--json")
+    assert outcome.document["imported"] == 3
+    assert "row 2, log: stored but not read" in outcome.err
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         assert ledger.log("1") == b"0.0,1.0\n"
         assert ledger.log("2") == table.read_bytes()
@@ -210,8 +210,8 @@ def test_a_log_fills_the_readouts_that_its_row_leaves_open(run: Run, table: Path
     (tmp_path / "one.csv").write_text(one, encoding="utf-8")
     table.write_text(TABLE.replace("good,,", "good,one.csv,"), encoding="utf-8")
     run("import", table)
-    said = run("show", "1", "--json").document
-    assert (said["apogee_m"], said["duration_s"]) == (281.3, 48.5)
+    outcome = run("show", "1", "--json").document
+    assert (outcome["apogee_m"], outcome["duration_s"]) == (281.3, 48.5)
 
 
 @pytest.mark.parametrize("path", ["logs/one.csv", "logs\\one.csv", ".\\logs\\one.csv"])
@@ -232,17 +232,17 @@ def test_a_log_outside_the_tables_folder_is_never_read(run: Run, tmp_path: Path,
     (folder / "link").symlink_to(tmp_path, target_is_directory=True)
     table = folder / "table.csv"
     table.write_text(TABLE.replace("good,,", f"good,{path},"), encoding="utf-8")
-    said = run("import", table, "--json").document
-    assert said["imported"] == 2
-    (row,) = said["rejected"]
+    outcome = run("import", table, "--json").document
+    assert outcome["imported"] == 2
+    (row,) = outcome["rejected"]
     assert (row["row"], row["column"]) == (2, "log")
 
 
 def test_a_log_that_is_not_there_costs_only_itself(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("good,,", "good,gone.csv,"), encoding="utf-8")
-    said = run("import", table)
-    assert said.out.startswith("Imported 3")
-    assert "row 2, log: found 'gone.csv', which cannot be read" in said.err
+    outcome = run("import", table)
+    assert outcome.out.startswith("Imported 3")
+    assert "row 2, log: found 'gone.csv', which cannot be read" in outcome.err
 
 
 def test_flights_are_listed_within_eighty_columns(full: Run) -> None:
@@ -263,9 +263,9 @@ def test_flights_can_be_chosen_by_rocket_and_tag(full: Run) -> None:
 
 
 def test_an_empty_ledger_reports_it(run: Run) -> None:
-    said = run("flights")
-    assert (said.status, said.out) == (0, "")
-    assert "No flights in" in said.err
+    outcome = run("flights")
+    assert (outcome.status, outcome.out) == (0, "")
+    assert "No flights in" in outcome.err
     assert "No changes in" in run("history").err
 
 
@@ -280,51 +280,51 @@ def test_text_from_a_file_cannot_reach_the_terminal(run: Run, table: Path) -> No
     table.write_text(TABLE.replace("good", "\x1b[31m[bold]red[/bold]\u202e"), encoding="utf-8")
     run("import", table)
     run("edit", "2", "rocket=[red]x[/red]")
-    for said in (run("show", "1"), run("flights"), run("history"), run("import", table)):
-        assert "\x1b" not in said.out + said.err
-        assert "\u202e" not in said.out + said.err
+    for outcome in (run("show", "1"), run("flights"), run("history"), run("import", table)):
+        assert "\x1b" not in outcome.out + outcome.err
+        assert "\u202e" not in outcome.out + outcome.err
     assert "[bold]red[/bold]" in run("show", "1").out
     assert "[red]" in run("flights").out
 
 
 def test_show_is_in_the_units_that_were_chosen_and_in_no_others(full: Run) -> None:
-    said = full("show", "1").out
-    assert "Apogee    281.3 m\n" in said
-    assert "322 g\n" in said
+    outcome = full("show", "1").out
+    assert "Apogee    281.3 m\n" in outcome
+    assert "322 g\n" in outcome
     change_settings({"units": "US"})
-    said = full("show", "1").out
-    assert "Apogee    922.9 ft\n" in said
-    assert "11.36 oz\n" in said
-    assert "Duration" not in said
+    outcome = full("show", "1").out
+    assert "Apogee    922.9 ft\n" in outcome
+    assert "11.36 oz\n" in outcome
+    assert "Duration" not in outcome
 
 
 def test_an_unknown_flight_is_met_with_near_ones(full: Run) -> None:
     for command in (["show", "11"], ["edit", "11", "apogee=3"], ["tag", "11", "a"], ["remove", "1", "11"]):
-        said = full(*command)
-        assert said.status == 1
-        assert said.err == "no flight '11'; did you mean 1?\n"
+        outcome = full(*command)
+        assert outcome.status == 1
+        assert outcome.err == "no flight '11'; did you mean 1?\n"
     assert len(full("flights", "--json").document["flights"]) == 3
 
 
 def test_two_rockets_with_one_flight_id_are_distinguished(full: Run, table: Path) -> None:
     table.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
     full("import", table)
-    said = full("show", "2")
-    assert (said.status, said.err) == (1, "2 is ambiguous: Astra/2 or Comet/2\n")
+    outcome = full("show", "2")
+    assert (outcome.status, outcome.err) == (1, "2 is ambiguous: Astra/2 or Comet/2\n")
     assert full("show", "Comet/2", "--json").document["rocket"] == "Comet"
     assert "Comet/2" in full("flights").out
 
 
 def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
     assert full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1").status == 0
-    said = full("show", "1", "--json").document
-    assert abs(said["apogee_m"] - 281.3304) < 1e-9
-    assert abs(said["top_speed_mps"] - 62.5856) < 1e-9
-    assert (said["tags"], said["Lot"]) == ("weak_launch;mine", "C1")
+    outcome = full("show", "1", "--json").document
+    assert abs(outcome["apogee_m"] - 281.3304) < 1e-9
+    assert abs(outcome["top_speed_mps"] - 62.5856) < 1e-9
+    assert (outcome["tags"], outcome["Lot"]) == ("weak_launch;mine", "C1")
     full("edit", "1", "apogee=", "Lot=", "date_time=2026-05-01 10:30")
-    said = full("show", "1", "--json").document
-    assert (said["apogee_m"], said["date_time"]) == (None, "2026-05-01T10:30:00")
-    assert "Lot" not in said
+    outcome = full("show", "1", "--json").document
+    assert (outcome["apogee_m"], outcome["date_time"]) == (None, "2026-05-01T10:30:00")
+    assert "Lot" not in outcome
     assert "unchanged" in full("edit", "1", "apogee=").out
 
 
@@ -357,19 +357,22 @@ def test_edit_takes_the_mass_weighed_with_the_motor(full: Run) -> None:
     ],
 )
 def test_a_bad_change_is_refused_in_one_line(full: Run, change: str, found: str) -> None:
-    said = full("edit", "1", "notes=other", change)
-    assert said.status == 1
-    assert found in said.err
-    assert len(said.err.splitlines()) == 1
+    outcome = full("edit", "1", "notes=other", change)
+    assert outcome.status == 1
+    assert found in outcome.err
+    assert len(outcome.err.splitlines()) == 1
     assert full("show", "1", "--json").document["notes"] == "good"
 
 
 def test_tags_come_and_go(full: Run) -> None:
-    assert full("tag", "1", "Off-axis", "mine").out == "1: off_axis; mine\n"
-    assert full("untag", "1", "off axis").out == "1: mine\n"
-    assert full("untag", "1", "mine").out == "1: no tags\n"
-    said = full("untag", "1", "mine")
-    assert (said.status, said.err) == (1, "1 has no tag 'mine', it has none\n")
+    assert (
+        full("tag", "1", "Off-axis", "mine").out == "Flight 1 has the tags off_axis; mine. `fieldkit undo` to undo.\n"
+    )
+    assert full("tag", "1", "mine").out == "Flight 1 has the tags off_axis; mine\n"
+    assert full("untag", "1", "off axis").out == "Flight 1 has the tag mine. `fieldkit undo` to undo.\n"
+    assert full("untag", "1", "mine").out == "Flight 1 has no tags. `fieldkit undo` to undo.\n"
+    outcome = full("untag", "1", "mine")
+    assert (outcome.status, outcome.err) == (1, "1 has no tag 'mine', it has none\n")
 
 
 def test_undo_and_redo_go_through_every_change(full: Run) -> None:
@@ -379,8 +382,8 @@ def test_undo_and_redo_go_through_every_change(full: Run) -> None:
     assert full("undo").out == "Undone: tag 1 mine\n"
     assert full("redo").out == "Redone: tag 1 mine\n"
     assert full("undo").status == full("undo").status == 0
-    said = full("undo")
-    assert (said.status, said.err) == (1, "nothing left to undo\n")
+    outcome = full("undo")
+    assert (outcome.status, outcome.err) == (1, "nothing left to undo\n")
     changes = full("history", "--json").document["changes"]
     assert [change["command"] for change in changes][:3] == ["import", "tag", "remove"]
     assert len(full("history").out.splitlines()) == len(changes) + 1
@@ -392,8 +395,8 @@ def test_what_is_exported_imports_again_into_the_same_ledger(full: Run, tmp_path
     full("edit", "1", "temperature=71.3F", "apogee=923ft", 'notes=a, "b"; ü', "log=gone.csv", "wind=4.4mph")
     before = full("flights", "--json").out
     assert full("export", tmp_path / name).status == 0
-    said = full("import", tmp_path / name, "--json").document
-    assert (said["imported"], said["duplicates"], said["rejected"]) == (0, 3, [])
+    outcome = full("import", tmp_path / name, "--json").document
+    assert (outcome["imported"], outcome["duplicates"], outcome["rejected"]) == (0, 3, [])
     full("remove", "1", "2", "3")
     assert full("import", tmp_path / name, "--json").document["imported"] == 3
     assert full("flights", "--json").out == before
@@ -404,16 +407,16 @@ def test_export_writes_to_the_screen_or_says_why_it_cannot_write(full: Run, tmp_
     assert [row["flight_id"] for row in rows] == ["1", "2", "3"]
     documents = full("export", "--format", "json", "--rocket", "Astra").document
     assert len(documents["flights"]) == 3
-    said = full("export", tmp_path / "absent" / "out.csv")
-    assert said.status == 1
-    assert "absent" in said.err
+    outcome = full("export", tmp_path / "absent" / "out.csv")
+    assert outcome.status == 1
+    assert "absent" in outcome.err
 
 
 def test_export_of_an_unknown_rocket_is_refused_and_writes_nothing(full: Run, tmp_path: Path) -> None:
     file = tmp_path / "nope.csv"
-    said = full("export", str(file), "--rocket", "Nope")
-    assert said.status == 1
-    assert said.err == "found no flights of 'Nope', expected one of: Astra\n"
+    outcome = full("export", str(file), "--rocket", "Nope")
+    assert outcome.status == 1
+    assert outcome.err == "found no flights of 'Nope', expected one of: Astra\n"
     assert not file.exists()
 
 
@@ -433,8 +436,8 @@ def test_ones_own_motor_can_be_added_and_flown(run: Run, tmp_path: Path, table: 
     table.write_text(TABLE.replace("E35-5W", "G999"), encoding="utf-8")
     assert run("import", table, "--json").document["imported"] == 2
     assert run("motors", "--import", own).status == 0
-    said = run("import", table, "--json").document
-    assert (said["imported"], said["duplicates"]) == (1, 2)
+    outcome = run("import", table, "--json").document
+    assert (outcome["imported"], outcome["duplicates"]) == (1, 2)
     assert run("motors", "--import", tmp_path / "absent.eng").status == 1
 
 

@@ -44,9 +44,9 @@ def test_a_forecast_that_cannot_be_saved_is_printed_all_the_same(
 
     monkeypatch.setattr(Ledger, "keep_prediction", full)
     assert main(["--ledger", ledger, "predict", "--motor", "F24-4W"]) == 1
-    said = capsys.readouterr()
-    assert "90% interval" in said.out
-    assert "saving the forecast failed: ledger.db: the disk is full" in said.err
+    printed = capsys.readouterr()
+    assert "90% interval" in printed.out
+    assert "saving the forecast failed: ledger.db: the disk is full" in printed.err
 
 
 REFUSED = {
@@ -72,9 +72,9 @@ def test_a_value_that_nothing_has_is_refused_in_a_line(
 ) -> None:
     capsys.readouterr()
     assert main(["--ledger", ledger, "predict", "--motor", "F24-4W", *REFUSED[what]]) == 1
-    (said,) = capsys.readouterr().err.splitlines()
-    assert "expected" in said
-    assert len(said) < 300
+    (printed,) = capsys.readouterr().err.splitlines()
+    assert "expected" in printed
+    assert len(printed) < 300
 
 
 def numbers(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -90,7 +90,7 @@ def numbers(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]
 def test_no_option_takes_a_number_that_is_invalid(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     for number in ("nan", "inf", "-inf"):
         assert main([*words[:-1], f"{words[-1]}={number}"]) == 2
-        assert f"found {number}" in (said := capsys.readouterr().err) or "is not in the range" in said
+        assert f"found {number}" in (printed := capsys.readouterr().err) or "is not in the range" in printed
 
 
 @pytest.mark.parametrize(
@@ -108,9 +108,9 @@ def test_a_ledger_that_would_keep_nothing_is_refused(
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     assert main(["--ledger", url, "add", "--rocket", "Astra", "--apogee", "100m"]) == 1
-    said = capsys.readouterr()
-    assert "would store nothing, expected sqlite:///FILE" in said.err
-    assert "added" not in said.out + said.err
+    printed = capsys.readouterr()
+    assert "would store nothing, expected sqlite:///FILE" in printed.err
+    assert "added" not in printed.out + printed.err
 
 
 def test_a_home_that_cannot_be_used_stands_in_no_ones_way_who_names_a_ledger(

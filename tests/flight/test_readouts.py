@@ -203,9 +203,9 @@ def test_a_ledger_keeps_no_standard_deviation_and_no_source_that_is_invalid(
 
 
 def test_json_of_a_flight_has_what_is_recorded_of_its_readouts() -> None:
-    told = document(FLIGHT.with_changes(source={"apogee": "baro"}))
-    assert (told["apogee_sd_m"], told["apogee_source"], told["coast_to_apogee_sd_s"]) == (0.5, "baro", 0.1)
-    assert "coast_to_apogee_source" not in told
+    details = document(FLIGHT.with_changes(source={"apogee": "baro"}))
+    assert (details["apogee_sd_m"], details["apogee_source"], details["coast_to_apogee_sd_s"]) == (0.5, "baro", 0.1)
+    assert "coast_to_apogee_source" not in details
     assert csv_table([FLIGHT]).splitlines()[0].count("apogee_m,apogee_sd_m,top_speed_mps,") == 1
 
 
@@ -269,11 +269,11 @@ def inferred(*several: Flight) -> FieldPosterior:
 
 def test_a_network_takes_a_vague_readout_for_less_and_a_sure_one_as_usual() -> None:
     vague = [ALL.with_changes(sd={"apogee": sd}) for sd in (0.5, 8.0, 25.0, 1e4)]
-    said = inferred(ALL, *vague, ALL.with_changes(apogee=None))
-    sd = said.cd_sd
-    assert (said.cd[1], sd[1]) == (pytest.approx(said.cd[0]), pytest.approx(sd[0]))
+    estimates = inferred(ALL, *vague, ALL.with_changes(apogee=None))
+    sd = estimates.cd_sd
+    assert (estimates.cd[1], sd[1]) == (pytest.approx(estimates.cd[0]), pytest.approx(sd[0]))
     assert sd[0] < sd[2] < sd[3] < sd[4]
-    assert said.cd[4] == pytest.approx(said.cd[5], abs=0.35 * sd[5]), "as good as not recorded"
+    assert estimates.cd[4] == pytest.approx(estimates.cd[5], abs=0.35 * sd[5]), "as good as not recorded"
     assert sd[4] == pytest.approx(sd[5], rel=0.25)
     assert inferred(ALL).cd_sd[0] == pytest.approx(sd[0], rel=1e-3), "beside a vague flight as alone"
 

@@ -82,9 +82,9 @@ def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_reports_it(tmp_path:
         (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     assert own.stretched_by == 1
     assert not any("earlier forecasts" in line for line in in_words(own))
-    said = forecast_record(wide)["interval"]
-    assert (said["stretched_by"], said["earlier_forecasts"]) == (pytest.approx(2.0), MIN_FORECASTS_TO_CORRECT)
-    assert said["narrowed_by_flights"] == pytest.approx(forecast_record(own)["interval"]["narrowed_by_flights"])
+    interval = forecast_record(wide)["interval"]
+    assert (interval["stretched_by"], interval["earlier_forecasts"]) == (pytest.approx(2.0), MIN_FORECASTS_TO_CORRECT)
+    assert interval["narrowed_by_flights"] == pytest.approx(forecast_record(own)["interval"]["narrowed_by_flights"])
     assert any(
         f"2.00 times the model's own, calibrated on {MIN_FORECASTS_TO_CORRECT} earlier forecasts" in line
         for line in in_words(wide)

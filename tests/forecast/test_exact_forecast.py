@@ -39,11 +39,11 @@ def weighed(result: Fit, rng: np.random.Generator) -> Drawn:
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     usable = result.data.seen & np.isfinite(flown) & np.isfinite(result.tangent.values)
     miss = np.where(usable, result.data.values - flown, 0.0)
-    miss = miss[..., result.told.readouts]
-    misfit = np.einsum("dfo,dfop,dfp->d", miss, result.told.sharpness[which], miss)
+    miss = miss[..., result.evidence.readouts]
+    misfit = np.einsum("dfo,dfop,dfp->d", miss, result.evidence.sharpness[which], miss)
     sds = term_sds(model)[which]
     prior = -0.5 * (((terms - mean) / sds) ** 2).sum(axis=1) - np.log(sds).sum(axis=1)
-    target = prior - 0.5 * (misfit + result.told.log_det.sum(axis=1)[which])
+    target = prior - 0.5 * (misfit + result.evidence.log_det.sum(axis=1)[which])
     target = target + model.hyperprior.scales()[2][which]
     drawn = -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
     log_weight = np.where(inside, target - drawn - np.log(result.weights[which]), -np.inf)
@@ -73,8 +73,8 @@ def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(
     drawn = weighed(result, rng)
     assert 1 / (drawn.weight**2).sum() > effective * DRAWS
     apogees = np.log(next_apogees(model, drawn.terms))
-    said, exact = quantiles(apogees, np.full(DRAWS, 1 / DRAWS)), quantiles(apogees, drawn.weight)
-    np.testing.assert_allclose(exact, said, atol=off * (said[2] - said[0]))
+    forecast, exact = quantiles(apogees, np.full(DRAWS, 1 / DRAWS)), quantiles(apogees, drawn.weight)
+    np.testing.assert_allclose(exact, forecast, atol=off * (forecast[2] - forecast[0]))
 
 
 def next_apogees(model: Model, terms: Array) -> Array:

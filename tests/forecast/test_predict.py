@@ -47,8 +47,8 @@ def season(off: dict[str, float], count: int = 3) -> Flown:
 
 
 def next_on(motor: str, flown: Flown) -> Prediction:
-    (said,) = predict(flown, [(replace(PLAN, motor=motor), catalogue().resolve(motor))])
-    return said
+    (forecast,) = predict(flown, [(replace(PLAN, motor=motor), catalogue().resolve(motor))])
+    return forecast
 
 
 def mean_apogee(motor: str, flown: Flown) -> float:
@@ -63,8 +63,8 @@ def test_a_motor_on_which_the_simulator_is_wrong_is_forecast_from_its_own_flight
 
 def test_it_is_the_simulator_that_is_doubted_and_not_the_altimeter() -> None:
     """In standard air an altimeter shows the truth, also on the motor with a wrong simulation."""
-    said = next_on("F24", season({"F24": 1.25}))
-    assert np.median(said.true_apogee) == pytest.approx(np.median(said.apogee), rel=0.01)
+    forecast = next_on("F24", season({"F24": 1.25}))
+    assert np.median(forecast.true_apogee) == pytest.approx(np.median(forecast.apogee), rel=0.01)
 
 
 def test_a_rocket_never_flown_is_forecast_from_its_priors() -> None:
@@ -77,9 +77,9 @@ def test_if_motors_disagree_a_new_one_is_less_sure() -> None:
         low, _, high = next_on(motor, flown).apogee_quantiles()
         return float(np.log(high / low))
 
-    alike, apart = season({}), season({"F24": 1.25, "E35": 0.85})
+    same_motors, apart = season({}), season({"F24": 1.25, "E35": 0.85})
     assert width("F52", apart) > 1.25 * width("F39", apart)
-    assert width("F52", apart) > 1.25 * width("F52", alike)
+    assert width("F52", apart) > 1.25 * width("F52", same_motors)
 
 
 def test_a_device_that_reads_speed_and_coast_wrong_does_not_lead_apogees_astray() -> None:
@@ -150,20 +150,22 @@ def test_a_plan_without_a_name_is_forecast_like_one_with_a_name(place: Place) ->
     np.testing.assert_array_equal(unnamed.apogee, named.apogee)
 
 
-def made(known: float, luck: float, draws: int = 4096) -> Prediction:
+def made(known: float, scatter: float, draws: int = 4096) -> Prediction:
     """A forecast with given amounts of reducible and irreducible variance of its logarithm."""
-    (said,) = predict([], [(PLAN, catalogue().resolve("F24"))], draws=draws)
-    apart = norm.ppf(Sobol(2, rng=np.random.default_rng(8)).random(draws))
-    common, chance = (np.linalg.qr(apart - apart.mean(axis=0))[0] * np.sqrt(draws)).T  # uncorrelated to the last digit
-    return replace(said, apogee=250 * np.exp(known * common + luck * chance), random_draws=(chance,))
+    (forecast,) = predict([], [(PLAN, catalogue().resolve("F24"))], draws=draws)
+    normals = norm.ppf(Sobol(2, rng=np.random.default_rng(8)).random(draws))
+    common, chance = (
+        np.linalg.qr(normals - normals.mean(axis=0))[0] * np.sqrt(draws)
+    ).T  # uncorrelated to the last digit
+    return replace(forecast, apogee=250 * np.exp(known * common + scatter * chance), random_draws=(chance,))
 
 
 @pytest.mark.parametrize("more", [0, 1, 4, 20, np.inf])
 def test_an_interval_narrows_as_a_normal_mean_becomes_known(more: float) -> None:
-    known, luck = 0.08, 0.05
-    left = 1 / (1 / known**2 + more / luck**2)
-    exact = np.sqrt((left + luck**2) / (known**2 + luck**2))
-    assert made(known, luck).narrowed(more) == pytest.approx(exact, abs=5e-3)
+    known, scatter = 0.08, 0.05
+    left = 1 / (1 / known**2 + more / scatter**2)
+    exact = np.sqrt((left + scatter**2) / (known**2 + scatter**2))
+    assert made(known, scatter).narrowed(more) == pytest.approx(exact, abs=5e-3)
 
 
 def test_nothing_narrows_what_is_random_and_all_goes_if_there_is_none() -> None:
@@ -173,13 +175,13 @@ def test_nothing_narrows_what_is_random_and_all_goes_if_there_is_none() -> None:
 
 def test_the_interval_narrows_by_what_was_said_once_the_flights_are_flown() -> None:
     """The mean over some seasons, because the scatter is estimated from the flights too."""
-    said, became = [], []
+    forecast, became = [], []
     for seed in range(16):
         flown = seasons.season(np.random.default_rng(seed), ("apogee",), 9, scatter=learned().sd("apogee", "flight"))
         before, after = next_on("F24", flown[:6]), next_on("F24", flown)
-        said.append(before.narrowed(1))
+        forecast.append(before.narrowed(1))
         became.append(np.ptp(np.log(after.apogee_quantiles())) / np.ptp(np.log(before.apogee_quantiles())))
-    assert np.mean(became) == pytest.approx(np.mean(said), abs=0.12)
+    assert np.mean(became) == pytest.approx(np.mean(forecast), abs=0.12)
 
 
 def test_more_flights_never_widen_and_a_motor_never_flown_gains_most() -> None:

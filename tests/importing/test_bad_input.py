@@ -58,15 +58,15 @@ def test_a_table_parted_by_quotation_marks_is_read_or_refused() -> None:
 
 @pytest.mark.slow
 def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
-    begun, tried, faults = time.monotonic(), Counter[str](), dict[str, str]()
+    started, tried, faults = time.monotonic(), Counter[str](), dict[str, str]()
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         for some, found in pool.map(faults_among, [range(i, i + 500) for i in range(0, MANY, 500)]):
             tried += some
             faults = {**found, **faults}
     with capsys.disabled():
         counts = ", ".join(f"{name} {number}" for name, number in sorted(tried.items()))
-        took = time.monotonic() - begun
-        sys.stdout.write(f"\n{tried.total()} bad logs of {len(SEEDS)} seeds in {took:.0f} s: {counts}\n")
+        elapsed = time.monotonic() - started
+        sys.stdout.write(f"\n{tried.total()} bad logs of {len(SEEDS)} seeds in {elapsed:.0f} s: {counts}\n")
     assert tried.total() >= MANY
     assert not faults, "\n".join(f"{fault}: {where}" for fault, where in faults.items())
 

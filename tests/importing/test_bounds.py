@@ -93,18 +93,18 @@ def test_designs_that_count_too_much_of_something_are_read_or_refused_at_once(tm
         text=True,
         timeout=300,
     )
-    *said, megabytes = done.stderr.splitlines()
+    *message, megabytes = done.stderr.splitlines()
     assert int(megabytes) < 600
     assert "Traceback" not in done.stderr
-    statuses = dict(zip(files, (line.split() for line in said if line[0] in "01"), strict=True))
+    statuses = dict(zip(files, (line.split() for line in message if line[0] in "01"), strict=True))
     assert statuses[files[0]][0] == "0", "titles beyond those known are passed over"
     for file, (status, seconds) in statuses.items():
         assert float(seconds) < 60
-        assert status == "0" or any(line.startswith(f"{file.name}") for line in said)
+        assert status == "0" or any(line.startswith(f"{file.name}") for line in message)
 
 
 def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module, name, most, text, said in (
+    for module, name, most, text, message in (
         (archive, "MOST_ELEMENTS", 20, zipped(design()), "more than 20 elements"),
         (archive, "MAX_DEPTH", 5, zipped(design()), "nested more than 5 deep"),
         (archive, "MAX_TAG_LENGTH", 20, zipped(design()), "without the end of a tag"),
@@ -113,7 +113,7 @@ def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pyte
     ):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, most)
-            with pytest.raises(DamagedLog, match=said):
+            with pytest.raises(DamagedLog, match=message):
                 read_design(text, "x.ork")
 
 
@@ -176,9 +176,9 @@ def test_no_command_waits_for_a_pipe_or_a_device(
     command.start()
     command.join(20)
     assert status == [1]
-    *_, said = capsys.readouterr().err.splitlines()
-    assert "hanging.ork" in said
-    assert "a pipe or a device" in said or words == ["compare", "1"]
+    *_, message = capsys.readouterr().err.splitlines()
+    assert "hanging.ork" in message
+    assert "a pipe or a device" in message or words == ["compare", "1"]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")

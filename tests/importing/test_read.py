@@ -124,8 +124,8 @@ def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pyt
 
 def test_a_fallback_is_asked_if_nobody_else_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
     last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
-    shelf = {**parsers(), "last": last}
-    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
+    known = {**parsers(), "last": last}
+    monkeypatch.setattr(recognize, "parsers", lambda: known)
     assert recognise(b"rocket,apogee_m\nSwift,100\n").title == "Flight table (CSV)"
     assert recognise(b"anything") is last
 

@@ -32,8 +32,8 @@ def table_of_samples(header: str) -> bytes:
 
 
 def with_parser(monkeypatch: pytest.MonkeyPatch, parser: Parser) -> None:
-    shelf = {**parsers(), "other": parser}
-    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
+    known = {**parsers(), "other": parser}
+    monkeypatch.setattr(recognize, "parsers", lambda: known)
 
 
 def heights(found: object) -> float:
@@ -110,10 +110,10 @@ def test_an_unknown_file_is_reported_the_nearest_formats_and_what_it_lacks() -> 
     content = b"Time,Altitude,Pressure,Velocity,Temp\n" + b"0,x,y,z,w\n" * 5
     with pytest.raises(UnknownFormat) as error:
         read(content, "odd.csv", any_motor)
-    said = str(error.value)
-    assert "RRC3 (mDACS) (rrc3) lacks 'Temperature', 'Events', 'Voltages'" in said
-    assert said.count(" lacks ") <= 3
-    assert "blueraven_usb" not in said
+    message = str(error.value)
+    assert "RRC3 (mDACS) (rrc3) lacks 'Temperature', 'Events', 'Voltages'" in message
+    assert message.count(" lacks ") <= 3
+    assert "blueraven_usb" not in message
 
 
 def test_the_parser_with_more_of_its_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:

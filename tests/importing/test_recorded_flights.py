@@ -51,8 +51,8 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 
 @pytest.fixture(autouse=True)
 def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    shelf = {**parsers(), "lark": LARK}
-    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
+    known = {**parsers(), "lark": LARK}
+    monkeypatch.setattr(recognize, "parsers", lambda: known)
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
 

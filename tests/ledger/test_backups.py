@@ -199,9 +199,9 @@ CHANGES = (
 )
 
 
-@pytest.mark.parametrize(("change", "said"), CHANGES)
+@pytest.mark.parametrize(("change", "message"), CHANGES)
 def test_what_sqlite_finds_nothing_wrong_with_is_never_copied_over_a_good_copy(
-    change: str, said: str, tmp_path: Path
+    change: str, message: str, tmp_path: Path
 ) -> None:
     file, copy = tmp_path / "ledger.db", tmp_path / "copy.db"
     with Ledger.open(file) as ledger:
@@ -216,8 +216,8 @@ def test_what_sqlite_finds_nothing_wrong_with_is_never_copied_over_a_good_copy(
         raw.executescript(change)
         assert soundness.file_fault(file) == ""
         for since in (None, copy, tmp_path / "none.db"):
-            assert re.search(said, soundness.fault(file, since=since))
-        with pytest.raises(LedgerError, match=rf"the file is damaged \(.*{said}.*`fieldkit backups restore`"):
+            assert re.search(message, soundness.fault(file, since=since))
+        with pytest.raises(LedgerError, match=rf"the file is damaged \(.*{message}.*`fieldkit backups restore`"):
             backups.take(raw, file, 9)
     assert backups.backups(file) == kept
 
@@ -276,9 +276,9 @@ def test_a_damaged_ledger_is_named_offered_its_copy_and_put_back(
     hurt = damage(file.read_bytes())
     file.write_bytes(hurt)
     assert main(["--ledger", str(file), "flights"]) == 1
-    (said,) = capsys.readouterr().err.splitlines()
-    assert str(file) in said
-    assert "`fieldkit backups restore`" in said
+    (message,) = capsys.readouterr().err.splitlines()
+    assert str(file) in message
+    assert "`fieldkit backups restore`" in message
     assert file.read_bytes() == hurt, "a damaged file is evidence"
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
     assert flown(file) == ["1", "2"]
@@ -292,9 +292,9 @@ def test_a_text_that_is_invalid_any_more_is_damage_that_sqlite_does_not_see(
     add(file, "1", "2")
     file.write_bytes(file.read_bytes().replace(b"Astra", b"A\xf3tra"))
     assert main(["--ledger", str(file), "flights"]) == 1
-    (said,) = capsys.readouterr().err.splitlines()
-    assert "the file is damaged (Could not decode" in said
-    assert "`fieldkit backups restore`" in said
+    (message,) = capsys.readouterr().err.splitlines()
+    assert "the file is damaged (Could not decode" in message
+    assert "`fieldkit backups restore`" in message
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
     assert flown(file) == ["1"]
     (aside,) = file.parent.glob("ledger.db.damaged-*")

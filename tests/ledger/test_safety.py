@@ -217,21 +217,21 @@ def test_a_row_that_says_something_else_than_was_written_is_damage(change: str, 
     assert failures(file, asked) == []
     with closing(sqlite3.connect(file)) as raw:
         raw.executescript(change)
-    said = failures(file, asked)
-    assert said
-    assert all("the file is damaged" in one and "backup" in one for one in said)
+    messages = failures(file, asked)
+    assert messages
+    assert all("the file is damaged" in one and "backup" in one for one in messages)
 
 
 def failures(file: Path, asked: Sequence[Callable[[Ledger], object]]) -> list[str]:
     """The error of a ledger that cannot be read."""
-    said = []
+    messages = []
     with Ledger.open(file) as ledger:
         for ask in asked:
             try:
                 ask(ledger)
             except LedgerError as error:
-                said.append(str(error))
-    return said
+                messages.append(str(error))
+    return messages
 
 
 def test_what_is_taken_back_is_sound_and_what_is_damaged_is_not_taken_back(tmp_path: Path) -> None:

@@ -59,8 +59,8 @@ def test_average_acceleration_is_no_evidence_of_its_own(observed: Observed) -> N
 def test_average_acceleration_stands_in_for_a_missing_speed(observed: Observed) -> None:
     speed = INDEPENDENT_READOUTS.index("top_speed")
     moving = observed.rows(observed.readout("burn_time") >= 0.5)
-    told, restored = shown(moving)[:, speed], shown(moving.without("top_speed"))[:, speed]
-    assert np.median(np.abs(restored - told)) < 0.03
+    typed, restored = shown(moving)[:, speed], shown(moving.without("top_speed"))[:, speed]
+    assert np.median(np.abs(restored - typed)) < 0.03
 
 
 def test_a_burn_time_shown_to_a_tenth_is_sharpened_by_the_other_two() -> None:

@@ -13,9 +13,9 @@ TIMES = ("top_speed", "apogee_to_eject")
 def test_no_recorded_readout_is_exact(sd: float) -> None:
     plain = Flight(apogee=150.0, top_speed=60.0, apogee_to_eject=1.0)
     exact = plain.with_changes(sd=dict.fromkeys(("apogee", *TIMES), sd))
-    whole, said = observe([plain], [True]), observe([exact], [True])
-    np.testing.assert_allclose(said.sd, whole.sd)
-    assert (said.sd[0][[OBSERVED_READOUTS.index(name) for name in TIMES]] > 0).all()
+    whole, stated = observe([plain], [True]), observe([exact], [True])
+    np.testing.assert_allclose(stated.sd, whole.sd)
+    assert (stated.sd[0][[OBSERVED_READOUTS.index(name) for name in TIMES]] > 0).all()
 
 
 def test_a_recorded_error_is_relative_for_what_is_compared_by_ratio() -> None:

@@ -23,8 +23,8 @@ def flights(widths: Sequence[float | None]) -> list[Flight]:
 
 def forecast(widths: Sequence[float | None], plan: Flight) -> float:
     """The median forecast of a plan. [m]"""
-    (said,) = predict([(one, MOTOR) for one in flights(widths)], [(plan, MOTOR)], draws=200)
-    return float(np.median(said.apogee))
+    (prediction,) = predict([(one, MOTOR) for one in flights(widths)], [(plan, MOTOR)], draws=200)
+    return float(np.median(prediction.apogee))
 
 
 def test_a_diameter_missing_from_some_flights_changes_no_forecast() -> None:
@@ -62,7 +62,7 @@ def test_each_plan_of_a_rocket_never_flown_has_its_own_diameter() -> None:
 
 def test_the_drag_coefficient_of_a_design_does_not_measure_the_body() -> None:
     def width(plan: Flight) -> float:
-        (said,) = predict([], [(plan, MOTOR)], cds={"A": 0.6}, draws=1000)
-        return float(np.std(np.log(said.cd)))
+        (prediction,) = predict([], [(plan, MOTOR)], cds={"A": 0.6}, draws=1000)
+        return float(np.std(np.log(prediction.cd)))
 
     assert width(PLAN.with_changes(diameter=None)) > 1.2 * width(PLAN)

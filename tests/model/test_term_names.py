@@ -26,8 +26,8 @@ def test_no_configuration_is_taken_for_a_motor_or_the_fleet(name: str) -> None:
     def forecast(config: str) -> list[float]:
         other = [rocket_fit(rocket(config, 220.0), learned())]
         plan = replace(ONE, flight_id="next", config=f"{config}, new", apogee=None)
-        (said,) = predict(rocket(config, 150.0), [(plan, MOTOR)], shared=shared_prior(other), draws=200)
-        return [float(end) for end in np.quantile(said.apogee, (0.05, 0.5, 0.95))]
+        (prediction,) = predict(rocket(config, 150.0), [(plan, MOTOR)], shared=shared_prior(other), draws=200)
+        return [float(end) for end in np.quantile(prediction.apogee, (0.05, 0.5, 0.95))]
 
     assert forecast(name) == pytest.approx(forecast("B"))
 

@@ -150,7 +150,7 @@ def test_the_maker_may_be_given_apart() -> None:
 @pytest.mark.parametrize("text", SEVERAL)
 def test_clusters_and_stages_are_refused_by_name(text: str) -> None:
     assert is_cluster(text)
-    with pytest.raises(UnknownMotor, match="flights on clusters and stages are used in no fit"):
+    with pytest.raises(UnknownMotor, match="flights on clusters and stages are not used in any fit"):
         catalogue().resolve(text)
 
 

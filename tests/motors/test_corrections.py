@@ -96,9 +96,9 @@ def test_what_documents_disagree_on_is_reported_and_not_changed() -> None:
     motor = _motor("J99N")
     assert motor.total_impulse == 945.2
     assert motor.loaded_mass == pytest.approx(0.899)
-    told = [one for one in motor.corrections if not one.applied]
-    assert {"total_impulse_ns", "loaded_g"} <= {one.field for one in told}
-    assert "945.2; 935.24 N s in another document (open" in told[0].text()
+    unapplied = [one for one in motor.corrections if not one.applied]
+    assert {"total_impulse_ns", "loaded_g"} <= {one.field for one in unapplied}
+    assert "945.2; 935.24 N s in another document (open" in unapplied[0].text()
     assert _motor("Quest B6W").loaded_mass == pytest.approx(0.0193)
     assert _motor("H123W AeroTech").delays == (4.0, 6.0, 8.0, 10.0)
 
@@ -248,8 +248,8 @@ def test_the_scatter_of_tests_is_that_within_motors() -> None:
 def test_a_motor_shows_what_was_corrected(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.dumps(describe(_motor("Estes B4")))
     assert main(["motors", "Estes B4", "--json"]) == 0
-    (told,) = json.loads(capsys.readouterr().out)["motors"][:1]
-    assert told["total_impulse_ns"] == 4.29
-    assert {"field", "was", "value", "confidence", "source"} == set(told["corrections"][0])
+    (unapplied,) = json.loads(capsys.readouterr().out)["motors"][:1]
+    assert unapplied["total_impulse_ns"] == 4.29
+    assert {"field", "was", "value", "confidence", "source"} == set(unapplied["corrections"][0])
     assert main(["motors", "Estes B4"]) == 0
     assert "total impulse 4.29 N s instead of 5 (sure" in capsys.readouterr().err

@@ -125,8 +125,8 @@ def test_a_radius_that_is_automatic_is_that_of_the_adjacent_part() -> None:
 
 
 def test_parts_that_are_not_known_are_named_and_left_out() -> None:
-    odd = read_design(design(inside="<warpdrive><name>Flux\u202e</name></warpdrive>").encode(), "a.ork")
-    assert any("Flux<U+202E>" in note for note in odd.notes)
+    unknown_part = read_design(design(inside="<warpdrive><name>Flux\u202e</name></warpdrive>").encode(), "a.ork")
+    assert any("Flux<U+202E>" in note for note in unknown_part.notes)
 
 
 BOMB = '<!DOCTYPE x [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><openrocket><rocket>&b;</rocket></openrocket>'
@@ -212,9 +212,9 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
         rocket, begins = rocket_of(ledger, motors, "Skylark"), completed_plan(ledger, motors, plan, Settings())
         assert (begins.dry_mass, begins.diameter) == (0.4, 0.066)
         planned = [(begins, motors.resolve("F24-4W"))]
-        (said,) = forecasts(rocket, planned, draws=400)
+        (printed,) = forecasts(rocket, planned, draws=400)
         (choice,) = guide(rocket, begins, [planned[0][1].motor], limits(), Site(), draws=100)
-        for one in (said, choice.prediction):
+        for one in (printed, choice.prediction):
             assert np.median(one.apogee) == pytest.approx(np.median(predicted.apogee), rel=0.03)
         (open_one,) = list_forecasts(ledger, motors)
         assert not open_one.stale
@@ -236,12 +236,12 @@ def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
             for n, height in enumerate([150.0, 152.0, 149.0])  # far more drag than 0.5
         ]
         ledger.add(draggy)
-        _, taught = predict_plans(ledger, catalogue(), plans, keep=False)
+        _, after_flights = predict_plans(ledger, catalogue(), plans, keep=False)
     assert np.median(wide.cd) / np.median(slim.cd) == pytest.approx(2.0, rel=0.05)
     for one, by_itself, backwards in zip((slim, wide), alone, turned, strict=True):
         assert np.median(by_itself.cd) == pytest.approx(np.median(one.cd), rel=0.05)
         assert np.median(backwards.cd) == pytest.approx(np.median(one.cd), rel=0.05)
-    assert np.median(taught.cd) > 1.1 * np.median(wide.cd)
+    assert np.median(after_flights.cd) > 1.1 * np.median(wide.cd)
 
 
 def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -254,19 +254,19 @@ def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: 
     guided = ["motors", "--fit", "Skylark", "--mount", "24mm", "--class", "E"]
     for command in (guided, ["delay", "--rocket", "Skylark", "--motor", "E20W"]):
         assert main([*ledger, *command]) == 0
-        said = capsys.readouterr().out
-        assert "no flights of this rocket" in said
-        assert "initial Cd 0.55 from skylark.ork" in said
+        printed = capsys.readouterr().out
+        assert "no flights of this rocket" in printed
+        assert "initial Cd 0.55 from skylark.ork" in printed
 
 
 def test_the_command_keeps_it_and_says_what_it_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, ledger = tmp_path / "skylark.ork", str(tmp_path / "ledger.db")
     file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))
     assert main(["--ledger", ledger, "ork", str(file), "--config", "A"]) == 0
-    said = capsys.readouterr()
-    assert "dry mass  400 g" in said.out
-    assert "Cd        0.55" in said.out
-    assert "Saved" in said.err
+    printed = capsys.readouterr()
+    assert "dry mass  400 g" in printed.out
+    assert "Cd        0.55" in printed.out
+    assert "Saved" in printed.err
     assert main(["--ledger", ledger, "ork", str(file), "--look", "--rocket", "Lark", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert (document["rocket"], document["kept"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))

@@ -34,9 +34,9 @@ def test_a_design_gives_mass_diameter_and_cd_on_its_own_area(name: str) -> None:
     assert found.dry_mass == pytest.approx(0.1234, rel=1e-6)
     assert found.mass_by == "the sum of its parts"
     assert not any("does not fit" in note for note in found.notes)
-    told = any("simulations have a Cd" in note for note in found.notes)
+    noted = any("simulations have a Cd" in note for note in found.notes)
     cds = [float(row["cd_coast"]) for row in rows]
-    assert told == (max(cds) > 1.05 * min(cds))
+    assert noted == (max(cds) > 1.05 * min(cds))
 
 
 @pytest.mark.parametrize(("name", "place", "row"), SIMULATIONS)

@@ -110,8 +110,8 @@ def test_acceleration_is_net_of_gravity(name: str) -> None:
     series, truth = read(name)[0].clocks[0], flight()
     assert series.acceleration is not None
     expected = np.interp(series.time, truth.time, truth.acceleration)
-    steady = (series.time > 1.5) & (series.time < 5.0)
-    assert series.acceleration[steady] == pytest.approx(expected[steady], abs=0.5)
+    in_flight = (series.time > 1.5) & (series.time < 5.0)
+    assert series.acceleration[in_flight] == pytest.approx(expected[in_flight], abs=0.5)
     assert series.acceleration[series.time < 0] == pytest.approx(0.0, abs=0.5)
 
 

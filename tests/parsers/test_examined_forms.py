@@ -150,11 +150,11 @@ def test_an_acceleration_made_of_pressures_moves_no_lift_off() -> None:
     slow = [0.0]
     for metres in np.diff(height).tolist():
         slow.append(slow[-1] + (metres / 0.1 - slow[-1]) * 0.2)
-    pull = np.convolve(np.gradient(slow, time), np.ones(6) / 6)[: time.size]
+    acceleration = np.convolve(np.gradient(slow, time), np.ones(6) / 6)[: time.size]
     names = "#version,serial,flight,time,state,state_name,acceleration,pressure,altitude,height,speed,temperature"
     rows = "".join(
         f"6, 2417, 3, {t:7.2f}, 2, pad, {a:8.2f}, {p:9.2f}, {MADE.pad + h:8.2f}, {h:8.2f}, {v:7.2f}, 21.4\n"
-        for t, a, p, h, v in zip(time, pull, MADE.pressure(height), height, slow, strict=True)
+        for t, a, p, h, v in zip(time, acceleration, MADE.pressure(height), height, slow, strict=True)
     )
     (reading,) = readings((names + "\n" + rows).encode())
     recorded = measure(reading.clocks)

@@ -29,5 +29,5 @@ def test_the_table_counts_the_real_recordings_that_each_parser_claims() -> None:
 
 
 def test_a_simulation_is_reported_as_one() -> None:
-    said = {name for name, row in ROWS.items() if row[2].startswith("simulations")}
-    assert said == {name for name, parser in parsers().items() if "simulation" in parser.title}
+    simulations = {name for name, row in ROWS.items() if row[2].startswith("simulations")}
+    assert simulations == {name for name, parser in parsers().items() if "simulation" in parser.title}

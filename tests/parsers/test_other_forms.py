@@ -128,5 +128,7 @@ def test_a_charge_in_a_silence_of_the_radio_went_at_an_unknown_moment(silence: f
         since = None if tick is None or start is None else (tick - start) % 655.36 + float(whole.clocks[0].time[0])
         if since is None or not gap[0] < since < gap[1]:
             lines.append(line)
-    (heard,) = (item for item in parsers()["altos_telem"].read("\n".join(lines).encode()) if isinstance(item, Reading))
-    assert ("drogue" in heard.events) is (silence == 0)
+    (received,) = (
+        item for item in parsers()["altos_telem"].read("\n".join(lines).encode()) if isinstance(item, Reading)
+    )
+    assert ("drogue" in received.events) is (silence == 0)

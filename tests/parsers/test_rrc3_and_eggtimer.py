@@ -50,14 +50,14 @@ def test_the_last_rows_of_a_real_rrc3_are_garbage_and_cost_only_themselves() -> 
     ]
 
 
-@pytest.mark.parametrize(("unit", "warmth"), [(1.0, 293.15), (FOOT, 266.4833)])
-def test_pressure_distinguishes_feet_from_meters(unit: float, warmth: float) -> None:
+@pytest.mark.parametrize(("unit", "temperature"), [(1.0, 293.15), (FOOT, 266.4833)])
+def test_pressure_distinguishes_feet_from_meters(unit: float, temperature: float) -> None:
     flight, _ = found("rrc3", rrc3(unit))
     (series,) = flight.clocks
     assert series.altitude is not None
     assert series.altitude.max() == pytest.approx(200, rel=1e-3)
     assert series.speed == pytest.approx(np.full(200, unit))
-    assert series.temperature == pytest.approx(np.full(200, warmth))
+    assert series.temperature == pytest.approx(np.full(200, temperature))
 
 
 @pytest.mark.parametrize(("unit", "top"), [(0.9144, 200.0), (FOOT, 8.0)])

@@ -316,10 +316,10 @@ def test_an_early_charge_opens_in_the_time_that_was_said() -> None:
 
 def _miss(own: dict[str, float], reference: dict[str, float]) -> float:
     """Distance between two landings over that of the landing from the pad, or from the apogee if that is longer."""
-    apart = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
+    distance = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
     away = np.hypot(reference["along"], reference["across"])
     drifted = np.hypot(reference["along"] - reference["apogee_along"], reference["across"] - reference["apogee_across"])
-    return float(apart / max(away, drifted))
+    return float(distance / max(away, drifted))
 
 
 def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:

@@ -37,20 +37,20 @@ def motors() -> Catalogue:
 
 
 @pytest.fixture(scope="module")
-def said(motors: Catalogue) -> Prediction:
+def prediction(motors: Catalogue) -> Prediction:
     """A forecast of the plan with a delay."""
     return forecasts(NEW, [(PLAN.with_changes(delay=6.0), motors.resolve("F39T"))], draws=400)[0]
 
 
 def test_the_rail_is_left_at_the_root_of_twice_its_length_and_acceleration(motors: Catalogue) -> None:
-    steady = replace(
+    even = replace(
         motors.resolve("F39T").motor,
         time=np.array([0.0, 1e-4, 2.0, 2.0001]),
         thrust=np.array([0.0, 30.0, 30.0, 0.0]),
         propellant_mass=1e-4,
         casing_mass=0.05,
     )
-    flown = fly(field_setup([PLAN.with_changes(rail_length=1.83)], [Found(steady, None)], np.array([1e-9])))
+    flown = fly(field_setup([PLAN.with_changes(rail_length=1.83)], [Found(even, None)], np.array([1e-9])))
     acceleration = 30.0 / (0.45 + 0.0501) - STANDARD_GRAVITY
     assert flown.rail_speed[0] == pytest.approx(np.sqrt(2 * acceleration * 1.83), rel=1e-3)
 
@@ -61,13 +61,13 @@ def test_thrust_to_weight_is_what_stands_on_the_box_over_the_weight(motors: Cata
     assert average == pytest.approx(39 / ((0.45 + motor.loaded_mass) * 9.81), rel=0.08)  # the name rounds the thrust
 
 
-def test_the_coast_ends_where_gravity_and_a_bit_of_drag_have_taken_the_speed(said: Prediction) -> None:
-    top, coast = three(said.top_speed)[1], three(said.coast)[1]
+def test_the_coast_ends_where_gravity_and_a_bit_of_drag_have_taken_the_speed(prediction: Prediction) -> None:
+    top, coast = three(prediction.top_speed)[1], three(prediction.coast)[1]
     assert 0.55 * top / STANDARD_GRAVITY < coast < top / STANDARD_GRAVITY
 
 
 def test_the_charge_fires_a_delay_less_the_coast_after_apogee_and_strays_as_both_do(
-    said: Prediction, motors: Catalogue
+    prediction: Prediction, motors: Catalogue
 ) -> None:
     judged = delays(NEW, PLAN, motors.resolve("F39T"), limit=15.0, takes_off=(3.0,), draws=400)
     low, middle, high = next(one for one in judged.delays if one.delay == 6.0).after_apogee
@@ -86,11 +86,13 @@ def test_a_charge_on_the_way_up_is_early_by_what_is_left_of_the_climb(motors: Ca
     assert early.after_apogee[1] < -2
 
 
-def test_from_the_charge_on_it_sinks_its_height_at_its_speed(said: Prediction) -> None:
-    speed = np.full((len(said.apogee), 1), 7.0)
-    late = said.eject > 0
-    under = durations([said], usual(), speed)[:, 0] - said.rise_time - said.eject
-    assert np.median(7.0 * under[late] / said.true_apogee[late]) == pytest.approx(1.0, abs=0.06)  # it fell until then
+def test_from_the_charge_on_it_sinks_its_height_at_its_speed(prediction: Prediction) -> None:
+    speed = np.full((len(prediction.apogee), 1), 7.0)
+    late = prediction.eject > 0
+    under = durations([prediction], usual(), speed)[:, 0] - prediction.rise_time - prediction.eject
+    assert np.median(7.0 * under[late] / prediction.true_apogee[late]) == pytest.approx(
+        1.0, abs=0.06
+    )  # it fell until then
 
 
 def test_a_season_is_the_table_of_its_organiser() -> None:
@@ -121,13 +123,13 @@ def test_coarse_flights_say_what_fine_ones_do(motors: Catalogue, wind: float, li
 
 
 def test_coast_times_are_those_flown(motors: Catalogue) -> None:
-    learnt = fitted_forecast(NEW, [(PLAN.with_changes(wind=4.0), motors.resolve(name)) for name in ("F39T", "E16W")], 4)
-    model, at = replace(learnt.model, coarse=True), learnt.at
+    fitted = fitted_forecast(NEW, [(PLAN.with_changes(wind=4.0), motors.resolve(name)) for name in ("F39T", "E16W")], 4)
+    model, at = replace(fitted.model, coarse=True), fitted.at
     assert coast_times(model, at) == pytest.approx(shown(model, at[None], {})["coast_time"][0], rel=1e-12)
 
 
-def test_the_guide_says_what_a_forecast_does(said: Prediction, motors: Catalogue) -> None:
+def test_the_guide_says_what_a_forecast_does(prediction: Prediction, motors: Catalogue) -> None:
     motor = motors.resolve("F39T").motor
     (choice,) = guide(NEW, PLAN, [motor], limits(), Site(), draws=200)
-    assert three(choice.prediction.apogee)[1] == pytest.approx(three(said.apogee)[1], rel=0.06)
-    assert three(choice.prediction.rail_speed)[1] == pytest.approx(three(said.rail_speed)[1], rel=0.02)
+    assert three(choice.prediction.apogee)[1] == pytest.approx(three(prediction.apogee)[1], rel=0.06)
+    assert three(choice.prediction.rail_speed)[1] == pytest.approx(three(prediction.rail_speed)[1], rel=0.02)

@@ -23,6 +23,6 @@ def test_an_interval_calibrated_to_be_wider_is_wider_for_the_ceiling_too() -> No
     assert np.log(wide).std() == pytest.approx(2 * np.log(narrow).std(), rel=1e-6)
     ceiling = float(np.quantile(narrow, 0.96))
     for factor, verdict in ((1.0, "ok"), (2.0, "unsafe")):
-        (said,) = forecasts(Rocket((), (), factor, 20), [(PLAN, FOUND)], draws=200)
-        lines = {one.name: one for one in safety_lines(said, Site(ceiling=ceiling), usual(), limits())}
+        (forecast,) = forecasts(Rocket((), (), factor, 20), [(PLAN, FOUND)], draws=200)
+        lines = {one.name: one for one in safety_lines(forecast, Site(ceiling=ceiling), usual(), limits())}
         assert lines["ceiling"].verdict == verdict

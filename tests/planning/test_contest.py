@@ -162,7 +162,7 @@ def falls(count: int, rng: np.random.Generator, spread: float) -> tuple[list[tup
 
 
 WARMTH = (275.0, 310.0)
-DENSITY = [air_of(Flight(temperature=warmth)).density for warmth in WARMTH]
+DENSITY = [air_of(Flight(temperature=temperature)).density for temperature in WARMTH]
 
 
 def test_speed_goes_with_the_root_of_mass_over_area_and_density() -> None:
@@ -203,8 +203,8 @@ def test_a_duration_shows_the_descent_as_well_as_a_descent_speed() -> None:
     flown = fly(field_setup([plan.with_changes(delay=6.0)], [found], np.array([0.6 * np.pi / 4 * 0.066**2])))
     names = ("apogee", "duration", "burn_time", "coast_to_apogee", "apogee_to_eject")
     shown = plan.with_changes(**{name: float(flown.readouts()[name][0]) for name in names}, descent_speed=None)
-    told, read = fall_of([(shown, found)]), fall_of([(plan, found)])
-    assert told.log_mean == pytest.approx(read.log_mean, abs=0.03)
+    stated, read = fall_of([(shown, found)]), fall_of([(plan, found)])
+    assert stated.log_mean == pytest.approx(read.log_mean, abs=0.03)
     without = shown.with_changes(burn_time=None, coast_to_apogee=None)
     assert fall_of([(without, found)]).log_mean == pytest.approx(read.log_mean, abs=0.06)
 

@@ -88,5 +88,5 @@ def _forecast(case: dict[str, Any]) -> Landing:
     angle = float(np.hypot(case["rail_into"], case["rail_across"])) * DEGREE
     plan = body.with_changes(motor=case["motor"], wind=case["wind"], rail_angle=angle, extra=extra)
     rocket = Rocket(history, (), None, 0)
-    (said,) = forecasts(rocket, [(plan, found)], draws=300)
-    return landing(said, fall_of(history, plan, found))
+    (forecast,) = forecasts(rocket, [(plan, found)], draws=300)
+    return landing(forecast, fall_of(history, plan, found))

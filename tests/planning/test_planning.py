@@ -89,14 +89,14 @@ def plan(path: str) -> Flight:
 
 
 @pytest.fixture(scope="module")
-def said(rocket: Rocket, plan: Flight, motors: Catalogue) -> Prediction:
+def prediction(rocket: Rocket, plan: Flight, motors: Catalogue) -> Prediction:
     """A forecast to be judged."""
     return forecasts(rocket, [(plan, motors.resolve("F24-4W"))], draws=300)[0]
 
 
-def lines_of(said: Prediction, site: Site = ANYWHERE, **changes: object) -> dict[str, SafetyCheck]:
+def lines_of(prediction: Prediction, site: Site = ANYWHERE, **changes: object) -> dict[str, SafetyCheck]:
     """The safety lines of a forecast whose plan says something else, by name."""
-    changed = replace(said, plan=said.plan.with_changes(**changes))
+    changed = replace(prediction, plan=prediction.plan.with_changes(**changes))
     return {line.name: line for line in safety_lines(changed, site, FALL, limits())}
 
 
@@ -163,8 +163,8 @@ def test_the_first_half_second_is_averaged(motors: Catalogue) -> None:
     assert first_thrust(motor) == pytest.approx(np.interp(time, motor.time, motor.thrust).mean(), rel=1e-3)
 
 
-def test_wind_raises_the_rail_speed_that_is_wanted(said: Prediction) -> None:
-    steady = replace(said, rail_speed=np.full_like(said.rail_speed, 16.0))
+def test_wind_raises_the_rail_speed_that_is_wanted(prediction: Prediction) -> None:
+    steady = replace(prediction, rail_speed=np.full_like(prediction.rail_speed, 16.0))
     calm, gusty = (lines_of(steady, wind=wind, rail_length=1.0) for wind in (1.0, 9.5))
     assert calm["rail exit speed"].verdict == calm["ground wind"].verdict == "ok"
     assert gusty["rail exit speed"].verdict == gusty["ground wind"].verdict == "unsafe"
@@ -175,29 +175,29 @@ def test_wind_raises_the_rail_speed_that_is_wanted(said: Prediction) -> None:
     assert "rail length not given, 3.3 ft assumed" in assumed.words("US")
 
 
-def test_the_ceiling_is_held_against_the_95_per_cent_of_the_true_apogee(said: Prediction) -> None:
-    high = float(np.quantile(said.true_apogee, 0.95))
+def test_the_ceiling_is_held_against_the_95_per_cent_of_the_true_apogee(prediction: Prediction) -> None:
+    high = float(np.quantile(prediction.true_apogee, 0.95))
     for ceiling, verdict in ((high - 1, "unsafe"), (high + 1, "ok"), (None, "unknown")):
-        assert lines_of(said, Site("Meadow", ceiling=ceiling))["ceiling"].verdict == verdict
+        assert lines_of(prediction, Site("Meadow", ceiling=ceiling))["ceiling"].verdict == verdict
 
 
-def test_the_field_must_hold_the_drift_under_the_parachute(said: Prediction) -> None:
+def test_the_field_must_hold_the_drift_under_the_parachute(prediction: Prediction) -> None:
     small, large = Site("Meadow", size=150.0), Site("Steppe", size=5000.0)
-    assert lines_of(said, large, wind=5.0)["field size"].verdict == "ok"
-    assert lines_of(said, small, wind=5.0)["field size"].verdict == "unsafe"  # the code wants 1,000 ft for an F
-    assert lines_of(said, Site("Park", size=305.0), wind=8.0)["field size"].verdict == "caution"
-    assert lines_of(said, large)["field size"].verdict == "unknown"
+    assert lines_of(prediction, large, wind=5.0)["field size"].verdict == "ok"
+    assert lines_of(prediction, small, wind=5.0)["field size"].verdict == "unsafe"  # the code wants 1,000 ft for an F
+    assert lines_of(prediction, Site("Park", size=305.0), wind=8.0)["field size"].verdict == "caution"
+    assert lines_of(prediction, large)["field size"].verdict == "unknown"
 
 
-def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(said: Prediction) -> None:
+def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(prediction: Prediction) -> None:
     def verdicts(warm: str, degrees: float) -> list[str]:
-        lines = lines_of(said, extra={MOTOR_TEMPERATURE: warm}, rail_angle=np.radians(degrees))
+        lines = lines_of(prediction, extra={MOTOR_TEMPERATURE: warm}, rail_angle=np.radians(degrees))
         return [lines["motor temperature"].verdict, lines["launch angle"].verdict]
 
     assert verdicts("70F", 5) == ["ok", "ok"]
     assert verdicts("100F", 31) == ["caution", "unsafe"]
     with pytest.raises(BadValue, match=MOTOR_TEMPERATURE):
-        lines_of(said, extra={MOTOR_TEMPERATURE: "warm"})
+        lines_of(prediction, extra={MOTOR_TEMPERATURE: "warm"})
 
 
 @pytest.mark.parametrize(
@@ -210,9 +210,9 @@ def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(said: Prediction)
     ],
 )
 def test_the_class_goes_by_propellant_and_mass(
-    said: Prediction, motors: Catalogue, name: str, mass: float, verdict: str, text: str
+    prediction: Prediction, motors: Catalogue, name: str, mass: float, verdict: str, text: str
 ) -> None:
-    line = lines_of(replace(said, found=motors.resolve(name)), dry_mass=mass)["class"]
+    line = lines_of(replace(prediction, found=motors.resolve(name)), dry_mass=mass)["class"]
     assert line.verdict == verdict
     assert text in line.text
 
@@ -315,14 +315,14 @@ def test_ballast_beats_both_neighbours_and_today(rocket: Rocket, plan: Flight, m
     found = motors.resolve("F24-4W")
     best = ballast(rocket, plan, found, Goal(240.0, 10.0), draws=300)
     masses = [best.mass + change for change in (-0.03, 0.0, 0.03)]
-    said = forecasts(rocket, [(plan.with_changes(dry_mass=mass), found) for mass in masses], draws=600)
-    chances = [float((np.abs(one.apogee - 240.0) < 10.0).mean()) for one in said]
+    prediction = forecasts(rocket, [(plan.with_changes(dry_mass=mass), found) for mass in masses], draws=600)
+    chances = [float((np.abs(one.apogee - 240.0) < 10.0).mean()) for one in prediction]
     assert best.met
     assert chances[1] > max(chances) - 0.02  # as near as 600 draws show
     assert best.apogee[1] == pytest.approx(240.0, abs=4.0)  # the middle of the band, not an accident of the draws
     assert best.there.chance == pytest.approx(chances[1], abs=0.05)
     assert best.there.chance >= best.today.chance
-    slope = (np.median(said[2].apogee) - np.median(said[0].apogee)) / 0.06
+    slope = (np.median(prediction[2].apogee) - np.median(prediction[0].apogee)) / 0.06
     assert best.slope == pytest.approx(slope, rel=0.25)
 
 

@@ -41,7 +41,7 @@ PLAN = Flight(rocket="Comet", motor="F39T-6", dry_mass=0.4, diameter=0.066, wind
 
 
 @pytest.fixture(scope="module")
-def said() -> Prediction:
+def prediction() -> Prediction:
     return forecasts(NEW, [(PLAN, FOUND)], draws=300)[0]
 
 
@@ -157,16 +157,18 @@ def test_forecast_durations_are_those_of_the_flight_they_were_fitted_on() -> Non
     assert middle == pytest.approx(flights[0][0].duration or 0.0, rel=0.03)
 
 
-def test_a_drogue_keeps_a_landing_near(said: Prediction) -> None:
-    high = replace(said, true_apogee=said.true_apogee * 10)
+def test_a_drogue_keeps_a_landing_near(prediction: Prediction) -> None:
+    high = replace(prediction, true_apogee=prediction.true_apogee * 10)
     dual = replace(high, plan=PLAN.with_changes(extra={"main_altitude_m": "150", "drogue_speed_mps": "20"}))
     alone, with_drogue = (float(np.median(landing(one, fall_of([], one.plan)).away)) for one in (high, dual))
     assert with_drogue < 0.45 * alone
 
 
-def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_meter_a_second_is_not(said: Prediction) -> None:
+def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_meter_a_second_is_not(
+    prediction: Prediction,
+) -> None:
     """The drift is the descent time times the mean wind on the way, less what the rocket flies into the wind."""
-    calm = replace(said, plan=PLAN.with_changes(wind=None))
+    calm = replace(prediction, plan=PLAN.with_changes(wind=None))
     fall = fall_of([], calm.plan, FOUND)
     found = landing(calm, fall)
     shown = found.json()
@@ -196,8 +198,8 @@ def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_meter_a_se
 def test_up_to_the_wind_that_holds_landings_stay_on_the_field(size: float, changes: dict[str, object]) -> None:
     plan = PLAN.with_changes(wind=None, **changes)
     wind = wind_that_holds(NEW, plan, FOUND, size)
-    (said,) = forecasts(NEW, [(plan.with_changes(wind=wind), FOUND)], draws=1000)
-    stay = np.mean(landing(said, fall_of([], plan, FOUND)).away <= size / 2)
+    (prediction,) = forecasts(NEW, [(plan.with_changes(wind=wind), FOUND)], draws=1000)
+    stay = np.mean(landing(prediction, fall_of([], plan, FOUND)).away <= size / 2)
     by_chance = np.sqrt(0.95 * 0.05 * (1 / TRIED_DRAWS + 1 / 1000))  # of the two sets of draws
     assert stay == pytest.approx(0.95, abs=3 * by_chance)
 
@@ -218,9 +220,9 @@ def test_no_wind_keeps_a_leaning_rocket_on_a_small_field_and_any_wind_a_fast_one
     assert planned_flight(NEW, PLAN, FOUND, site, limits()).holds is None
 
 
-def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(said: Prediction) -> None:
+def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(prediction: Prediction) -> None:
     def line(**changes: object) -> SafetyCheck:
-        one = replace(said, plan=said.plan.with_changes(**changes))
+        one = replace(prediction, plan=prediction.plan.with_changes(**changes))
         lines = safety_lines(one, Site(), fall_of([], one.plan, FOUND), limits())
         return next(check for check in lines if check.name == "ejection speed")
 
@@ -232,21 +234,23 @@ def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(said: Predict
     assert line(delay=0.0).verdict == "unsafe"  # a booster has no charge
 
 
-def test_figures_are_in_the_units_of_the_flyer_alone(said: Prediction) -> None:
-    lines = safety_lines(said, Site(size=300.0, people=20.0, ceiling=500.0), usual(), limits())
+def test_figures_are_in_the_units_of_the_flyer_alone(prediction: Prediction) -> None:
+    lines = safety_lines(prediction, Site(size=300.0, people=20.0, ceiling=500.0), usual(), limits())
     metric, american = (
         [one.words(system).partition(". The rule")[0].partition(" [")[0] for one in lines[:-1]]
         for system in ("SI", "US")
     )
     assert not [line for line in metric if re.search(r"\d (ft|mph|°F|oz)\b", line)]
     assert not [line for line in american if re.search(r"\d (m|m/s|°C|g)\b", line)]
-    down = landing(said, usual())
-    words = [*landing_in_words(said, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0))], Site(size=300.0), "US")]
+    down = landing(prediction, usual())
+    words = [
+        *landing_in_words(prediction, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0))], Site(size=300.0), "US")
+    ]
     assert not [line for line in words if re.search(r"\d (m|m/s)\b", line)]
 
 
-def test_the_ellipse_holds_nine_landings_in_ten(said: Prediction) -> None:
-    found = landing(said, usual())
+def test_the_ellipse_holds_nine_landings_in_ten(prediction: Prediction) -> None:
+    found = landing(prediction, usual())
     inside = found.ellipse().inside(found.along, found.across).mean()
     assert inside == pytest.approx(0.9, abs=0.05)
     assert np.median(found.along) > 0
@@ -266,8 +270,8 @@ def test_a_rail_into_the_wind_brings_the_landing_back() -> None:
     assert all(choice.angle <= np.radians(5) + 1e-9 for choice in rail_choices(NEW, PLAN, FOUND, np.radians(5)))
 
 
-def test_a_charge_that_comes_too_late_is_ballistic(said: Prediction) -> None:
-    late = replace(said, plan=PLAN.with_changes(delay=20.0), eject=np.full_like(said.eject, np.nan))
+def test_a_charge_that_comes_too_late_is_ballistic(prediction: Prediction) -> None:
+    late = replace(prediction, plan=PLAN.with_changes(delay=20.0), eject=np.full_like(prediction.eject, np.nan))
     assert descents(late, usual(), np.full(300, 5.0)).ballistic.all()
     unknown = replace(late, plan=PLAN.with_changes(delay=None), found=Found(FOUND.motor, None))
     assert not descents(unknown, usual(), np.full(300, 5.0)).ballistic.any()
@@ -334,13 +338,13 @@ def test_the_range_card_has_the_conditions_of_its_forecast(tmp_path: Path, capsy
     plan = ["landing", "--motor", "3 x F39T-6", "--wind", "3m/s", *slanted, *body]
     assert main(["--ledger", str(tmp_path / "ledger.db"), *plan, "--card", str(card)]) == 0
     words = " ".join(capsys.readouterr().out.split())
-    told = card.read_text(encoding="utf-8")
-    for said in ("rail 1.5 m", "away from the wind", "kg/m³ at the pad"):
-        assert said in words
-    for said in ("rail 1.5 m", "at 5 ° away", "kg/m³ at the pad"):
-        assert said in told
-    assert ", Moor" in told
-    assert "as if every motor" in told
+    card_text = card.read_text(encoding="utf-8")
+    for prediction in ("rail 1.5 m", "away from the wind", "kg/m³ at the pad"):
+        assert prediction in words
+    for prediction in ("rail 1.5 m", "at 5 ° away", "kg/m³ at the pad"):
+        assert prediction in card_text
+    assert ", Moor" in card_text
+    assert "as if every motor" in card_text
 
 
 def test_two_devices_are_opened_by_an_altimeter_and_an_early_charge_is_a_caution(
@@ -378,7 +382,7 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
 
 
 @pytest.mark.parametrize(
-    ("typed", "verdict", "said_of_it"),
+    ("typed", "verdict", "expected"),
     [
         ({}, "unknown", "assumed"),
         ({"main_speed_mps": "1.5"}, "caution", "0.5 times as wide lands at 3.0 m/s"),
@@ -391,17 +395,19 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
     ],
 )
 def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
-    typed: dict[str, str], verdict: str, said_of_it: str
+    typed: dict[str, str], verdict: str, expected: str
 ) -> None:
     plan = PLAN.with_changes(extra=typed)
     line = next(one for one in planned_flight(NEW, plan, FOUND, Site(), limits()).lines if one.name == "landing speed")
     assert line.verdict == verdict, line.text
-    assert said_of_it in line.text
+    assert expected in line.text
     wrong_size = verdict in ("caution", "unsafe") and not {"recovery", "main_altitude_m"} & set(typed)
     assert ("as wide" in line.text) == wrong_size
 
 
-def test_a_main_above_the_apogee_opens_there_and_the_landing_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_main_above_the_apogee_opens_there_and_the_landing_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--motor", "F39T-6", "--wind", "3m/s"]
     words = "chance of an apogee below that: the main opens at apogee"
     for height, above in (("900m", True), ("60m", False)):

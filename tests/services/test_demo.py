@@ -34,13 +34,13 @@ def test_the_demo_goes_from_readouts_to_the_next_apogee_and_leaves_the_flyers_le
     mine = tmp_path / "mine.db"
     monkeypatch.setenv("FIELDKIT_LEDGER", str(mine))
     assert main(["demo"]) == 0
-    said = capsys.readouterr()
-    assert said.err == ""
+    printed = capsys.readouterr()
+    assert printed.err == ""
     assert not mine.exists()
     assert not (tmp_path / "home").exists()
-    assert max(map(len, said.out.splitlines())) <= 80
-    assert "12 flights of Astra imported. 8 are clean" in said.out
-    steps = re.split(r"^\d\. ", said.out, flags=re.MULTILINE)
+    assert max(map(len, printed.out.splitlines())) <= 80
+    assert "12 flights of Astra imported. 8 are clean" in printed.out
+    steps = re.split(r"^\d\. ", printed.out, flags=re.MULTILINE)
     assert len(steps) == 6
     _, _, inferred, predicted, loop, profile = steps
     assert len(re.findall(r"^ +\d+ [AB]  .* m .*±.*±", inferred, flags=re.MULTILINE)) == 12
@@ -103,8 +103,8 @@ def test_infer_gives_every_flight_drag_and_thrust(model: str, ledger: str, capsy
 
 def test_infer_takes_the_flights_that_are_named(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--ledger", ledger, "infer", "3", "Astra/9"]) == 0
-    said = capsys.readouterr()
-    assert [line.split()[0] for line in said.out.splitlines()] == ["flight", "3", "9"]
+    printed = capsys.readouterr()
+    assert [line.split()[0] for line in printed.out.splitlines()] == ["flight", "3", "9"]
     assert main(["--ledger", ledger, "infer", "33"]) == 1
     assert "33" in capsys.readouterr().err
 
@@ -115,9 +115,9 @@ def test_a_flight_that_cannot_be_inferred_is_named_and_left_out(
     assert main(["--ledger", ledger, "edit", "2", "apogee="]) == 0
     capsys.readouterr()
     assert main(["--ledger", ledger, "infer", "1", "2", "--json"]) == 0
-    said = capsys.readouterr()
-    assert [one["flight_id"] for one in json.loads(said.out)["flights"]] == ["1"]
-    assert said.err == "left out: flight 2, found no readout, expected at least the apogee\n"
+    printed = capsys.readouterr()
+    assert [one["flight_id"] for one in json.loads(printed.out)["flights"]] == ["1"]
+    assert printed.err == "left out: flight 2, found no readout, expected at least the apogee\n"
     assert main(["--ledger", ledger, "infer", "2"]) == 1
     assert "no flight could be used for inference" in capsys.readouterr().err
 

@@ -30,10 +30,10 @@ def test_flights_of_any_rockets_are_judged_together_as_alone() -> None:
     small = Flight("2", "Small", "A", "C6-5", dry_mass=0.05, diameter=0.025, apogee=180.0)
     bare = ONE.with_changes(flight_id="3", rocket="Bare", motor="F39-6T", diameter=None)
     flights = list(zip((ONE, small, bare), motors, strict=True))
-    for (flight, motor), said in zip(flights, each_at_once(flights, [None] * 3), strict=True):
+    for (flight, motor), estimate in zip(flights, each_at_once(flights, [None] * 3), strict=True):
         alone = forecast_at_once([(flight, motor)], (repeated(flight), motor))
-        assert said.log_cd == pytest.approx(alone.log_cd, abs=1e-6)
-        assert said.log_alpha == pytest.approx(alone.log_alpha, abs=1e-6)
+        assert estimate.log_cd == pytest.approx(alone.log_cd, abs=1e-6)
+        assert estimate.log_alpha == pytest.approx(alone.log_alpha, abs=1e-6)
 
 
 def test_more_height_is_less_drag_or_more_thrust(ledger: Ledger) -> None:

@@ -13,9 +13,9 @@ from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import DESIGN_DRAG, START, learned
 from fieldkit.motors import catalogue
 from fieldkit.services.learn_high_power import learn_from_table, read_table
-from tests.services.test_plausibility import Told, told
+from tests.services.test_plausibility import Run, run_command
 
-__all__ = ["told"]
+__all__ = ["run_command"]
 COLUMNS = ("flight_id", "rocket", "diameter_mm", "motor", "apogee_m", "predicted_one_m", "predicted_two_m", "peak_mach")
 ROWS = (
     ("1", "Gibb", "76.2", "I284W (AT)", "1192.7", "1313.7", "1215.8", "0.55"),
@@ -64,8 +64,10 @@ def test_a_table_narrows_forecasts_of_designs_on_high_power_motors(tmp_path: Pat
     assert spread("F24", found) > 0.9 * spread("F24", START)
 
 
-def test_the_command_keeps_the_rest_of_the_card(told: Told, tmp_path: Path) -> None:
-    status, _, _ = told("learn", "--high-power", str(table(tmp_path, *ROWS)), "--out", str(tmp_path / "card.json"))
+def test_the_command_keeps_the_rest_of_the_card(run_command: Run, tmp_path: Path) -> None:
+    status, _, _ = run_command(
+        "learn", "--high-power", str(table(tmp_path, *ROWS)), "--out", str(tmp_path / "card.json")
+    )
     card = json.loads((tmp_path / "card.json").read_text())
     assert status == 0
     assert card["sds"] == dict(learned().sds)
@@ -73,8 +75,8 @@ def test_the_command_keeps_the_rest_of_the_card(told: Told, tmp_path: Path) -> N
     assert card["high_power_flights"]["flights"] == 3
 
 
-def test_no_table_at_all_is_a_mistake(told: Told) -> None:
-    status, _, err = told("learn")
+def test_no_table_at_all_is_a_mistake(run_command: Run) -> None:
+    status, _, err = run_command("learn")
     assert status == 2
     assert "expected at least one" in err
 

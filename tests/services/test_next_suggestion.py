@@ -71,8 +71,8 @@ def test_misses_beyond_chance_lead_to_the_loop_and_one_in_ten_does_not(ledger: L
     found = suggestion(ledger, catalogue(), Settings(), last, poor)
     assert (found.kind, found.outside, found.forecasts) == ("loop", 3, 4)
     assert suggestion_line(found, "SI").startswith("3 of the last 4 flights ended outside")
-    odd = [replace(one, flight=one.flight.with_changes(tags=("cato",))) for one in poor if one.flight]
-    assert suggestion(ledger, catalogue(), Settings(), last, odd).kind == "repeat", "no model explains an anomaly"
+    tagged = [replace(one, flight=one.flight.with_changes(tags=("cato",))) for one in poor if one.flight]
+    assert suggestion(ledger, catalogue(), Settings(), last, tagged).kind == "repeat", "no model explains an anomaly"
     good = [forecast(flown) for flown in (*[250.0] * 9, 290.0)]
     assert suggestion(ledger, catalogue(), Settings(), last, good).kind == "repeat"
 

@@ -92,18 +92,18 @@ def test_a_lasting_change_stays_if_its_first_flight_is_renamed_or_removed(ledger
     accept(ledger, place)
     plan = FLOWN[9].with_changes(flight_id="", apogee=None, date_time=None)
 
-    def said() -> tuple[np.ndarray, np.ndarray]:
+    def draws() -> tuple[np.ndarray, np.ndarray]:
         (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
         (planned,) = forecasts(rocket_of(ledger, catalogue(), "Astra"), [(plan, made.found)], draws=1000)
         return made.apogee_quantiles(), planned.apogee_quantiles()
 
-    before = said()[0]
+    before = draws()[0]
     (first,) = ledger.ids([FLOWN[CHANGED]])
     ledger.edit(first, flight_id="new name")
-    for renamed in said():
+    for renamed in draws():
         np.testing.assert_allclose(renamed, before, rtol=1e-6)
     ledger.remove("Astra/new name")
-    for removed in said():
+    for removed in draws():
         assert removed[1] == pytest.approx(before[1], rel=0.02)
     ledger.remove(*(f"Astra/F{row}" for row in (7, 8, 9)))
-    assert said()[0][1] == pytest.approx(250.0, rel=0.03), "no flight shows it any longer"
+    assert draws()[0][1] == pytest.approx(250.0, rel=0.03), "no flight shows it any longer"

@@ -95,11 +95,11 @@ WITHOUT_A_LEDGER = ("capture", "demo", "docs", "learn", "paper", "study referenc
 """Commands that no flight of the ledger changes."""
 USAGE = 2
 """Exit status of a command line that is not understood."""
-Told = Callable[..., tuple[int, str, str]]
+Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Told:
+def run_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
     """A command on a ledger of its own: exit status, output and messages."""
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
@@ -110,8 +110,8 @@ def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
             (tmp_path / "flights.csv").write_text("\n".join(table))
             words = ("import", str(tmp_path / "flights.csv"))
         status = main(["--ledger", str(tmp_path / "ledger.db"), *words])
-        said = capsys.readouterr()
-        return status, said.out, said.err
+        printed = capsys.readouterr()
+        return status, printed.out, printed.err
 
     return run
 
@@ -120,15 +120,17 @@ def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 @pytest.mark.parametrize(
     "what", [pytest.param(WHOLLY[0], marks=pytest.mark.thorough), *(what for what in IMPOSSIBLE if what != WHOLLY[0])]
 )
-def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(what: str, told: Told) -> None:
+def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(
+    what: str, run_command: Run
+) -> None:
     rows = IMPOSSIBLE[what]
-    odd = len(rows) if what.startswith("all") else 1
-    _, out, err = told(rows=rows)
+    implausible_count = len(rows) if what.startswith("all") else 1
+    _, out, err = run_command(rows=rows)
     assert out.startswith(f"Imported {len(rows)},")
-    assert err.count("excluded from every fit") == odd
+    assert err.count("excluded from every fit") == implausible_count
     few = {name: words for name, words in FITS.items() if what in WHOLLY or name not in SLOW}
     for command, words in few.items():
-        status, out, err = told(command, *words)
+        status, out, err = run_command(command, *words)
         last = rows[-1]["flight_id"]
         assert re.search(rf"flight {last}\b|more flights?", err), f"{command}: {err}"
         assert not re.search(r"\bnan\b|\binf\b|Traceback|Warning", out + err, re.IGNORECASE), command
@@ -138,7 +140,7 @@ def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_inv
 @pytest.mark.thorough
 @pytest.mark.parametrize("rows", [[], season(6, dry_mass_g=32200)], ids=["none", "none plausible"])
 def test_no_command_fails_unforeseen_without_a_flight_to_fit(
-    rows: list[dict[str, object]], told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rows: list[dict[str, object]], run_command: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every line of the manual's session, each on a ledger of its own without any flight that a fit could use."""
     session.furnished(tmp_path / "desk")
@@ -148,27 +150,29 @@ def test_no_command_fails_unforeseen_without_a_flight_to_fit(
             continue
         for left in tmp_path.glob("ledger.db*"):
             shutil.rmtree(left) if left.is_dir() else left.unlink()
-        told(rows=rows or season(1))
+        run_command(rows=rows or season(1))
         if not rows:
-            told("undo")
-        status, out, err = told(*words)
+            run_command("undo")
+        status, out, err = run_command(*words)
         assert not re.search(r"\bnan\b|Traceback|Warning", out + err, re.IGNORECASE), words
         assert status != USAGE, (words, err)  # otherwise neither this test nor the fault bench tries anything
 
 
-def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(told: Told) -> None:
+def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(run_command: Run) -> None:
     """Five times the usual apogee, which this motor could reach without drag; only what is new is questioned."""
-    _, _, err = told(rows=with_one(apogee_m=1250))
-    said = "row 11: flight 10 of Astra: apogee 1250 m is 5 times the usual 252.4 m of this rocket and motor; check it"
-    assert said in err
+    _, _, err = run_command(rows=with_one(apogee_m=1250))
+    printed = (
+        "row 11: flight 10 of Astra: apogee 1250 m is 5 times the usual 252.4 m of this rocket and motor; check it"
+    )
+    assert printed in err
     assert err.count("the usual") == 1
-    assert "the usual" not in told(rows=with_one(apogee_m=1250))[2]
-    assert "flight 11 of Astra: apogee 1250 m" in told(rows=[with_one(apogee_m=1250)[-1] | {"flight_id": 11}])[2]
+    assert "the usual" not in run_command(rows=with_one(apogee_m=1250))[2]
+    assert "flight 11 of Astra: apogee 1250 m" in run_command(rows=[with_one(apogee_m=1250)[-1] | {"flight_id": 11}])[2]
 
 
 @pytest.mark.slow
 def test_no_command_fails_unforeseen_at_the_ends_of_time(
-    told: Told, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run_command: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every line of the manual's session, on flights of the first and the last second that a date can have."""
     session.furnished(tmp_path / "desk")
@@ -177,74 +181,74 @@ def test_no_command_fails_unforeseen_at_the_ends_of_time(
     rows = [row | {"date_time": date} for row, date in zip(season(3), dates, strict=True)]
     for words in dict.fromkeys((*session.lines(), *session.more())):
         if session.named(words) not in WITHOUT_A_LEDGER:
-            told(rows=rows)
-            told(*words)
+            run_command(rows=rows)
+            run_command(*words)
 
 
-def test_a_ratio_to_the_usual_is_written_in_digits(told: Told) -> None:
-    assert "apogee 199900 m is 790 times the usual 252.4 m" in told(rows=with_one(apogee_m=199_900))[2]
+def test_a_ratio_to_the_usual_is_written_in_digits(run_command: Run) -> None:
+    assert "apogee 199900 m is 790 times the usual 252.4 m" in run_command(rows=with_one(apogee_m=199_900))[2]
 
 
-def test_a_flight_that_no_motor_lifts_announces_no_next_one(told: Told) -> None:
+def test_a_flight_that_no_motor_lifts_announces_no_next_one(run_command: Run) -> None:
     """Its readouts may be right; a forecast for a mass typed wrong is 0 m from 0 to 0."""
-    told(rows=season(10))
+    run_command(rows=season(10))
     typed = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--diameter", "66mm", "--apogee", "250m")
-    status, out, err = told("add", *typed, "--dry-mass", "32kg")
+    status, out, err = run_command("add", *typed, "--dry-mass", "32kg")
     assert status == 0
     assert "Next on" not in out
     assert "excluded from every fit" in err
-    assert "Next on" in told("add", *typed, "--dry-mass", "322g", "--flight-id", "12")[1]
+    assert "Next on" in run_command("add", *typed, "--dry-mass", "322g", "--flight-id", "12")[1]
 
 
-def test_a_card_is_learned_without_impossible_flights_and_names_them(told: Told, tmp_path: Path) -> None:
-    told(rows=with_one(dry_mass_g=32200))
-    status, _, err = told("learn", str(tmp_path / "flights.csv"), "--out", str(tmp_path / "card.json"))
+def test_a_card_is_learned_without_impossible_flights_and_names_them(run_command: Run, tmp_path: Path) -> None:
+    run_command(rows=with_one(dry_mass_g=32200))
+    status, _, err = run_command("learn", str(tmp_path / "flights.csv"), "--out", str(tmp_path / "card.json"))
     assert status == 0
     assert "flight 10 of Astra is excluded from every fit" in err
 
 
-def test_the_loop_hands_on_which_flights_had_no_part(told: Told) -> None:
-    told(rows=with_one(dry_mass_g=32200))
-    document = json.loads(told("loop", "--look", "--json")[1])
+def test_the_loop_hands_on_which_flights_had_no_part(run_command: Run) -> None:
+    run_command(rows=with_one(dry_mass_g=32200))
+    document = json.loads(run_command("loop", "--look", "--json")[1])
     (line,) = document["implausible"]
     assert "flight 10" in line
     assert document["n_flights"] == 9
 
 
-def median(told: Told, rows: list[dict[str, object]]) -> dict[str, Any]:
-    told(rows=rows)
+def median(run_command: Run, rows: list[dict[str, object]]) -> dict[str, Any]:
+    run_command(rows=rows)
     plan = ["--motor", "F24-4W", "--config", "A", "--dry-mass", "322g", "--diameter", "66mm"]
-    (made,) = json.loads(told("predict", *plan, "--json")[1])["predictions"]
+    (made,) = json.loads(run_command("predict", *plan, "--json")[1])["predictions"]
     return dict(made)
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("what", [name for name in IMPOSSIBLE if name.startswith("one")])
-def test_one_impossible_flight_changes_no_forecast(what: str, told: Told) -> None:
+def test_one_impossible_flight_changes_no_forecast(what: str, run_command: Run) -> None:
     rows = IMPOSSIBLE[what]
-    without = median(told, rows[:-1])
-    beside = median(told, rows)
+    without = median(run_command, rows[:-1])
+    beside = median(run_command, rows)
     assert beside["apogee_m"] == without["apogee_m"]
     assert beside["flights"] == without["flights"] == 9
     assert "flight 10 of Astra" in beside["left_out"][0]
 
 
-def test_a_flight_that_is_typed_in_is_doubted_at_once(told: Told) -> None:
+def test_a_flight_that_is_typed_in_is_doubted_at_once(run_command: Run) -> None:
     words = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "250m", "--dry-mass", "32200g"]
-    status, _, err = told("add", *words)
+    status, _, err = run_command("add", *words)
     assert status == 0
     assert "excluded from every fit: dry_mass_g: found a dry mass of 32200 g, expected less than" in err
 
 
-def test_a_plan_begins_from_a_set_up_that_can_fly(told: Told) -> None:
-    told(rows=IMPOSSIBLE["one that no motor lifts"])
-    _, out, _ = told("predict", "--motor", "F24-4W")
+def test_a_plan_begins_from_a_set_up_that_can_fly(run_command: Run) -> None:
+    run_command(rows=IMPOSSIBLE["one that no motor lifts"])
+    _, out, _ = run_command("predict", "--motor", "F24-4W")
     assert "322 g without the motor" in out
 
 
-def test_residuals_that_are_all_equal_have_a_dash(told: Told) -> None:
-    told(rows=season(6, apogee_m=0.1))
-    _, out, _ = told("loop")
+def test_residuals_that_are_all_equal_have_a_dash(run_command: Run) -> None:
+    run_command(rows=season(6, apogee_m=0.1))
+    _, out, _ = run_command("loop")
     assert "nan" not in out
 
 
@@ -278,9 +282,9 @@ BEYOND = {
 
 @pytest.mark.parametrize("column", BEYOND)
 def test_the_reason_names_the_column(column: str) -> None:
-    said = implausible(GOOD.with_changes(**BEYOND[column]), F24)
-    assert said is not None
-    assert said.startswith(f"{column}: found ")
+    printed = implausible(GOOD.with_changes(**BEYOND[column]), F24)
+    assert printed is not None
+    assert printed.startswith(f"{column}: found ")
 
 
 MOTORS = [motor for motor in catalogue().motors if motor.total_impulse > 1]
@@ -369,14 +373,14 @@ def test_flights_that_no_fit_can_use_are_named_by_what_they_lack() -> None:
     ]
 
 
-def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fit(told: Told) -> None:
+def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fit(run_command: Run) -> None:
     rows = season(6)
     for row in rows[1:3]:
         row["dry_mass_g"] = ""
     note = "Astra: no fit uses flights 2 and 3: no dry mass; edit to add it"
-    assert note in " ".join(told(rows=rows)[2].split())
+    assert note in " ".join(run_command(rows=rows)[2].split())
     for command in ("predict", "loop", "ballast"):
-        assert note in " ".join(told(command, *FITS[command])[2].split()), command
+        assert note in " ".join(run_command(command, *FITS[command])[2].split()), command
 
 
 def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_one() -> None:

@@ -34,9 +34,9 @@ FLOWN = PAST[0].with_changes(flight_id="4", date_time=datetime(2026, 6, 2, 11), 
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Three flights in May and a prediction of a fourth, made on June 1."""
-    file = tmp_path_factory.mktemp("said") / "ledger.db"
+    file = tmp_path_factory.mktemp("shown") / "ledger.db"
     with Ledger.open(file) as ledger, pytest.MonkeyPatch.context() as patch:
         patch.setattr(models, "now", lambda: MOMENT)
         ledger.add(PAST)
@@ -45,10 +45,10 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def ledger(said: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ledger]:
+def ledger(shown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ledger]:
     """A copy of that ledger, on the same day."""
     monkeypatch.setattr(models, "now", lambda: MOMENT)
-    with Ledger.open(shutil.copy(said, tmp_path / "ledger.db")) as ledger:
+    with Ledger.open(shutil.copy(shown, tmp_path / "ledger.db")) as ledger:
         yield ledger
 
 
@@ -129,8 +129,8 @@ def test_extra_columns_that_change_the_climb_are_inputs_of_a_prediction(column: 
 
 def test_the_delay_of_a_plan_goes_before_that_in_the_name_of_its_motor() -> None:
     found = catalogue().resolve("F24-4W")
-    (said,) = forecasts(Rocket((), (), None, 0), [(PLAN.with_changes(dry_mass=0.3, delay=7.0), found)], draws=20)
-    assert np.median(said.eject + said.coast_time) == pytest.approx(7.0, abs=0.6)
+    (shown,) = forecasts(Rocket((), (), None, 0), [(PLAN.with_changes(dry_mass=0.3, delay=7.0), found)], draws=20)
+    assert np.median(shown.eject + shown.coast_time) == pytest.approx(7.0, abs=0.6)
     assert plan_parts(PLAN.with_changes(delay=7.0), found)["motor"]["delay_s"] == "7"
 
 
@@ -239,14 +239,14 @@ def test_the_commands_show_forecast_against_flown(
     table = tmp_path / "day.csv"
     table.write_text("flight_id,rocket,config,motor,dry_mass_g,apogee_m\n4,Astra,A,F24-4W,330,255\n")
     assert main(["import", str(table)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "4: forecast 2026-06-01" in said
-    assert "stale at launch: dry mass was 320 g, now 330 g" in said
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "4: forecast 2026-06-01" in shown
+    assert "stale at launch: dry mass was 320 g, now 330 g" in shown
     assert main(["show", "4"]) == 0
     assert "flown 255.0 m" in capsys.readouterr().out
     assert main(["predictions"]) == 0
     out = capsys.readouterr().out
-    assert "flown, stale" in out
+    assert "255.0  +5.0  stale" in out
     assert max(map(len, out.splitlines())) <= 80
     assert main(["predictions", "--json"]) == 0
     (document,) = json.loads(capsys.readouterr().out)["predictions"]

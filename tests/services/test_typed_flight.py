@@ -35,7 +35,7 @@ def figures(found: TypedEstimate) -> list[float]:
 
 
 @pytest.mark.parametrize(
-    ("lacks", "said"),
+    ("lacks", "expected"),
     [
         ({"dry_mass": None}, ("mass",)),
         ({"diameter": None, "dry_mass": None}, ("mass", "diameter")),
@@ -45,9 +45,11 @@ def figures(found: TypedEstimate) -> list[float]:
         ({"rocket": "Other", "dry_mass": None}, ("mass", "a readout")),
     ],
 )
-def test_nothing_is_reported_if_something_is_missing(ledger: Ledger, lacks: dict[str, object], said: object) -> None:
+def test_nothing_is_reported_if_something_is_missing(
+    ledger: Ledger, lacks: dict[str, object], expected: object
+) -> None:
     found = TypedFlight(ledger, catalogue()).estimate(TYPED.with_changes(**lacks))
-    assert found == TypedEstimate(needs=said)
+    assert found == TypedEstimate(needs=expected)
 
 
 def test_each_readout_moves_the_estimate_and_is_taken_back_with_it(ledger: Ledger) -> None:
@@ -90,6 +92,6 @@ def test_the_next_apogee_is_that_of_the_quick_forecast_once_it_is_saved(ledger: 
 def test_no_figure_is_ever_not_finite(ledger: Ledger, apogee: float, speed: float | None) -> None:
     found = TypedFlight(ledger, catalogue()).estimate(TYPED.with_changes(apogee=apogee, top_speed=speed))
     if found.cd is None:
-        assert found.odd
+        assert found.implausible_because
     else:
         assert all(map(math.isfinite, figures(found)))

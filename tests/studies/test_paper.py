@@ -189,9 +189,9 @@ def heights_of(motor: np.ndarray, dry_mass: np.ndarray, truth: np.ndarray) -> np
 
 
 def test_findings_quote_the_figures(found: PaperReport) -> None:
-    said = " ".join(findings(found))
+    printed = " ".join(findings(found))
     for figure in ("12.3", "43.6", "19.9", "41.3, 64.5 and 61.0", "39.4, 47.3 and 49.7", "5 of the 8", "16.0"):
-        assert figure in said
+        assert figure in printed
 
 
 Run = Callable[..., str]
@@ -205,8 +205,8 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
     def run(*arguments: object, status: int = 0) -> str:
         assert main([*map(str, arguments)]) == status
-        said = capsys.readouterr()
-        return said.err if status else said.out
+        printed = capsys.readouterr()
+        return printed.err if status else printed.out
 
     return run
 
@@ -302,9 +302,9 @@ def test_the_network_of_histories_forecasts_a_flight_that_it_was_not_shown(fligh
 
 
 def test_the_report_has_both_networks_side_by_side(found: PaperReport) -> None:
-    said = [one["history_network"] for one in found.flights]
-    assert [one["flight_id"] for one in said] == [one["flight_id"] for one in found.flights]
-    for one in said:
+    printed = [one["history_network"] for one in found.flights]
+    assert [one["flight_id"] for one in printed] == [one["flight_id"] for one in found.flights]
+    for one in printed:
         low, middle, high = (one["apogee_m"][key] for key in ("p05", "p50", "p95"))
         assert 0 < low < middle < high
     miss = np.array(

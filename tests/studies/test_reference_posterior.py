@@ -119,12 +119,12 @@ def test_the_force_of_a_linear_model_is_the_gradient(student: bool) -> None:
 
 def test_the_excess_crps_is_that_of_the_definition() -> None:
     rng = np.random.default_rng(2)
-    exact, said = rng.normal(size=400), 0.3 + 1.5 * rng.normal(size=400)
+    exact, forecast = rng.normal(size=400), 0.3 + 1.5 * rng.normal(size=400)
 
     def crps(draws: Array) -> float:
         """Expected over truths that are the exact draws."""
         spread = np.abs(draws[:, None] - draws).mean() / 2
         return float(np.abs(draws[:, None] - exact).mean() - spread)
 
-    assert excess_crps(said, exact) == pytest.approx(crps(said) / crps(exact) - 1, rel=1e-6)
+    assert excess_crps(forecast, exact) == pytest.approx(crps(forecast) / crps(exact) - 1, rel=1e-6)
     assert excess_crps(exact, exact) == 0

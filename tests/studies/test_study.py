@@ -129,7 +129,7 @@ def test_a_history_is_forecast_forward_in_time() -> None:
         for n, height in enumerate(heights)
     ]
     (one,) = histories({"Kes|trel": flights})
-    assert (one.flights, len(one.before), len(one.said)) == (5, 1, 1)
+    assert (one.flights, len(one.before), len(one.verdicts)) == (5, 1, 1)
     assert abs(one.before[0]) < 0.1
     assert r"| Kes\|trel | 5 |" in histories_page([one], [])
     assert "| 1 | 5 |" in histories_page([one], [], unnamed=True)

@@ -14,7 +14,7 @@ from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.add.add_sheet import SaveButton
 from fieldkit.tui.screens.add import AddScreen
-from tests.pressing import frozen, opened, press, season, shown, told, typed, words
+from tests.pressing import frozen, opened, press, season, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -180,18 +180,18 @@ async def test_another_rocket_suggests_other_answers(file: Path) -> None:
 async def test_a_digit_too_many_is_noted_by_the_flights_before_on_this_motor(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("1940"))
-        assert "apogee 1940 m is 9.9 times the usual 196.3 m of this rocket and motor" in told(pilot, "#says")
+        assert "apogee 1940 m is 9.9 times the usual 196.3 m of this rocket and motor" in text_of(pilot, "#says")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         screen.field("motor").line.focus()
         await press(pilot, "ctrl+u", *typed("E35"), "enter", "_")
         screen.field("apogee").line.focus()
         await press(pilot, "_")
-        assert "times the usual" in told(pilot, "#says")
+        assert "times the usual" in text_of(pilot, "#says")
         screen.field("motor").line.focus()
         await press(pilot, "ctrl+u", *typed("G80"), "enter", "_")
         screen.field("apogee").line.focus()
-        assert "times the usual" not in told(pilot, "#says")
+        assert "times the usual" not in text_of(pilot, "#says")
 
 
 async def test_an_unknown_motor_is_reported_with_the_nearest(file: Path) -> None:
@@ -283,10 +283,10 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         assert screen.field("motor").answer.startswith("AeroTech F24W-")
         assert screen.field("motor").line.value.startswith("F24W-"), "complete on a short line"
         await press(pilot, *typed("830ft"), "ctrl+s", "_")
-        said = words(pilot)
-        assert "Saved flight 13. u to undo." in said
+        screen_words = words(pilot)
+        assert "Saved flight 13. u to undo." in screen_words
         for text in ("Flown 253.0 m", "the 90% interval", "Cd 0.", "on AeroTech F24W-", "Suggested"):
-            assert text in said
+            assert text in screen_words
         await press(pilot, "y", "_")
         assert "Copied: Astra A" in words(pilot)
         await press(pilot, "enter")

@@ -92,10 +92,10 @@ def test_a_motor_is_described_in_words_with_its_units() -> None:
 def test_a_site_shows_its_air_and_what_its_safety_lines_lack() -> None:
     flights = [Flight(flight_id="1", rocket="Comet", site="Hill", apogee=200.0, site_elevation=1000.0)]
     (place,) = placed(grouped(["1"], flights, "site"), [Site("Hill", ceiling=300.0)])
-    said = "\n".join(map(str, setup_card.of_site(place, "SI").blocks))
-    assert "1.112 kg/m³ on a standard day" in said  # U.S. Standard Atmosphere 1976 at 1000 m
-    assert "300.0 m" in said
-    assert "field size  not known" in said
+    shown = "\n".join(map(str, setup_card.of_site(place, "SI").blocks))
+    assert "1.112 kg/m³ on a standard day" in shown  # U.S. Standard Atmosphere 1976 at 1000 m
+    assert "300.0 m" in shown
+    assert "field size  not known" in shown
 
 
 def test_what_is_too_long_shows_its_beginning_or_its_tail() -> None:

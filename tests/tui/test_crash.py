@@ -43,11 +43,11 @@ def test_a_crash_file_holds_nothing_of_the_flyer(file: Path, monkeypatch: pytest
             raise KeyError(secret) from error
     except KeyError as error:
         crash = record(error)
-    (said,) = crash_files(file)
-    assert said.index("ValueError") < said.index("KeyError")
-    assert "test_crash.py line" in said
+    (crash_file,) = crash_files(file)
+    assert crash_file.index("ValueError") < crash_file.index("KeyError")
+    assert "test_crash.py line" in crash_file
     for word in ("281.3", "reached", str(Path.home()), str(file.parent)):
-        assert word not in said.replace('raise ValueError("flight 12 of Astra reached 281.3 m")', "")
+        assert word not in crash_file.replace('raise ValueError("flight 12 of Astra reached 281.3 m")', "")
     assert crash.file is not None
     assert "\n" not in crash.line()
 

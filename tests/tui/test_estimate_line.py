@@ -7,7 +7,7 @@ import pytest
 
 from fieldkit.services.typed_flight import TypedFlight
 from fieldkit.tui.add.estimate_line import EstimateLine
-from tests.pressing import frozen, hurry, opened, press, season, told, typed
+from tests.pressing import frozen, hurry, opened, press, season, text_of, typed
 
 CHECK_SHAPES = False
 
@@ -29,11 +29,11 @@ def figures(line: str) -> tuple[float, float]:
 async def test_figures_move_with_each_readout_that_is_typed(file: Path) -> None:
     async with opened(file, (120, 40)) as pilot:
         await press(pilot, "a")
-        before = figures(told(pilot, "#estimate"))
+        before = figures(text_of(pilot, "#estimate"))
         await press(pilot, *typed("240m"), "enter")
-        lower = figures(told(pilot, "#estimate"))
+        lower = figures(text_of(pilot, "#estimate"))
         await press(pilot, *typed("230mph"), "enter")
-        faster = figures(told(pilot, "#estimate"))
+        faster = figures(text_of(pilot, "#estimate"))
     assert before != lower != faster
 
 
@@ -41,7 +41,7 @@ async def test_figures_move_with_each_readout_that_is_typed(file: Path) -> None:
 async def test_a_wide_screen_draws_the_intervals(file: Path, width: int, bars: int) -> None:
     async with opened(file, (width, 40)) as pilot:
         await press(pilot, "a")
-        line = told(pilot, "#estimate")
+        line = text_of(pilot, "#estimate")
     assert line.count("●") == bars
     assert all(figures(line))
 
@@ -53,9 +53,9 @@ async def test_what_is_missing_is_named_and_figures_come_with_it(file: Path) -> 
         mass = page.query_one("#in-dry_mass")
         page.set_focus(mass)
         await press(pilot, "ctrl+u")
-        assert told(pilot, "#estimate") == "Cd and next apogee: needs mass"
+        assert text_of(pilot, "#estimate") == "Cd and next apogee: needs mass"
         await press(pilot, *typed("448"))
-        assert figures(told(pilot, "#estimate"))
+        assert figures(text_of(pilot, "#estimate"))
 
 
 async def test_keys_in_a_row_ask_for_the_last_flight_alone(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

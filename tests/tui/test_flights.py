@@ -18,7 +18,7 @@ from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Table
-from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
+from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
@@ -128,7 +128,7 @@ async def test_a_tall_terminal_shows_the_rocket_below_a_flight_without_a_log(fil
     async with opened(file, (250, 60)) as pilot:
         await press(pilot, "enter")
         assert pilot.app.screen.query_one(RocketStrip).display
-        assert "Astra B" in told(pilot, "RocketStrip Static")
+        assert "Astra B" in text_of(pilot, "RocketStrip Static")
     async with opened(file, (250, 40)) as pilot:
         await press(pilot, "enter")
         assert not pilot.app.screen.query_one(RocketStrip).display
@@ -151,14 +151,14 @@ async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> 
         second = pilot.app.clipboard
         await hurry(pilot, "down", "enter", "escape", "up", "up", "enter")
         await press(pilot, "y", "escape")
-        third, said = pilot.app.clipboard, words(pilot)
+        third, screen_words = pilot.app.clipboard, words(pilot)
         assert second.startswith("2 · Astra")
         assert third.startswith("3 · Astra")
         assert "83.4" in second
         assert "83.4" not in third
         assert third.count("Cd  ") == third.count("alpha  ") == 1
-        assert "3 · Astra" in said
-        assert "2 · Astra" not in said
+        assert "3 · Astra" in screen_words
+        assert "2 · Astra" not in screen_words
 
 
 async def test_enter_typed_twice_opens_a_flight_once(file: Path) -> None:
@@ -193,9 +193,9 @@ async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
         for what in ("altitude [m]", "speed [m/s]", "acceleration [g]", "burnout", "apogee"):
             assert what in seen
         await press(pilot, "l", "end")
-        assert "T+" in told(pilot, "#cursor")
-        assert "speed" in told(pilot, "#cursor")
-        assert "device: 161.5" in told(pilot, "#facts")
+        assert "T+" in text_of(pilot, "#cursor")
+        assert "speed" in text_of(pilot, "#cursor")
+        assert "device: 161.5" in text_of(pilot, "#facts")
         await press(pilot, "escape")
         assert "PerfectFlite" in words(pilot)
 
@@ -333,7 +333,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
-        assert "no flights of it, only other rockets" in told(pilot, "#more")
+        assert "no flights of it, only other rockets" in text_of(pilot, "#more")
 
 
 async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_seconds(file: Path) -> None:

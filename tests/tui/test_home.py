@@ -18,7 +18,7 @@ from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.home import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
-from tests.pressing import ROOT, at_home, calm, opened, press, shown, told, typed, words
+from tests.pressing import ROOT, at_home, calm, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -41,7 +41,7 @@ async def test_the_app_opens_on_what_is_next(file: Path) -> None:
         seen = words(pilot)
         for text in ("f Fly", "a Add", "p Plan", "Astra B", "No open forecast"):
             assert text in seen
-        assert "4.1 high, inside" in told(pilot, "#last .words")
+        assert "4.1 high, inside" in text_of(pilot, "#last .words")
         assert "▸12" in shown(pilot)
         await press(pilot, "down", "enter")
         assert "11 · Astra B" in words(pilot)
@@ -61,9 +61,9 @@ async def resized(pilot: Pilot[None], width: int, height: int) -> None:
 async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path) -> None:
     async with opened(file, (120, 44), page="home") as pilot:
         strip = pilot.app.screen.query_one(RocketStrip)
-        assert "Astra B" in told(pilot, "RocketStrip Static")
+        assert "Astra B" in text_of(pilot, "RocketStrip Static")
         await press(pilot, *["down"] * 3)
-        assert "Astra A" in told(pilot, "RocketStrip Static")
+        assert "Astra A" in text_of(pilot, "RocketStrip Static")
         assert strip.display
         await resized(pilot, 120, 30)
         assert not strip.display
@@ -71,7 +71,7 @@ async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path)
     async with opened(file, (120, 30), page="home") as pilot:
         assert not pilot.app.screen.query_one(RocketStrip).display
         await resized(pilot, 120, 44)
-        assert "Astra B" in told(pilot, "RocketStrip Static")
+        assert "Astra B" in text_of(pilot, "RocketStrip Static")
 
 
 @pytest.mark.parametrize(("key", "page"), [("f", "next_flight"), ("a", "add")])
@@ -88,7 +88,7 @@ async def test_a_choice_is_one_key_or_one_click(file: Path, key: str, page: str)
 async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await press(pilot, "f", "_", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "escape", "0")
-        assert "Astra B on AeroTech F39T" in told(pilot, "#next .heading")
+        assert "Astra B on AeroTech F39T" in text_of(pilot, "#next .heading")
         assert "Flown? a to add it" in shown(pilot)
         await press(pilot, "u", "_")
         assert "No open forecast" in words(pilot)
@@ -108,7 +108,7 @@ async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty
         await press(pilot, "ctrl+u", *typed("330g"), "ctrl+s")
         assert "did you mean F24-4W" in words(pilot)
         await press(pilot, "ctrl+u", *typed("f24w-4"), "down", "enter", "_")
-        assert "Lark on AeroTech F24W" in told(pilot, "#next .heading")
+        assert "Lark on AeroTech F24W" in text_of(pilot, "#next .heading")
         assert "Flown? a to add it" in shown(pilot)
     with Ledger.open(empty) as ledger:
         (kept,) = [one for one in ledger.predictions() if PLAN in one.payload]
@@ -140,15 +140,15 @@ async def test_weather_typed_once_is_in_every_plan_and_flight_of_the_day(file: P
     async with opened(file, page="home") as pilot:
         await press(pilot, "e", *typed("8mph"), "enter", *typed("72f"), "ctrl+s", "_")
         assert "Weather saved for today. u to undo" in words(pilot)
-        assert told(pilot, "#next .last").endswith("Today: wind 3.6 m/s, 22 °C")
+        assert text_of(pilot, "#next .last").endswith("Today: wind 3.6 m/s, 22 °C")
         await press(pilot, "escape", "a")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert screen.field("wind").line.value == "3.6 m/s"
         await press(pilot, "escape", "4", "_")
-        assert "wind 3.6 m/s" in told(pilot, "#plan")
+        assert "wind 3.6 m/s" in text_of(pilot, "#plan")
         await press(pilot, "u", "0", "_")
-        assert told(pilot, "#next .last").endswith("Weather today: e to enter it")
+        assert text_of(pilot, "#next .last").endswith("Weather today: e to enter it")
 
 
 async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
@@ -252,8 +252,8 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
             assert text in seen
         assert "Burn time: found" not in seen, "a corrected error is no longer shown"
         await press(pilot, "0", "_")
-        assert "1 flight today, to 235.0 m" in told(pilot, "#last .last")
-        assert "low, inside" in told(pilot, "#last .words")
+        assert "1 flight today, to 235.0 m" in text_of(pilot, "#last .last")
+        assert "low, inside" in text_of(pilot, "#last .words")
         await press(pilot, "u", "_")
         assert "Flown? a to add it" in shown(pilot), "the saved forecast waits again"
     with Ledger.open(empty) as ledger:

@@ -39,7 +39,7 @@ def test_a_key_has_one_meaning() -> None:
     for binding in bindings():
         if binding.key == "space" or (len(binding.key) == 1 and binding.key.isalpha()):
             meanings[binding.key].add((binding.description, binding.action.split("(")[0]))
-    several = {key: said for key, said in meanings.items() if len(said) > 1 and key not in KINDS}
+    several = {key: actions for key, actions in meanings.items() if len(actions) > 1 and key not in KINDS}
     assert several == {}
     assert all(len({word for word, _ in meanings[key]}) == 1 for key in KINDS)
     assert len(meanings) > 20

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fieldkit.planning.kits import kit_of, read_kits
-from tests.pressing import at_home, opened, press, told, typed, words
+from tests.pressing import at_home, opened, press, text_of, typed, words
 
 CHECK_SHAPES = False
 TO_KITS = ("6", "left", "left")
@@ -50,7 +50,7 @@ async def test_a_plan_and_a_flight_take_the_figures_of_the_kit_that_is_picked(fi
         await press(pilot, "down", "enter", "ctrl+s")
         assert "80 g without motor" in words(pilot)
         await press(pilot, "slash", *typed("f39t"), "enter", "_")
-        assert "and the mount of the kit has 18 mm" in told(pilot, "#more")
+        assert "and the mount of the kit has 18 mm" in text_of(pilot, "#more")
 
 
 async def test_a_damaged_file_of_kits_is_a_notice_and_the_other_lists_are_there(file: Path) -> None:

@@ -22,7 +22,7 @@ from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import answered, marked
 from fieldkit.tui.widgets.picker import Picker
 from fieldkit.tui.widgets.plots import Plot
-from tests.pressing import ROOT, at_home, opened, press, shown, told, typed
+from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed
 
 CHECK_SHAPES = False
 
@@ -84,7 +84,7 @@ async def test_a_decision_shows_its_figure_its_picture_and_what_fails_first(file
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "right", "_")
         screen = pilot.app.screen
         assert screen.query_one(Big).value
-        assert "g dry mass" in told(pilot, "#about")
+        assert "g dry mass" in text_of(pilot, "#about")
         plot = screen.query_one("#first", Plot)
         assert plot.region.bottom < 50, "visible without scrolling"
         assert plot.region.right <= screen.query_one("#beside").region.x
@@ -111,14 +111,14 @@ async def test_a_motor_on_a_short_line_is_named_without_its_maker_and_saved_with
 
 async def test_a_success_is_on_one_line_and_an_error_says_how_to_dismiss_it(file: Path) -> None:
     async with opened(file) as pilot:
-        said = "Lark on F24-4W: 265.4 m (170.0 m to 387.5 m). Each flight narrows it"
-        pilot.app.show_notice(said)  # type: ignore[attr-defined]
+        forecast = "Lark on F24-4W: 265.4 m (170.0 m to 387.5 m). Each flight narrows it"
+        pilot.app.show_notice(forecast)  # type: ignore[attr-defined]
         await press(pilot)
         assert pilot.app.screen.query_one(NoticeBar).size.height == 1
-        assert "dismiss" not in told(pilot, "NoticeBar")
-        pilot.app.show_notice(said, error=True)  # type: ignore[attr-defined]
+        assert "dismiss" not in text_of(pilot, "NoticeBar")
+        pilot.app.show_notice(forecast, error=True)  # type: ignore[attr-defined]
         await press(pilot, "escape")
-        assert "Esc dismiss" in told(pilot, "NoticeBar")
+        assert "Esc dismiss" in text_of(pilot, "NoticeBar")
 
 
 async def test_profiles_have_a_column_only_if_a_flight_has_a_log(file: Path) -> None:

@@ -33,7 +33,7 @@ from tests.pressing import (
     opened,
     press,
     shown,
-    told,
+    text_of,
     typed,
     words,
 )
@@ -65,7 +65,7 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         assert "1 flight, 0 duplicates, 2 rejected" in seen
         assert "✗ row 2, apogee_m: found '1o4'" in seen
         assert "✗ row 3, motor: 'ZZ99': found no such motor" in seen
-        assert "3 · Comet · C6-5 Apogee 210.0 m" in told(pilot, "#more")
+        assert "3 · Comet · C6-5 Apogee 210.0 m" in text_of(pilot, "#more")
         with Ledger.open(file) as ledger:
             assert len(ledger.flights()) == 12
         await press(pilot, "enter")
@@ -81,13 +81,13 @@ async def test_a_file_that_nobody_recognises_reports_it_and_changes_nothing(file
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "no parser recognizes this file" in told(pilot, "#said")
+        assert "no parser recognizes this file" in text_of(pilot, "#said")
         await press(pilot, "enter", "enter")
         assert "✗ error photo.jpg: no parser recognizes this file" in words(pilot)
         await press(pilot, "escape")
         assert "✗ error" not in words(pilot), "the same is to be read once"
         await press(pilot, "F", *typed("nonsense"), "enter")
-        assert "no parser is called 'nonsense'" in told(pilot, "#said")
+        assert "no parser is called 'nonsense'" in text_of(pilot, "#said")
 
 
 async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Path) -> None:
@@ -123,7 +123,7 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         await press(pilot, "e", *["down"] * 5, *typed("4o0"), "ctrl+s")
         assert "found the unit 'o0'" in words(pilot)
         await press(pilot, "escape")
-        assert "no rocket, no motor in the file" in told(pilot, "#said")
+        assert "no rocket, no motor in the file" in text_of(pilot, "#said")
         await press(pilot, "enter")
         assert "Not in the file" in words(pilot)
         await press(pilot, "escape", "enter", "ctrl+s")
@@ -152,14 +152,14 @@ async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Pat
         (folder / name).write_text("time (s),altitude (m)\n" + rows)
     async with opened(file) as pilot:
         await press(pilot, "3", "space", "down", "space", "down", "space")
-        assert "recognized as 2 files together" in told(pilot, "#said")
+        assert "recognized as 2 files together" in text_of(pilot, "#said")
         assert "+ a.csv" in shown(pilot)
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
-        brought = told(pilot, "#said")
+        brought = text_of(pilot, "#said")
         assert "+ a.csv" not in shown(pilot)
         assert "Imported" in words(pilot), brought
         await press(pilot, "up")
-        assert "1 duplicate," in told(pilot, "#said")
+        assert "1 duplicate," in text_of(pilot, "#said")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
 
@@ -170,22 +170,22 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         (file.parent / "field" / name).write_text("quux;frob\n" + rows)
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "is read with m, then time=its column; altitude=its column [m]" in told(pilot, "#said")
+        assert "is read with m, then time=its column; altitude=its column [m]" in text_of(pilot, "#said")
         await press(pilot, "m", *typed("quux"), "down", *typed("frobb"))
         assert "found no column 'frobb'" in words(pilot)
         await press(pilot, "backspace", "ctrl+s")
-        assert "would add 1 flight" in told(pilot, "#said")
+        assert "would add 1 flight" in text_of(pilot, "#said")
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "Imported 1" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
-        assert "would add 1 flight" in told(pilot, "#said")
+        assert "would add 1 flight" in text_of(pilot, "#said")
         await press(pilot, "M")
         assert "time=quux; altitude=frob" in words(pilot)
         await press(pilot, "x")
         assert "time=quux" not in words(pilot)
         await press(pilot, "escape")
-        assert "would add" not in told(pilot, "#said")
+        assert "would add" not in text_of(pilot, "#said")
 
 
 async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None:
@@ -201,7 +201,7 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
         await press(pilot, "m", *keys, "backspace")
         assert "found no column 'how hig'" in words(pilot)
         await press(pilot, *typed("h [ft]"), "ctrl+s")
-        assert "would add 2 flights" in told(pilot, "#said")
+        assert "would add 2 flights" in text_of(pilot, "#said")
 
 
 async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
@@ -210,19 +210,19 @@ async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
     async with opened(file, (100, 40)) as pilot:
         await press(pilot, "3", "down", "l")
         seen = words(pilot)
-        assert "apogee" in told(pilot, "#cursor")
+        assert "apogee" in text_of(pilot, "#cursor")
         assert "height [m]" in seen
-        before = told(pilot, "#cursor")
+        before = text_of(pilot, "#cursor")
         await press(pilot, "right")
-        assert told(pilot, "#cursor") != before
+        assert text_of(pilot, "#cursor") != before
         await press(pilot, "home")
-        assert "apogee" in told(pilot, "#cursor")
+        assert "apogee" in text_of(pilot, "#cursor")
         await press(pilot, "tab")
-        facts = told(pilot, "#facts")
+        facts = text_of(pilot, "#facts")
         for what in ("altitude (m)", "1 flight, 0 rejected", "Apogee", "baro", "format", "140 used"):
             assert what in facts
         await press(pilot, "escape")
-        assert "would add 1 flight" in told(pilot, "#said")
+        assert "would add 1 flight" in text_of(pilot, "#said")
 
 
 # Next flight
@@ -232,14 +232,14 @@ async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file:
     async with opened(file, (100, 42)) as pilot:
         await press(pilot, "4")
         assert "Astra B on AeroTech" in shown(pilot)
-        card = told(pilot, "#title")
-        assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in told(pilot, "#more")
+        card = text_of(pilot, "#title")
+        assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in text_of(pilot, "#more")
         await press(pilot, *["down"] * 3)
         assert "Astra B on" in shown(pilot)
-        assert told(pilot, "#title") != card
+        assert text_of(pilot, "#title") != card
         for what in ("ejection", "by delay", "off rail", "T:W", "Cd", "alpha", "true"):
             assert what in shown(pilot)
-        assert "kg/m³" in told(pilot, "#more")  # below the edge of the terminal
+        assert "kg/m³" in text_of(pilot, "#more")  # below the edge of the terminal
         await press(pilot, "b")
         assert "Astra A on" in shown(pilot)
 
@@ -247,7 +247,7 @@ async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file:
 async def test_motors_that_are_not_safe_and_sensible_come_last_and_say_why(file: Path) -> None:
     async with opened(file, (100, 60)) as pilot:
         await press(pilot, "4", "p", *["down"] * 9, *typed("0.5m"), "ctrl+s", "slash", *typed("e12"), "enter", "_")
-        assert "rail exit speed" in told(pilot, "#more").partition("ejection")[0]
+        assert "rail exit speed" in text_of(pilot, "#more").partition("ejection")[0]
         table = pilot.app.screen.query_one(Table)
         marks = [table.cells(key)[0].startswith("✗") for key in table.keys]
         assert marks == sorted(marks)
@@ -270,9 +270,9 @@ async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Pa
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
         assert "Saved forecast: AeroTech F24W to" in words(pilot)
     with Ledger.open(file) as ledger:
-        (_, said) = ledger.predictions("Astra")
-    assert said.payload["motor"] == "AeroTech F24W"
-    assert said.payload["flights"] == 8
+        (_, prediction) = ledger.predictions("Astra")
+    assert prediction.payload["motor"] == "AeroTech F24W"
+    assert prediction.payload["flights"] == 8
 
 
 async def test_a_plan_is_changed_and_kept_and_a_slip_in_it_is_not_taken(file: Path) -> None:
@@ -298,7 +298,7 @@ async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(fi
         assert "▸✗ H128W" in shown(pilot)
         await press(pilot, "c", "y", "c")
         assert pilot.app.clipboard.startswith("motor ✗ AeroTech H128W")
-        assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
+        assert "29 mm, and the widest flown is 24 mm" in text_of(pilot, "#more")
 
 
 # Notices
@@ -307,8 +307,8 @@ async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(fi
 async def test_a_cluster_is_searched_for_forecast_and_saved_with_what_is_not_modeled(file: Path) -> None:
     async with opened(file, (100, 40)) as pilot:
         await press(pilot, "4", "slash", *typed("2 x Estes E12"), "enter", "_")
-        assert "on Estes 2 x E12" in told(pilot, "#title")
-        assert "failed ignitions are not modeled" in told(pilot, "#more")
+        assert "on Estes 2 x E12" in text_of(pilot, "#title")
+        assert "failed ignitions are not modeled" in text_of(pilot, "#more")
         await press(pilot, "enter")
         assert "Saved forecast: Estes 2 x E12" in words(pilot)
         await press(pilot, "d", "_")

@@ -15,7 +15,7 @@ from fieldkit.services.sites import put_site, site_of
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
-from tests.pressing import at_home, calm, opened, press, told, typed, words
+from tests.pressing import at_home, calm, opened, press, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -25,9 +25,9 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return at_home(tmp_path, monkeypatch)
 
 
-def said(pilot: Pilot[None]) -> str:
+def screen_text(pilot: Pilot[None]) -> str:
     """The current answer and the text next to it."""
-    return f"{told(pilot, '#answer')} {told(pilot, '#beside')}"
+    return f"{text_of(pilot, '#answer')} {text_of(pilot, '#beside')}"
 
 
 async def front(pilot: Pilot[None], name: str) -> None:
@@ -40,41 +40,41 @@ async def front(pilot: Pilot[None], name: str) -> None:
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
-        assert "Astra B on AeroTech F39T: coasts" in said(pilot)
-        assert "field size: unknown" in said(pilot)
+        assert "Astra B on AeroTech F39T: coasts" in screen_text(pilot)
+        assert "field size: unknown" in screen_text(pilot)
         await press(pilot, "right")
-        assert "No target yet" in said(pilot)
+        assert "No target yet" in screen_text(pilot)
         await press(pilot, "right")
         assert "season 2027" in words(pilot)
-        assert "fitted to 1 flight" in said(pilot)
-        assert "contest mass: ok" in said(pilot)
+        assert "fitted to 1 flight" in screen_text(pilot)
+        assert "contest mass: ok" in screen_text(pilot)
         await press(pilot, "comma")
         assert "season 2026" in words(pilot)
         await press(pilot, "escape", "g", *typed("800ft"), "enter", "d", "right")
-        assert "target 244 m" in said(pilot)
-        assert "the range safety officer decides" in said(pilot)
+        assert "target 244 m" in screen_text(pilot)
+        assert "the range safety officer decides" in screen_text(pilot)
 
 
 async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_decide(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
-        assert "flights of Astra, each forecast from the earlier ones" in said(pilot)
-        assert "last on motor, else scalar" in said(pilot)
-        assert "in the 90% interval" in said(pilot)
-        assert "scalar correction" in said(pilot)
-        assert "90% interval: " in said(pilot)
+        assert "flights of Astra, each forecast from the earlier ones" in screen_text(pilot)
+        assert "last on motor, else scalar" in screen_text(pilot)
+        assert "in the 90% interval" in screen_text(pilot)
+        assert "scalar correction" in screen_text(pilot)
+        assert "90% interval: " in screen_text(pilot)
 
 
 async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
-        assert "No target yet" in said(pilot)
+        assert "No target yet" in screen_text(pilot)
         await press(pilot, "j", "j")
-        assert "per flight, with duration" in said(pilot)
-        assert "contest mass: ok" in said(pilot)
+        assert "per flight, with duration" in screen_text(pilot)
+        assert "contest mass: ok" in screen_text(pilot)
         await press(pilot, "left_square_bracket")
-        assert "parachute 95% of the area flown" in said(pilot)
-        assert "by this rule: " in said(pilot)
+        assert "parachute 95% of the area flown" in screen_text(pilot)
+        assert "by this rule: " in screen_text(pilot)
 
 
 async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_are_used(file: Path) -> None:
@@ -84,7 +84,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "expected seconds" in words(pilot)
         await press(pilot, "ctrl+u", *typed("30-50"), "enter", *typed("60"), "enter", *typed("1,9,12"), "enter")
         await press(pilot, *typed("700mm"), "enter", *typed("400m"), "enter", *typed("300"), "ctrl+s")
-        seen = said(pilot)
+        seen = screen_text(pilot)
         assert "target 640 ft" in seen
         assert "window 30 to 50 s" in seen
         assert "sum to 60 or less" in seen
@@ -93,9 +93,9 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "wind not given; drifts" in seen  # what it asks for beside
         assert "ceiling: ok" in seen
         await press(pilot, "e", "ctrl+u", "ctrl+s")
-        assert "target 800 ft" in said(pilot)  # the season's own again
+        assert "target 800 ft" in screen_text(pilot)  # the season's own again
         await press(pilot, "u", "_")
-        assert "target 640 ft" in said(pilot)
+        assert "target 640 ft" in screen_text(pilot)
     with Ledger.open(file) as ledger:
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
@@ -124,12 +124,12 @@ async def test_a_rocket_is_entered_as_weighed_with_its_motor(file: Path) -> None
         assert "alone weighs 61 g" in words(pilot)
         await press(pilot, "ctrl+u", *typed("520g"), "ctrl+s", "_")
         await front(pilot, "Contest")
-        assert "contest mass: ok: 520 g" in said(pilot)
+        assert "contest mass: ok: 520 g" in screen_text(pilot)
         await press(pilot, "escape", "_")
         assert "459 g without motor" in words(pilot)
         await press(pilot, "u", "_", "d", "_")
         await front(pilot, "Contest")
-        assert "contest mass: ok: 508.6 g" in said(pilot)
+        assert "contest mass: ok: 508.6 g" in screen_text(pilot)
 
 
 async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file: Path) -> None:
@@ -153,15 +153,15 @@ async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monk
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
         await front(pilot, "Saved")
-        assert "flown: F39 B" in said(pilot)
+        assert "flown: F39 B" in screen_text(pilot)
         await press(pilot, "escape", "enter", "_", "d")
         await front(pilot, "Saved")
-        assert "open: AeroTech F39T" in said(pilot)
+        assert "open: AeroTech F39T" in screen_text(pilot)
         with Ledger.open(file) as ledger:
             ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
         await press(pilot, "escape", "escape", "d")  # the first reads the notice
         await front(pilot, "Saved")
-        assert "stale now: flight 13 added since" in said(pilot)
+        assert "stale now: flight 13 added since" in screen_text(pilot)
 
 
 @pytest.mark.parametrize("keys", [(), ("enter", "_")], ids=["day", "flight"])
@@ -196,15 +196,15 @@ async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(f
         put_site(ledger, Site("North field", size=400.0))
     async with opened(file, (160, 50), page="home") as pilot:
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
-        assert "not given: press p on the Next page to enter it" in told(pilot, "#answer")
+        assert "not given: press p on the Next page to enter it" in text_of(pilot, "#answer")
         assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
         await press(
             pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", "left", "left", "left"
         )
-        answer = told(pilot, "#answer")
+        answer = text_of(pilot, "#answer")
         assert "ellipse 90% of landings" in answer
         assert "400 m" in answer
-        assert "circle the field" in told(pilot, "#title")
+        assert "circle the field" in text_of(pilot, "#title")
         for name in ("#first", "#second"):
             drawn = str(pilot.app.screen.query_one(name, Plot).render())
             assert "▲" in drawn
@@ -238,10 +238,10 @@ async def test_a_flight_added_by_another_program_counts_in_an_open_decision(
     monkeypatch.setattr("fieldkit.tui.app.LOOK_INTERVAL", 0.05)
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
-        before = said(pilot)
+        before = screen_text(pilot)
         with Ledger.open(file) as ledger:
             flown = ledger.flight("12")
             ledger.add([flown.with_changes(flight_id="13", apogee=flown.apogee and flown.apogee + 30)])
         await pilot.pause(0.2)
         await press(pilot, "_")
-        assert said(pilot) != before, "terminals side by side report no focus"
+        assert screen_text(pilot) != before, "terminals side by side report no focus"

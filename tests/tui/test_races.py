@@ -18,7 +18,7 @@ from fieldkit.tui.screens.add import AddScreen
 from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.table import Table
-from tests.pressing import at_home, calm, hurry, looked_at, opened, press, told, typed, words
+from tests.pressing import at_home, calm, hurry, looked_at, opened, press, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -86,8 +86,8 @@ async def test_a_search_is_dropped_when_its_flights_are_no_longer_those_of_the_p
     async with opened(file, page="loop") as pilot:
         pilot.app.look_round()  # type: ignore[attr-defined]
         with patch.object(close_loop, "look", look):
-            await press(pilot, "_", *["b"] * ("Bee" in told(pilot, "#what")))
-            assert "Astra" in told(pilot, "#what")
+            await press(pilot, "_", *["b"] * ("Bee" in text_of(pilot, "#what")))
+            assert "Astra" in text_of(pilot, "#what")
             await pilot.app._press_keys(["S"])
             await asyncio.to_thread(began.wait, 10)
             if interrupted_by == "another rocket":
@@ -96,13 +96,13 @@ async def test_a_search_is_dropped_when_its_flights_are_no_longer_those_of_the_p
                 with Ledger.open(file) as ledger:
                     ledger.remove("12")
                 pilot.app.look_round()  # type: ignore[attr-defined]
-            while "searching" in told(pilot, "#verdict"):
+            while "searching" in text_of(pilot, "#verdict"):
                 await asyncio.sleep(0.01)
             go.set()
             await calm(pilot)
-        said = told(pilot, "#verdict")
-        assert "S to search" in said
-        assert ("have changed" in said) == (interrupted_by == "a removed flight")
+        verdict = text_of(pilot, "#verdict")
+        assert "S to search" in verdict
+        assert ("have changed" in verdict) == (interrupted_by == "a removed flight")
         assert pilot.app.screen.query_one("#panels").found is None  # type: ignore[attr-defined]
 
 

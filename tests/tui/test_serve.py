@@ -131,10 +131,10 @@ async def test_what_a_stranger_sends_is_refused_in_a_line(
 ) -> None:
     runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
     base = f"http://127.0.0.1:{unused_tcp_port}/"
-    odd = [{"Origin": "http://[::1"}, {"Cookie": 'fieldkit="\\377\udcff'}, {"Referer": "http://x/\x1b]0;owned"}]
+    bad_headers = [{"Origin": "http://[::1"}, {"Cookie": 'fieldkit="\\377\udcff'}, {"Referer": "http://x/\x1b]0;owned"}]
     try:
         async with ClientSession() as stranger:
-            for headers in odd:
+            for headers in bad_headers:
                 try:
                     answer = await stranger.get(base, headers=headers)
                 except (ValueError, UnicodeError):
@@ -175,7 +175,7 @@ async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "payload"),
     [
         ('["stdin", "q"]', ("stdin", b"q")),
         ('["stdin", "\\ud800"]', ("stdin", b"?")),
@@ -188,8 +188,8 @@ async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(
         ("[" * 100_000, None),
     ],
 )
-def test_what_a_page_says_is_bounded_or_nothing(text: str, said: object) -> None:
-    assert serve.heard(text) == said
+def test_what_a_page_says_is_bounded_or_nothing(text: str, payload: object) -> None:
+    assert serve.heard(text) == payload
 
 
 async def test_no_stranger_takes_every_connection(unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -325,9 +325,9 @@ def test_a_terminal_has_a_size_that_there_is(asked: str, most: int, given: int) 
 
 def test_a_line_of_the_log_is_one_line_and_harmless() -> None:
     record = logging.LogRecord("x", logging.ERROR, "", 0, "a \x1b[2J\nb", (), (ValueError, ValueError("c\nd"), None))
-    said = serve.OneLine().format(record)
-    assert "\x1b" not in said
-    assert "\n" not in said
+    payload = serve.OneLine().format(record)
+    assert "\x1b" not in payload
+    assert "\n" not in payload
 
 
 @pytest.fixture

@@ -38,8 +38,8 @@ def flight(
     time, apogee, top = -2.0, 0.0, 0.0
     while time < 300:
         push = thrust if 0 <= time < burn else 0.0
-        pull = drag * speed * abs(speed)
-        felt = push - pull
+        deceleration = drag * speed * abs(speed)
+        felt = push - deceleration
         if time < 0 or (rows and height <= 0 and time > burn + 1):
             felt = GRAVITY
         rows.append((time, height, speed, felt if speed >= 0 or time < burn else GRAVITY))
@@ -49,7 +49,7 @@ def flight(
             if speed < 0 and time > burn:
                 speed += (-descent - speed) * step / 0.4
             else:
-                speed += (push - pull - GRAVITY) * step
+                speed += (push - deceleration - GRAVITY) * step
             height = max(height + speed * step, 0.0)
             if height == 0 and time > burn:
                 speed = 0.0

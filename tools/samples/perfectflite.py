@@ -26,10 +26,10 @@ def pf2_header(model: str, apogee: str, samples: int, unit: str, *more: str, gro
     ]
 
 
-def pf2_rows(seen: Flight, warmth: float, volts: float) -> list[str]:
+def pf2_rows(seen: Flight, temperature: float, volts: float) -> list[str]:
     height, speed = feet(seen.height, 1), np.round(seen.speed / FOOT + noise(2, len(seen.speed), 1.5))
     return [
-        f"{i * 0.05:.2f}, {h}, {v:.0f}, {warmth + 0.01 * (i % 3):.2f}, {volts - 0.01 * (i % 7 == 0):.2f}"
+        f"{i * 0.05:.2f}, {h}, {v:.0f}, {temperature + 0.01 * (i % 3):.2f}, {volts - 0.01 * (i % 7 == 0):.2f}"
         for i, (h, v) in enumerate(zip(height, speed, strict=True))
     ]
 

@@ -11,9 +11,9 @@ def rrc3_columns(made: Made, metric: bool, stop: float) -> list[list[str]]:
     time = np.arange(0.0, stop, 0.05)
     height = made.at(time - 1.0, made.height)
     mbar = np.round((made.pressure(height) + noise(4, len(time), 4)) / 100, 1)
-    heard = 44_330.77 * (1 - (mbar * 100 / ATM) ** 0.1902632)
+    altitude = 44_330.77 * (1 - (mbar * 100 / ATM) ** 0.1902632)
     unit = 1.0 if metric else FOOT
-    climbed = (heard - heard[0]) / unit
+    climbed = (altitude - altitude[0]) / unit
     speed = made.at(time - 1.0, made.speed) / unit
     warm = "21.5" if metric else "70.7"
     events = [" -"] * len(time)

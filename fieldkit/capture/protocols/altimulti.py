@@ -167,9 +167,9 @@ def _counted(link: Link) -> Dialogue[int]:
 
 def _same_unit(link: Link, count: int, captured: Captured) -> None:
     """Raise PortTrouble if a resumed capture is from another unit."""
-    told = [one for one in sentences(captured.raw) if one.sound]
-    counts = {one.fields[0] for one in told if one.name == "nbrOfFlight" and one.fields}
-    settings = {",".join(one.fields) for one in told if one.name == "alticonfig"}
+    intact = [one for one in sentences(captured.raw) if one.sound]
+    counts = {one.fields[0] for one in intact if one.name == "nbrOfFlight" and one.fields}
+    settings = {",".join(one.fields) for one in intact if one.name == "alticonfig"}
     mine = link.about.get("settings")
     if (counts and str(count) not in counts) or (mine and settings and mine not in settings):
         raise PortTrouble(f"{link.line.name}: this is not the unit that was being captured; start a new capture")

@@ -181,7 +181,7 @@ def blocks(captured: Captured) -> dict[int, Block]:
 def logs(captured: Captured) -> list[Log]:
     """Each flight in the format of the vendor's program: what the unit reports about itself, then its memory in hex."""
     answers = {answer.command: answer.content.decode("latin-1").splitlines() for answer in captured.answers()}
-    told = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
+    reported = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
     memory = blocks(captured)
     found = []
     for one in extents(answers.get(b"l\n", [])):
@@ -192,7 +192,7 @@ def logs(captured: Captured) -> list[Log]:
         )
         if have and content.strip(b"\xff"):
             name = f"{captured.file.name} flight {one.number}"
-            found.append(Log(name, _eeprom(settings(told) | {"flight": one.number}, content)))
+            found.append(Log(name, _eeprom(settings(reported) | {"flight": one.number}, content)))
     return found
 
 
@@ -209,9 +209,9 @@ def settings(lines: Iterable[str]) -> dict[str, str | int]:
     return found
 
 
-def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
+def _eeprom(reported: Mapping[str, str | int], content: bytes) -> bytes:
     rows = [content[place : place + LINE].hex(" ") for place in range(0, len(content), LINE)]
-    return "\n".join([json.dumps(told, indent=1), *rows, ""]).encode()
+    return "\n".join([json.dumps(reported, indent=1), *rows, ""]).encode()
 
 
 _CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")

@@ -65,15 +65,15 @@ def ms5607(
     """Pressure [Pa] and temperature [K] from the counts of an MS5607, compensated as in its data sheet."""
     d1, d2 = pressure.astype(np.int64), temperature.astype(np.int64)
     dt = d2 - (c.tref << 8)
-    warmth = 2000 + ((dt * c.tempsens) >> 23)
+    hundredths = 2000 + ((dt * c.tempsens) >> 23)
     off = (c.off << 17) + ((c.tco * dt) >> 6)
     sens = (c.sens << 16) + ((c.tcs * dt) >> 7)
-    below, far_below = np.minimum(warmth - 2000, 0), np.minimum(warmth + 1500, 0)
+    below, far_below = np.minimum(hundredths - 2000, 0), np.minimum(hundredths + 1500, 0)
     off = off - ((61 * below**2) >> 4) - 15 * far_below**2
     sens = sens - 2 * below**2 - 8 * far_below**2
-    warmth = warmth - np.where(below < 0, dt**2 >> 31, 0)
+    hundredths = hundredths - np.where(below < 0, dt**2 >> 31, 0)
     pascal = (((d1 * sens) >> 21) - off) >> 15
-    return pascal.astype(float), warmth / 100 + ZERO_CELSIUS
+    return pascal.astype(float), hundredths / 100 + ZERO_CELSIUS
 
 
 def mp3h6115(counts: Int[Integers, "record"]) -> Float[Array, "record"]:

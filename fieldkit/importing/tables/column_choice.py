@@ -212,10 +212,10 @@ def _starts_at_zero(height: Float[Array, "row"]) -> bool:
 
 def _differ_in_zero(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
     """Whether two columns of one unit, stated or not, differ only in their zero."""
-    apart = (others - values)[np.isfinite(others - values)]
-    if one.unit != other.unit or not len(apart):
+    differences = (others - values)[np.isfinite(others - values)]
+    if one.unit != other.unit or not len(differences):
         return False
-    away = np.abs(apart - float(np.median(apart)))
+    away = np.abs(differences - float(np.median(differences)))
     return float(np.percentile(away, 90)) <= 0.02 * float(np.nanmax(values) - np.nanmin(values))
 
 
@@ -226,10 +226,10 @@ def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Ar
     units = [unit_named(QUANTITIES[pick.channel.rstrip("?")], pick.unit) for pick in (one, other)]
     if units[0] is None or units[1] is None:
         return False
-    apart = np.abs(to_si(units[0], values) - to_si(units[1], others))
-    apart = apart[np.isfinite(apart)]
+    differences = np.abs(to_si(units[0], values) - to_si(units[1], others))
+    differences = differences[np.isfinite(differences)]
     reach = np.nanmax(np.abs(to_si(units[0], values)), initial=0.0)
-    return len(apart) > 0 and float(np.percentile(apart, 90)) <= 0.02 * reach
+    return len(differences) > 0 and float(np.percentile(differences, 90)) <= 0.02 * reach
 
 
 def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:

@@ -71,7 +71,7 @@ def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
 
     Raises DamagedLog for a missing column.
     """
-    told = list(names)
+    renamed = list(names)
     for name, text in choice.channels.items():
         bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
         ways = [(text, ""), *([(bare[1], bare[2])] if bare else [])]
@@ -81,8 +81,8 @@ def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
             columns = ", ".join(shown(one) for one in names[:30])
             raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}", row=row)
         unit = unit or stated_unit(names[place])
-        told[place] = f"{name}_{unit}" if unit else name
-    return told
+        renamed[place] = f"{name}_{unit}" if unit else name
+    return renamed
 
 
 def _places(names: Sequence[str], wanted: str) -> list[int]:
@@ -150,12 +150,12 @@ def beside_a_motor(names: Sequence[str]) -> list[str]:
     if "motor" not in {role_of(name, strict=False).field for name in names}:
         return list(names)
     taken = {role_of(name, strict=False, taken=()).field for name in names}
-    told = []
+    renamed = []
     for name in names:
         role, own = next(_roles_beside_a_motor(plain(name), taken), (None, name))
         taken |= {role.field} if role else set()
-        told.append(own)
-    return told
+        renamed.append(own)
+    return renamed
 
 
 def _roles_beside_a_motor(words: str, taken: Collection[str]) -> Iterator[tuple[ColumnRole, str]]:
@@ -214,8 +214,8 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
     words = _ours(plain(spelled), taken)
     if words in TEXT_COLUMNS or words in BY_NAME:
         return ColumnRole(spelled.strip(), words)
-    if told := _beside(words, strict=strict):
-        return ColumnRole(spelled.strip(), unit=told.unit, beside=told)
+    if column_beside := _beside(words, strict=strict):
+        return ColumnRole(spelled.strip(), unit=column_beside.unit, beside=column_beside)
     if name := max((one for one in _beginnings(words) if one in BY_NAME), key=len, default=""):
         column, ending = BY_NAME[name], words.removeprefix(f"{name}_")
         if ending in units.UNITS[column.quantity]:

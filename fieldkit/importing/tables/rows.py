@@ -141,15 +141,15 @@ class Rows:
         numbers = self._load(coming, [channel.place for channel in self.channels], "f8", converters or None)
         if len(numbers) != len(lines):
             raise ValueError("a quotation mark spans lines")
-        said = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
-        if [len(cells) for cells in said] != [len(lines)] * len(said):
+        texts = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
+        if [len(cells) for cells in texts] != [len(lines)] * len(texts):
             raise ValueError("a quotation mark spans lines")
         bad = (np.abs(numbers) > MAX_CELL_VALUE).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
         if bad.any():
             self._one_by_one([rows[i] for i in np.flatnonzero(bad)], [lines[i] for i in np.flatnonzero(bad)])
             good = np.flatnonzero(~bad)
-            rows, numbers, said = [rows[i] for i in good], numbers[good], [[cells[i] for i in good] for cells in said]
-        self._keep(rows, numbers, said)
+            rows, numbers, texts = [rows[i] for i in good], numbers[good], [[cells[i] for i in good] for cells in texts]
+        self._keep(rows, numbers, texts)
 
     def _load(
         self,
@@ -183,8 +183,8 @@ class Rows:
             else:
                 whole.append((row, numbers, [cells[i] if i < len(cells) else "" for i in self.words.values()]))
         if whole:
-            kept, values, said = zip(*whole, strict=True)
-            self._keep(list(kept), np.array(values), [list(column) for column in zip(*said, strict=True)])
+            kept, values, texts = zip(*whole, strict=True)
+            self._keep(list(kept), np.array(values), [list(column) for column in zip(*texts, strict=True)])
 
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
         """The numbers of a row, or its error; returned, because a raised error would keep a reference to its block."""
@@ -216,10 +216,10 @@ class Rows:
             self.grouped[channel.name] = DamagedLog(found, row=row, column=channel.header or channel.name)
 
     def _keep(
-        self, rows: Sequence[int] | Integers, numbers: Float[Array, "row channel"], said: list[list[str]]
+        self, rows: Sequence[int] | Integers, numbers: Float[Array, "row channel"], texts: list[list[str]]
     ) -> None:
         """Append rows of numbers and words; for a long table, only some of them."""
-        which = [_which(known, cells) for known, cells in zip(self.vocabulary, said, strict=True)]
+        which = [_which(known, cells) for known, cells in zip(self.vocabulary, texts, strict=True)]
         kept = (self.seen + np.arange(len(rows))) % self.step == 0
         for column, codes in zip(self.columns[1:], which, strict=False):
             kept |= np.diff(codes, prepend=column[-1][-1:] if column else np.array([-1])) != 0
@@ -255,9 +255,9 @@ class Rows:
         short = cut and rows[-1] == self.last and self._ends_short()
         if short:
             rows, *columns = [column[:-1] for column in (rows, *columns)]
-        said, numbers = columns[: len(self.words)], columns[len(self.words) :]
+        texts, numbers = columns[: len(self.words)], columns[len(self.words) :]
         values = {channel.name: column for channel, column in zip(self.channels, numbers, strict=True)}
-        known = zip(self.words, map(list, self.vocabulary), said, strict=True)
+        known = zip(self.words, map(list, self.vocabulary), texts, strict=True)
         words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
         found = tuple(self._found(cut, short))
         return LogTable(values, rows.astype(np.int64), words, tuple(self.remarks), found)

@@ -53,7 +53,7 @@ HEIGHT_WORDS = _set(
 )
 _VERTICAL_WORDS = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
 _SPEED = ("geschwind", "vitesse", "veloc", "snelheid", "hastighet", "prędko", "rychlost", "скорост", "速度", "속도")
-_PULL_WORDS = (
+_ACCELERATION_WORDS = (
     "beschleunig",
     "accél",
     "aceler",
@@ -87,7 +87,7 @@ def channel_of(head: Heading) -> str:
     if len(words) == 1 and words[0] in HEIGHT_WORDS:
         return "altitude"
     if any(stem in name for stem in _VERTICAL_WORDS):
-        if any(stem in name for stem in _PULL_WORDS):
+        if any(stem in name for stem in _ACCELERATION_WORDS):
             return "acceleration"
         return "speed" * any(stem in name for stem in _SPEED)
     return ""

@@ -215,8 +215,8 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
     slowing = -2 * float(np.linalg.lstsq(powers, h[whole], rcond=None)[0][0]) / span**2
     off = np.flatnonzero(height < bottom + 0.03 * (top - bottom))
     climb = time[-1] - time[off[-1] if len(off) else 0]
-    pull = 2 * float(top - bottom) / float(climb) ** 2 if climb > 0 else 0.0
-    return 0.75 < slowing / STANDARD_GRAVITY < 1.45 and 0.4 < pull / STANDARD_GRAVITY < 3.2
+    fall_rate = 2 * float(top - bottom) / float(climb) ** 2 if climb > 0 else 0.0
+    return 0.75 < slowing / STANDARD_GRAVITY < 1.45 and 0.4 < fall_rate / STANDARD_GRAVITY < 3.2
 
 
 def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:

@@ -57,22 +57,22 @@ class Check:
         return self.pareto_k <= RELIABLE_PARETO_K and self.apogee_effective >= LEAST_EFFECTIVE
 
 
-def check(said: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
+def check(answer: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
     """Weight the network's draws for the plan of a history by the forecast model, with more draws if the weights of the
     first are unreliable. `linear` is the model's linear fit, by default the one that the network corrected.
 
     Raises ValueError for a history of several plans.
     """
-    linear = linear or said.summary.forecast
+    linear = linear or answer.summary.forecast
     if len(linear.model.flights) != linear.flown + 1:
         raise ValueError(f"found {len(linear.model.flights) - linear.flown} plans, expected one")
     rng = np.random.default_rng(seed)
-    first = _check(said, linear, rng, draws)
-    return first if first.agrees else _check(said, linear, rng, MORE_DRAWS * draws)
+    first = _check(answer, linear, rng, draws)
+    return first if first.agrees else _check(answer, linear, rng, MORE_DRAWS * draws)
 
 
-def _check(said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -> Check:
-    terms, log_density = _drawn(said, linear, rng, draws)
+def _check(answer: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -> Check:
+    terms, log_density = _drawn(answer, linear, rng, draws)
     model = replace(linear.model.with_terms(*linear.fresh), coarse=True)
     flown = _flown(model, terms)
     scales = np.arange(len(linear.fit.weights))
@@ -85,7 +85,7 @@ def _check(said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -> 
     weights = _normalized(smooth)
     with np.errstate(invalid="ignore"):
         by_scale = weights[:, None] * np.nan_to_num(np.exp(joint - total[:, None]))
-    apogees, own_density = _apogees(said.log_apogee, draws, linear.model.hyperprior.tail)
+    apogees, own_density = _apogees(answer.log_apogee, draws, linear.model.hyperprior.tail)
     by_apogee = _normalized(_log_forecast(linear, flown[:, -1, 0], by_scale, apogees) - own_density)
     return Check(float(pareto_k), _effective(weights), _effective(by_apogee), draws)
 
@@ -109,7 +109,7 @@ def _flown(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "draw
 
 
 def _drawn(
-    said: QuickAnswer, linear: LinearFit, rng: Generator, draws: int
+    answer: QuickAnswer, linear: LinearFit, rng: Generator, draws: int
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
     """Draws of the terms, with the network's log Cd and log alpha of the plan, and their log density."""
     fit, fresh = linear.fit, linear.fresh
@@ -127,9 +127,9 @@ def _drawn(
     which = rng.choice(len(mean), size=draws, p=fit.weights)
     roots = np.linalg.cholesky(covariance)
     terms = mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, count)))
-    middle, sds = np.array([said.log_cd[0], said.log_alpha[0]]), np.array([said.log_cd[1], said.log_alpha[1]])
+    middle, sds = np.array([answer.log_cd[0], answer.log_alpha[0]]), np.array([answer.log_cd[1], answer.log_alpha[1]])
     sds = np.hypot(sds, LEAST_SD)
-    wanted = np.diag(sds**2) + said.correlation * sds[0] * sds[1] * (1 - np.eye(2))
+    wanted = np.diag(sds**2) + answer.correlation * sds[0] * sds[1] * (1 - np.eye(2))
     drawn = middle + rng.normal(size=(draws, 2)) @ np.linalg.cholesky(wanted).T
     free = terms @ plan.T + LEAST_SD * rng.normal(size=(draws, 2))
     terms = terms + np.einsum("dtk,dk->dt", gain[which], drawn - free)

@@ -16,7 +16,7 @@ from fieldkit.inference.history.placed_effects import Directions, Placed, Placed
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
-_NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "pull")
+_NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "gradient")
 """Scalar fields of trials."""
 
 
@@ -43,7 +43,7 @@ class Trials:
     unit: Float[Array, "trial"]
     shift: Float[Array, "entry trial"]
     weighed: Float[Array, "entry trial"]
-    pull: Float[Array, "trial"]
+    gradient: Float[Array, "trial"]
     forecast_gain: Float[Array, "plan trial"]
 
     @property
@@ -56,8 +56,8 @@ class Trials:
 class _Weights:
     """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
 
-    `sharp` is the inverse covariance of single flights, and `pulled` the inverse covariance of all readouts times the
-    residual.
+    `sharp` is the inverse covariance of single flights, and `weighted_residual` the inverse covariance of all readouts
+    times the residual.
     """
 
     fit: Fit
@@ -65,7 +65,7 @@ class _Weights:
     usable: Flags
     slope: Float[Array, "flight readout term"]
     sharp: Float[Array, "scale flight readout readout"]
-    pulled: Float[Array, "scale flight readout"]
+    weighted_residual: Float[Array, "scale flight readout"]
     log_weight: Float[Array, "scale"]
 
     @property
@@ -97,10 +97,10 @@ class _Weights:
 
 
 def _weights(fit: Fit) -> _Weights:
-    told = fit.told
-    used, sharp, slope = told.readouts, told.sharpness, told.slope
+    flights = fit.evidence
+    used, sharp, slope = flights.readouts, flights.sharpness, flights.slope
     prior_mean = np.array([term.mean for term in fit.model.terms])
-    miss = told.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
+    miss = flights.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
     usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
     return _Weights(
         fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence
@@ -127,7 +127,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     flat = shift.reshape(-1, count)
     first, taken, back = weights.absorbed(shift)
     a = np.einsum("ec,sec->sc", flat, first) - np.einsum("stc,stc->sc", taken, back)
-    b = weights.pulled.reshape(len(first), -1) @ flat
+    b = weights.weighted_residual.reshape(len(first), -1) @ flat
     prior = columns.mean, columns.sd, columns.low, columns.high, columns.log_prior_mass
     bayes, mean, sd = strength_posterior(a, b, *prior)
     joint = weights.log_weight[:, None] + bayes
@@ -136,7 +136,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     middle = (share * mean).sum(axis=0)
     weighed = first[best].reshape(shift.shape) - weights.sharp[best] @ (weights.slope @ back[best])
     own_a = (shift * weighed).sum(axis=1)
-    own_b = (shift * weights.pulled[best][..., None]).sum(axis=1)
+    own_b = (shift * weights.weighted_residual[best][..., None]).sum(axis=1)
     without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
     ahead = columns.shift(linear.moved, np.zeros(1, int))[linear.flown :, 0]
     return Trials(
@@ -152,7 +152,7 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
         unit=columns.unit,
         shift=flat,
         weighed=weighed.reshape(flat.shape),
-        pull=b[best],
+        gradient=b[best],
         forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ back[best],
     )
 
@@ -163,7 +163,7 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
     weighed = weights.weighed(shift)
     flat = shift.reshape(-1, len(sds))
     a = flat.T @ weighed.reshape(len(weighed), *flat.shape)
-    b = weights.pulled.reshape(len(weighed), -1) @ flat
+    b = weights.weighted_residual.reshape(len(weighed), -1) @ flat
     precision = a + np.diag(1 / sds**2)
     covariance = np.linalg.inv(precision)
     middle = (covariance @ b[..., None])[..., 0]
@@ -186,7 +186,7 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
         unit=np.ones(1),
         shift=(shift @ along).reshape(-1, 1),
         weighed=(weighed[weights.best] @ along).reshape(-1, 1),
-        pull=np.array([((shift @ along) * weights.pulled[weights.best]).sum()]),
+        gradient=np.array([((shift @ along) * weights.weighted_residual[weights.best]).sum()]),
         forecast_gain=np.zeros((plans, 1)),
     )
 
@@ -215,7 +215,7 @@ def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
     """
     some = list(rows)
     gram = trials.shift[:, some].T @ trials.weighed[:, some]
-    b, mean, sd = trials.pull[some], trials.prior_mean[some], trials.prior_sd[some]
+    b, mean, sd = trials.gradient[some], trials.prior_mean[some], trials.prior_sd[some]
     a = np.diagonal(gram)
     unbounded = np.full(len(some), np.inf)
     alone = strength_posterior(a, b, mean, sd, -unbounded, unbounded, np.zeros(len(some)))[0]

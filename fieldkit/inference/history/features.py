@@ -81,8 +81,8 @@ def prepared(history: History, response: FlightResponse, candidates_of: Candidat
     model = history_model(*both, history.selection, declared=False)
     forecast = history_model(*both, history.forecast, history.shared, declared=True)
     # an effect of a motor is equally probable for each new one
-    alike = replace(model, found=on_one_new_motor(model.found, count))
-    candidates = candidates_of(alike, history.used_in_fit)
+    one_motor = replace(model, found=on_one_new_motor(model.found, count))
+    candidates = candidates_of(one_motor, history.used_in_fit)
     return PreparedHistory(history, response, model, forecast, tuple(candidates), directions(candidates))
 
 

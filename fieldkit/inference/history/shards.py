@@ -93,7 +93,7 @@ def summarized(
 
 def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:
     """A history as a row: features, effects, truths, in their units."""
-    said, seen = made.baseline, made.data.seen
+    baseline, seen = made.baseline, made.data.seen
     truths = {
         "unexplained": one.unexplained,
         "selects": one.selects,
@@ -102,13 +102,13 @@ def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Fl
         "log_apogee": np.log(one.apogee),
         "log_cd": one.cd,
         "log_alpha": one.alpha,
-        "mean": said.apogee[0],
-        "sd": said.apogee_sd[0],
-        "cd_mean": said.cd[0],
-        "cd_sd": said.cd_sd[0],
-        "alpha_mean": said.alpha[0],
-        "alpha_sd": said.alpha_sd[0],
-        "correlation": said.correlation[0],
+        "mean": baseline.apogee[0],
+        "sd": baseline.apogee_sd[0],
+        "cd_mean": baseline.cd[0],
+        "cd_sd": baseline.cd_sd[0],
+        "alpha_mean": baseline.alpha[0],
+        "alpha_sd": baseline.alpha_sd[0],
+        "correlation": baseline.correlation[0],
     }
     flags = [name in one.effects for name in names]
     return np.array([*made.features[0], *flags, *(truths[name] for name in TRUTHS)], float)
@@ -174,5 +174,5 @@ def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
     version are not reused."""
     drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
     made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
-    said = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)
-    return hashlib.sha256(said.encode()).hexdigest()[:16]
+    settings = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)
+    return hashlib.sha256(settings.encode()).hexdigest()[:16]

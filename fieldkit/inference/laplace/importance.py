@@ -160,11 +160,11 @@ def log_likelihood(
     model, near = fit.model, fit.tangent
     usable = fit.data.seen & np.isfinite(near.values)
     miss = np.where(usable, np.where(np.isfinite(flown), fit.data.values - flown, NO_FLIGHT_MISS), 0.0)
-    told = flight_evidence(model, fit.data, near, which=scales)
-    square = _squares(miss[..., told.readouts], told.sharpness)
+    evidence = flight_evidence(model, fit.data, near, which=scales)
+    square = _squares(miss[..., evidence.readouts], evidence.sharpness)
     nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
-    likelihood = constant - 0.5 * told.log_det - (nu + count) / 2 * np.log1p(square / nu)
+    likelihood = constant - 0.5 * evidence.log_det - (nu + count) / 2 * np.log1p(square / nu)
     # a flight that cannot be compared has the density of readouts without any information, as in a fit
     return np.where(fit.data.seen.any(axis=1), likelihood, 0.0)
 

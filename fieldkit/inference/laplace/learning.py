@@ -213,18 +213,18 @@ def _scatter_squares(result: Fit) -> Mapping[str, float]:
     With slopes S = U diag(s), noise N and residual r after the terms, the posterior mean is z = S' N^-1 r and the
     covariance is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
     """
-    model, told = result.model, result.told
+    model, evidence = result.model, result.evidence
     scale = model.hyperprior.scales()[0]
     offset = result.mean - np.array([term.mean for term in model.terms])
-    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
-    usable = (np.abs(told.slope).sum(axis=-1) > 0) | (np.abs(told.miss) > 0)
+    left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
+    usable = (np.abs(evidence.slope).sum(axis=-1) > 0) | (np.abs(evidence.miss) > 0)
     slope = (
-        np.where(usable[..., None], result.tangent.scatter_slope[:, told.readouts], 0.0)[None]
+        np.where(usable[..., None], result.tangent.scatter_slope[:, evidence.readouts], 0.0)[None]
         * scale[:, None, None, None]
     )
-    gain = np.swapaxes(slope, -1, -2) @ told.sharpness
+    gain = np.swapaxes(slope, -1, -2) @ evidence.sharpness
     mean = (gain @ left[..., None])[..., 0]
-    spread = gain @ told.slope
+    spread = gain @ evidence.slope
     known = np.einsum("sfzt,stu,sfzu->sfz", spread, result.covariance, spread, optimize=True)
     unexplained = 1 - np.einsum("sfzo,sfoz->sfz", gain, slope)
     flown = result.data.seen.any(axis=1)

@@ -42,22 +42,22 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     Woodbury's identity gives the error of the leave-one-out prediction, e = N M r, its covariance N M N, and the mean
     and covariance of every other prediction, without solving for the terms again.
     """
-    near, told, covariance = result.tangent, result.told, result.covariance
+    near, evidence, covariance = result.tangent, result.evidence, result.covariance
     prior_mean = np.array([term.mean for term in result.model.terms])
     offset = result.mean - prior_mean
-    flat = told.slope.reshape(told.miss.size, len(prior_mean))
-    spread = (flat @ covariance).reshape(len(covariance), *told.slope.shape)
-    noise = told.noise()
-    sharper, log_det = inverses(noise - spread @ np.swapaxes(told.slope, 1, 2))
-    missed = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    flat = evidence.slope.reshape(evidence.miss.size, len(prior_mean))
+    spread = (flat @ covariance).reshape(len(covariance), *evidence.slope.shape)
+    noise = evidence.noise()
+    sharper, log_det = inverses(noise - spread @ np.swapaxes(evidence.slope, 1, 2))
+    missed = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
     weighed = _applied(sharper, missed)
     distance = (missed * weighed).sum(axis=-1)
-    constant = density_constant(result.data.seen[:, told.readouts])
-    own = -0.5 * (distance + 2 * told.log_det - log_det - constant)
+    constant = density_constant(result.data.seen[:, evidence.readouts])
+    own = -0.5 * (distance + 2 * evidence.log_det - log_det - constant)
     if result.flight_weight is not None:
         own += log_tail(result.flight_weight, readouts_used(result.data, near), result.model.hyperprior.tail)
     residual = np.zeros((len(noise), *result.data.seen.shape))
-    residual[..., told.readouts] = _applied(noise, weighed) / np.sqrt(((noise @ sharper) * noise).sum(axis=-1))
+    residual[..., evidence.readouts] = _applied(noise, weighed) / np.sqrt(((noise @ sharper) * noise).sum(axis=-1))
     log_weight = result.log_weight[:, None] - own
 
     apogee = near.slope[:, 0]

@@ -17,12 +17,14 @@ def flight_weights(result: Fit) -> Float[Array, "flight"]:
     """Expected precision of each flight relative to an ordinary one, from a fit. [1]"""
     weight = np.ones(len(result.data.seen)) if result.flight_weight is None else result.flight_weight
     scales = np.flatnonzero(result.weights > NEGLIGIBLE_SCALE_WEIGHT)
-    nu, told, sharpness = result.model.hyperprior.tail, result.told, result.told.sharpness[scales]
+    nu, evidence, sharpness = result.model.hyperprior.tail, result.evidence, result.evidence.sharpness[scales]
     offset = result.mean[scales] - np.array([term.mean for term in result.model.terms])
-    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
     square = (left * (sharpness @ left[..., None])[..., 0]).sum(axis=-1)
-    spread = (told.slope.reshape(told.miss.size, -1) @ result.covariance[scales]).reshape(len(left), *told.slope.shape)
-    open_square = ((sharpness @ told.slope) * spread).sum(axis=(-2, -1))
+    spread = (evidence.slope.reshape(evidence.miss.size, -1) @ result.covariance[scales]).reshape(
+        len(left), *evidence.slope.shape
+    )
+    open_square = ((sharpness @ evidence.slope) * spread).sum(axis=(-2, -1))
     expected = result.weights[scales] / result.weights[scales].sum() @ (square + open_square) / weight
     count = readouts_used(result.data, result.tangent)
     return np.asarray((nu + count) / (nu + expected))
@@ -41,14 +43,14 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
     With the noise N = S S' + D of a flight's readouts, D the part of the residuals, and the difference r that the terms
     leave, the residual has the mean D N^-1 r and the covariance D - D N^-1 D + D N^-1 A C A' N^-1 D.
     """
-    told, data, used = result.told, result.data, result.told.readouts
+    evidence, data, used = result.evidence, result.data, result.evidence.readouts
     variance = residual_variance(result.model, data)[..., used]
     own = np.where(data.seen[:, used], variance / data.trust[:, used], 0.0)
     offset = result.mean - np.array([term.mean for term in result.model.terms])
-    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
-    gain = own[..., None] * told.sharpness  # D N^-1
+    left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
+    gain = own[..., None] * evidence.sharpness  # D N^-1
     mean = (gain @ left[..., None])[..., 0]
-    spread = gain @ told.slope
+    spread = gain @ evidence.slope
     flat = spread.reshape(len(spread), -1, spread.shape[-1])
     known = ((flat @ result.covariance) * flat).sum(axis=-1).reshape(mean.shape)
     unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own

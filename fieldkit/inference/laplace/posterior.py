@@ -77,8 +77,8 @@ class FlightEvidence:
     log_det: Float[Array, "scale flight"]
 
     def noise(self) -> Float[Array, "scale flight used used"]:
-        """Covariance of each flight's readouts given the terms, in the units of `miss`; computed when asked, because
-        fits are kept by the hundred."""
+        """Covariance of each flight's readouts given the terms, in the units of `miss`, squared; computed on request,
+        because hundreds of fits are in memory."""
         return inverses(self.sharpness)[0]
 
 
@@ -95,7 +95,7 @@ class Fit:
     model: Model
     data: Data
     tangent: Tangent
-    told: FlightEvidence
+    evidence: FlightEvidence
     mean: Float[Array, "scale term"]
     covariance: Float[Array, "scale term term"]
     log_weight: Float[Array, "scale"]
@@ -132,12 +132,12 @@ def solve(
     `fieldkit.inference.laplace.outlier_flights`). With `which`, the result has only those pairs of scales, for an
     unfinished fit.
     """
-    told = flight_evidence(model, data, near, flight_weight, which)
-    scales, terms = len(told.sharpness), len(model.terms)
-    slope, miss = told.slope.reshape(-1, terms), told.miss.ravel()
-    weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
-    missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
-    found = _concluded(model, data, near, told, (slope.T @ weighed, missed @ slope, missed @ miss), which)
+    evidence = flight_evidence(model, data, near, flight_weight, which)
+    scales, terms = len(evidence.sharpness), len(model.terms)
+    slope, miss = evidence.slope.reshape(-1, terms), evidence.miss.ravel()
+    weighed = (evidence.sharpness @ evidence.slope).reshape(scales, len(slope), terms)
+    missed = (evidence.sharpness @ evidence.miss[..., None]).reshape(scales, len(slope))
+    found = _concluded(model, data, near, evidence, (slope.T @ weighed, missed @ slope, missed @ miss), which)
     if flight_weight is None:
         return found
     tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
@@ -148,7 +148,7 @@ def _concluded(
     model: Model,
     data: Data,
     near: Tangent,
-    told: FlightEvidence,
+    evidence: FlightEvidence,
     sums: tuple[Float[Array, "scale term term"], Float[Array, "scale term"], Float[Array, "scale"]],
     which: Int[Integers, "scale"] | None,
 ) -> Fit:
@@ -162,12 +162,12 @@ def _concluded(
     offset = (covariance @ gain[..., None])[..., 0]
     log_terms = np.linalg.slogdet(precision)[1] - log_det_prior
     left = misfit - (gain * offset).sum(axis=1)
-    log_likelihood = -0.5 * (left + told.log_det.sum(axis=1) + log_terms)
+    log_likelihood = -0.5 * (left + evidence.log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
     log_prior = model.hyperprior.scales()[2]
     log_weight = log_likelihood + (log_prior if which is None else log_prior[which])
     log_weight += _log_inside(model, mean, covariance)
-    return Fit(model, data, near, told, mean, covariance, log_weight, scales=which)
+    return Fit(model, data, near, evidence, mean, covariance, log_weight, scales=which)
 
 
 def flight_evidence(
@@ -263,12 +263,12 @@ class Growing:
 def growing(whole: Fit) -> Growing:
     """The posteriors before each flight. Their sums accumulate flight by flight, so all posteriors cost little more
     than one."""
-    model, told = whole.model, whole.told
-    weighed = told.sharpness @ told.slope
-    missed = (told.sharpness @ told.miss[..., None])[..., 0]
-    information = _before(np.swapaxes(told.slope, 1, 2) @ weighed)
-    gain = _before(np.einsum("fo,sfot->sft", told.miss, weighed))
-    own = (told.miss * missed).sum(axis=-1) + told.log_det
+    model, evidence = whole.model, whole.evidence
+    weighed = evidence.sharpness @ evidence.slope
+    missed = (evidence.sharpness @ evidence.miss[..., None])[..., 0]
+    information = _before(np.swapaxes(evidence.slope, 1, 2) @ weighed)
+    gain = _before(np.einsum("fo,sfot->sft", evidence.miss, weighed))
+    own = (evidence.miss * missed).sum(axis=-1) + evidence.log_det
     if whole.flight_weight is not None:
         own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole.data, whole.tangent), model.hyperprior.tail)
     prior, log_det_prior = prior_precision(model)

@@ -184,11 +184,11 @@ def _warnings(
     lines: list[tuple[str, ...]] = []
     for row in range(len(observed)):
         there = [name for name, value in zip(READOUT_NAMES, observed.readouts[row], strict=True) if np.isfinite(value)]
-        said = [misfits[row], *_beyond(ensemble, columns[row])]
-        said.append(_hardly(there, area_sd[row] / area_before[row], alpha_sd[row] / alpha_before))
+        remarks = [misfits[row], *_beyond(ensemble, columns[row])]
+        remarks.append(_hardly(there, area_sd[row] / area_before[row], alpha_sd[row] / alpha_before))
         if np.isnan(observed.given("diameter")[row]):
-            said.append("no diameter: Cd is a guess over every body that fits the motor; the drag area is inferred")
-        lines.append(tuple(line for line in said if line))
+            remarks.append("no diameter: Cd is a guess over every body that fits the motor; the drag area is inferred")
+        lines.append(tuple(line for line in remarks if line))
     return tuple(lines)
 
 

@@ -117,22 +117,24 @@ def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensembl
 def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
     """The network's answers for the plans of a history, in one batch."""
     names = tuple(network.card["effects"])
-    said = answer(network.members(summary.features), len(names))
+    estimate = answer(network.members(summary.features), len(names))
     base = summary.baseline
     acting = {candidate.effect for candidate in summary.candidates}
-    middle = np.stack([base.cd + base.cd_sd * said.shift[:, 0], base.alpha + base.alpha_sd * said.shift[:, 1]], axis=-1)
-    sds = np.stack([base.cd_sd * said.scale[:, 0], base.alpha_sd * said.scale[:, 1]], axis=-1)
-    correlation = np.tanh(np.arctanh(np.clip(base.correlation, -0.99, 0.99)) + said.coupling)
-    apogees = base.apogee[:, None] + base.apogee_sd[:, None] * said.quantiles
+    middle = np.stack(
+        [base.cd + base.cd_sd * estimate.shift[:, 0], base.alpha + base.alpha_sd * estimate.shift[:, 1]], axis=-1
+    )
+    sds = np.stack([base.cd_sd * estimate.scale[:, 0], base.alpha_sd * estimate.scale[:, 1]], axis=-1)
+    correlation = np.tanh(np.arctanh(np.clip(base.correlation, -0.99, 0.99)) + estimate.coupling)
+    apogees = base.apogee[:, None] + base.apogee_sd[:, None] * estimate.quantiles
     plans = readout_moments(summary.forecast).given(
         parameter_moments(base.cd, base.cd_sd, base.alpha, base.alpha_sd, base.correlation),
         parameter_moments(middle[:, 0], sds[:, 0], middle[:, 1], sds[:, 1], correlation),
     )
     return [
         QuickAnswer(
-            {name: float(said.inclusion[plan, i]) for i, name in enumerate(names) if name in acting},
-            float(said.none[plan]),
-            float(said.unexplained[plan]),
+            {name: float(estimate.inclusion[plan, i]) for i, name in enumerate(names) if name in acting},
+            float(estimate.none[plan]),
+            float(estimate.unexplained[plan]),
             LEVELS,
             apogees[plan],
             (float(middle[plan, 0]), float(sds[plan, 0])),

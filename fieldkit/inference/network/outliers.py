@@ -93,16 +93,16 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
         observed = likeliest(observed, predicted.mean, predicted.sd)
     limit = np.array([ensemble.card["guard"][name] for name in INDEPENDENT_READOUTS])
     far: Flags = predict_readouts(ensemble, observed).distance > limit
-    odd = far.any(axis=1)
+    outlying = far.any(axis=1)
     found = np.full(len(observed), -1)
-    if odd.any():
-        some = observed.rows(odd)
+    if outlying.any():
+        some = observed.rows(outlying)
         left = [
             predict_readouts(ensemble, some.without(*derived_from(name))).distance / limit
             for name in INDEPENDENT_READOUTS
         ]
         worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
-        found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
+        found[outlying] = np.argmin(np.where(far[outlying], worst, np.inf), axis=1)
     return found
 
 
@@ -118,10 +118,10 @@ def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
 def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]) -> list[str]:
     """A line for each flight with an outlier, an empty string for the others."""
     lines = [""] * len(observed)
-    odd = np.flatnonzero(which >= 0)
-    if len(odd):
-        predicted = predict_readouts(ensemble, observed.rows(odd))
-        for row, flight in enumerate(odd):
+    outlying = np.flatnonzero(which >= 0)
+    if len(outlying):
+        predicted = predict_readouts(ensemble, observed.rows(outlying))
+        for row, flight in enumerate(outlying):
             seen = int(which[flight])
             name = (
                 INDEPENDENT_READOUTS[seen]

@@ -83,5 +83,5 @@ def unpacked(content: bytes) -> Truth:
 def _digest(items: dict[str, SimulationPart]) -> str:
     """A digest of everything that parts depend on, so that parts of another seed, recipe or version are not reused."""
     motors = [motor.name for motor in split_motors()[0]]
-    said = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
-    return hashlib.sha256(said.encode()).hexdigest()[:16]
+    settings = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
+    return hashlib.sha256(settings.encode()).hexdigest()[:16]

@@ -43,9 +43,9 @@ def _verdict(rng: np.random.Generator, ensemble: "Ensemble", truth: Truth, obser
     density = joined([posterior(observed.rows(block), ensemble) for block in blocks])
     found, median = score(rng, density, truth.parameters)
     area = truth.drag_area / truth.cd
-    odd = float((outliers.misfit(ensemble, observed) >= 0).mean())
+    outlier_rate = float((outliers.misfit(ensemble, observed) >= 0).mean())
     cd_mae = float(np.abs(np.exp(median) / area - truth.cd).mean())
-    return {"flights": len(truth), "cd_mae": cd_mae} | found | {"false_alarms": odd}
+    return {"flights": len(truth), "cd_mae": cd_mae} | found | {"false_alarms": outlier_rate}
 
 
 def score(

@@ -26,33 +26,33 @@ DEEP_TAIL = 1e-4
 def judge(ensemble: Ensemble, table: HistoryTable) -> dict[str, Any]:
     """The evaluation of the network and of its linear fit on these histories."""
     names = effect_names()
-    said = answer(ensemble.members(table.features), len(names))
+    estimate = answer(ensemble.members(table.features), len(names))
     z = (table.truth("log_apogee") - table.truth("mean")) / table.truth("sd")
     flights, readouts = table.truth("flights"), table.truth("readouts")
     return {
         "histories": len(z),
-        "forecast": _forecast(said, z, table.truth("sd")),
+        "forecast": _forecast(estimate, z, table.truth("sd")),
         "by_flights": {
-            f"{low}-{high}": _forecast(said, z, table.truth("sd"), (flights >= low) & (flights <= high))
+            f"{low}-{high}": _forecast(estimate, z, table.truth("sd"), (flights >= low) & (flights <= high))
             for low, high in FLIGHT_BINS
         },
         "by_readouts": {
-            f"{low}-{high}": _forecast(said, z, table.truth("sd"), (readouts >= low) & (readouts <= high))
+            f"{low}-{high}": _forecast(estimate, z, table.truth("sd"), (readouts >= low) & (readouts <= high))
             for low, high in READOUT_BINS
         },
-        "parameters": _parameters(said, table),
-        "inclusion": _inclusion(said, table),
+        "parameters": _parameters(estimate, table),
+        "inclusion": _inclusion(estimate, table),
     }
 
 
 def _forecast(
-    said: HistoryAnswer, z: Array, sd: Array, rows: Flags | None = None
+    estimate: HistoryAnswer, z: Array, sd: Array, rows: Flags | None = None
 ) -> dict[str, float | list[float] | int]:
     """Coverage, relative CRPS and ranks of the network, and of the linear fit as a normal distribution."""
     some = np.ones(len(z), bool) if rows is None else rows
     if not some.any():
         return {"histories": 0}
-    own, truth, size = said.quantiles[some], z[some], sd[some]
+    own, truth, size = estimate.quantiles[some], z[some], sd[some]
     normal = np.broadcast_to(np.array(STANDARD), own.shape)
     rank = ranks(own, truth)
     counts, _ = np.histogram(rank, RANK_BINS, (0.0, 1.0))
@@ -93,12 +93,12 @@ def ranks(quantiles: Float[Array, "history level"], truth: Float[Array, "history
     return np.array(found)
 
 
-def _parameters(said: HistoryAnswer, table: HistoryTable) -> dict[str, float]:
+def _parameters(estimate: HistoryAnswer, table: HistoryTable) -> dict[str, float]:
     """Errors and coverage of Cd and alpha, of the network and of the linear fit."""
     found: dict[str, float] = {}
     for column, name in enumerate(("cd", "alpha")):
         mean, sd, truth = (table.truth(key) for key in (f"{name}_mean", f"{name}_sd", f"log_{name}"))
-        middle, spread = mean + sd * said.shift[:, column], sd * said.scale[:, column]
+        middle, spread = mean + sd * estimate.shift[:, column], sd * estimate.scale[:, column]
         found |= {
             f"{name}_mae": float(np.abs(np.exp(middle) - np.exp(truth)).mean()),
             f"linear_{name}_mae": float(np.abs(np.exp(mean) - np.exp(truth)).mean()),
@@ -108,7 +108,7 @@ def _parameters(said: HistoryAnswer, table: HistoryTable) -> dict[str, float]:
     return found
 
 
-def _inclusion(said: HistoryAnswer, table: HistoryTable) -> dict[str, Mapping[str, float]]:
+def _inclusion(estimate: HistoryAnswer, table: HistoryTable) -> dict[str, Mapping[str, float]]:
     """How well the network and the linear evidence distinguish presence from absence, and the calibration."""
     names, columns = effect_names(), feature_names(effect_names())
     judged = (table.truth("selects") > 0.5) & (table.truth("flights") >= MIN_FLIGHTS_FOR_EFFECTS)
@@ -116,12 +116,12 @@ def _inclusion(said: HistoryAnswer, table: HistoryTable) -> dict[str, Mapping[st
     for number, name in enumerate(names):
         rows = judged & (table.features[:, columns.index(f"{name}.acts")] > 0.5)
         score = table.features[:, columns.index(f"{name}.log_bayes")]
-        found[name] = _presence(said.inclusion[rows, number], table.effects[rows, number], score[rows])
+        found[name] = _presence(estimate.inclusion[rows, number], table.effects[rows, number], score[rows])
     unexplained = table.truth("unexplained")
     nothing = (table.effects.sum(axis=1) + unexplained == 0).astype(float)
     first, pattern = (table.features[:, columns.index(name)] for name in ("first", "pattern"))
-    found["none"] = _presence(said.none[judged], nothing[judged], -np.maximum(first, pattern)[judged])
-    found["unexplained"] = _presence(said.unexplained[judged], unexplained[judged], pattern[judged])
+    found["none"] = _presence(estimate.none[judged], nothing[judged], -np.maximum(first, pattern)[judged])
+    found["unexplained"] = _presence(estimate.unexplained[judged], unexplained[judged], pattern[judged])
     return found
 
 

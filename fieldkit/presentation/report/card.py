@@ -119,7 +119,7 @@ def left_out(found: Findings, system: str) -> dict[tuple[str, str], CardForecast
     """The loop's leave-one-out forecasts of a rocket's flights, by rocket and flight_id, in the units of a system."""
     diagnosis = found.diagnosis
     forecasts, rng = diagnosis.forecasts_after, np.random.default_rng(0)
-    by = "no saved prediction; from its other flights the loop forecasts "
+    by = "no saved forecast; from its other flights the loop forecasts "
     known = {}
     for number, flight in enumerate(diagnosis.model.flights):
         weight = np.maximum(forecasts.weight[:, number], 0.0)
@@ -140,7 +140,7 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
     low, middle, high = (float(x) for x in made.apogee_quantiles())
     shown = ShownUnits(system).length(middle)
     others = counted(made.rests_on, "other clean flight")
-    words = f"no saved prediction; from {others} it would have been {shown}"
+    words = f"no saved forecast; from {others} it would have been {shown}"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
@@ -223,9 +223,11 @@ def _trace(recordings: FlightRecordings, id: str) -> HeightTrace | None:
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
     """For the cards with a saved prediction and an apogee: their number, the mean absolute error [m], and the number
     inside the interval."""
-    told = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
+    scored = [one for one in cards if one.forecast and one.forecast.kept and one.miss is not None]
     inside = sum(
-        one.forecast.interval[0] <= (one.flight.apogee or 0) <= one.forecast.interval[2] for one in told if one.forecast
+        one.forecast.interval[0] <= (one.flight.apogee or 0) <= one.forecast.interval[2]
+        for one in scored
+        if one.forecast
     )
-    miss = float(np.mean([abs(one.miss) for one in told if one.miss is not None])) if told else float("nan")
-    return len(told), miss, inside
+    miss = float(np.mean([abs(one.miss) for one in scored if one.miss is not None])) if scored else float("nan")
+    return len(scored), miss, inside

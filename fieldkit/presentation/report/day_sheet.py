@@ -205,13 +205,13 @@ def _verdicts(lines: Sequence[SafetyCheck]) -> str:
 def _told(planned: Sequence[PlannedFlight], own: Sequence[str], shown: ShownUnits) -> list[str]:
     """Each flight's `own` site and weather if they differ, the recommended rail angle, its safety checks that did not
     pass, and the names of the unknown ones."""
-    told: list[str] = []
+    lines_below: list[str] = []
     for one, day in zip(planned, own, strict=True):
         rail = [rail_in_words(choice, shown) for choice in one.rail[:1]]
-        told.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
-        told += [f"   {day}"] if day else []
-        told += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
+        lines_below.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
+        lines_below += [f"   {day}"] if day else []
+        lines_below += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
         unknown = [line.name for line in one.lines if line.verdict == "unknown"]
         if unknown:
-            told.append(f"   {MARKS['unknown']} not checked, or to be checked by you: {', '.join(unknown)}")
-    return [row for text in told for row in fill(printable(text), LINE, subsequent_indent="      ").splitlines()]
+            lines_below.append(f"   {MARKS['unknown']} not checked, or to be checked by you: {', '.join(unknown)}")
+    return [row for text in lines_below for row in fill(printable(text), LINE, subsequent_indent="      ").splitlines()]

@@ -116,8 +116,8 @@ def remarks(card: Card) -> list[str]:
     if card.learned:
         lines.append("From this flight alone: " + ", ".join(f"{name} {value}" for name, value in card.learned) + ".")
     if card.flight.tags:
-        teaches = "" if card.flight.clean else " Not used in the model."
-        lines.append(f"Tags: {', '.join(card.flight.tags)}.{teaches}")
+        unused = "" if card.flight.clean else " Not used in the model."
+        lines.append(f"Tags: {', '.join(card.flight.tags)}.{unused}")
     if card.flight.notes:
         lines.append(f"Notes: {card.flight.notes}")
     return [printable(line) for line in lines]

@@ -116,9 +116,11 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
     shown = ShownUnits(card.system)
     place, record = np.arange(1, len(card.record) + 1), card.record / shown.length_factor
     panel.plot(place[card.clean], record[card.clean], "o", color=FAINT_COLOR, markersize=5, mfc="white", label="clean")
-    odd = ~card.clean
-    if odd.any():
-        panel.plot(place[odd], record[odd], "x", color=FAINT_COLOR, markersize=6, label="tagged: not used in the model")
+    tagged = ~card.clean
+    if tagged.any():
+        panel.plot(
+            place[tagged], record[tagged], "x", color=FAINT_COLOR, markersize=6, label="tagged: not used in the model"
+        )
     if card.place >= 0:
         panel.plot(place[card.place], record[card.place], "o", color=BEFORE_COLOR, markersize=8, label="this flight")
     panel.set_title("Flights of this rocket so far")

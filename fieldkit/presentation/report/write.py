@@ -144,8 +144,8 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
         yield beside(f"{number}-forecast", _forecast(card, "png"), "Forecast")
-        told = "The log" if card.trace else "Flights of this rocket so far"
-        yield beside(f"{number}-log", _log(card, "png"), told)
+        plot_title = "The log" if card.trace else "Flights of this rocket so far"
+        yield beside(f"{number}-log", _log(card, "png"), plot_title)
         for name, figures in (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, ""), figures), ""]

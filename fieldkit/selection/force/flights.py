@@ -62,11 +62,11 @@ def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
     return RocketInputs(motor, flight.dry_mass, drag_area, air, rail)
 
 
-def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> FlightForce | str:
+def flight_force(flight_id: str, recording: Recorded, rocket: RocketInputs) -> FlightForce | str:
     """The missing force of one flight, or the reason its log does not show it."""
-    if said.forces is None:
-        return "; ".join(said.notes) or TOO_SHORT
-    track = _told(said.forces)
+    if recording.forces is None:
+        return "; ".join(recording.notes) or TOO_SHORT
+    track = _told(recording.forces)
     if (track.speed > MIN_SPEED).sum() < FEWEST_SAMPLES:
         return TOO_SHORT
     missing = missing_force(track, rocket, FELT_GUARD)
@@ -75,7 +75,7 @@ def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> Flight
     found = law(missing, FREE_TERMS)
     return FlightForce(
         flight_id,
-        said.forces.source,
+        recording.forces.source,
         missing,
         regression(missing, library(), FREE_TERMS),
         found,

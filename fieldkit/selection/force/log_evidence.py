@@ -28,7 +28,7 @@ class LogEvidence:
     flights: tuple[FlightForce, ...]
     silent: tuple[tuple[str, str], ...]
     law: tuple[Common, ...]
-    says: LogVerdict
+    comparison: LogVerdict
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -47,20 +47,22 @@ def compare_with_logs(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) 
     areas = model.area * np.exp(bent(model, mean[None], "drag")[0])
     flights: list[FlightForce] = []
     silent: list[tuple[str, str]] = []
-    for flight, found, area, teaches in zip(model.flights, model.found, areas, diagnosis.data.seen[:, 0], strict=True):
-        if not teaches or (said := logs.get(flight.flight_id)) is None:
+    for flight, found, area, used_in_fit in zip(
+        model.flights, model.found, areas, diagnosis.data.seen[:, 0], strict=True
+    ):
+        if not used_in_fit or (recording := logs.get(flight.flight_id)) is None:
             continue
         rocket = rocket_of(flight, found.motor, float(area))
-        shown = said if isinstance(said, str) else flight_force(flight.flight_id, said, rocket)
+        shown = recording if isinstance(recording, str) else flight_force(flight.flight_id, recording, rocket)
         if isinstance(shown, str):
             silent.append((flight.flight_id, shown))
         else:
             flights.append(shown)
     law = common_law([one.regression for one in flights], library())
-    return LogEvidence(tuple(flights), tuple(silent), law, _says(diagnosis.effect, law, len(flights)))
+    return LogEvidence(tuple(flights), tuple(silent), law, _comparison(diagnosis.effect, law, len(flights)))
 
 
-def _says(verdict: str, law: tuple[Common, ...], flights: int) -> LogVerdict:
+def _comparison(verdict: str, law: tuple[Common, ...], flights: int) -> LogVerdict:
     """How a law compares with a verdict."""
     if flights < MIN_CLIMBS:
         return ""
@@ -76,13 +78,15 @@ def _says(verdict: str, law: tuple[Common, ...], flights: int) -> LogVerdict:
     return "nothing of it" if wanted & set(effects.values()) else ""
 
 
-def document(said: LogEvidence) -> dict[str, Any]:
+def document(evidence: LogEvidence) -> dict[str, Any]:
     """The evidence of the logs for JSON; lists are empty if no log shows a missing force."""
     return {
-        "flights": [_flight(one) for one in said.flights],
-        "silent": [{"flight_id": flight_id, "why": why} for flight_id, why in said.silent],
-        "law": [{**_term(one), "flights": one.flights, "could_show": one.seen, "gain": one.gain} for one in said.law],
-        "beside_verdict": said.says or None,
+        "flights": [_flight(one) for one in evidence.flights],
+        "silent": [{"flight_id": flight_id, "why": why} for flight_id, why in evidence.silent],
+        "law": [
+            {**_term(one), "flights": one.flights, "could_show": one.seen, "gain": one.gain} for one in evidence.law
+        ],
+        "beside_verdict": evidence.comparison or None,
     }
 
 

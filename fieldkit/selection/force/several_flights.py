@@ -42,27 +42,27 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A coefficient's mean over the flights and its standard deviation: `shown` from their variation, and `lucky` its
-    lower bound, from the scatter of single flights."""
+    """A coefficient's mean over the flights and its standard deviation: `observed` from their variation, and `expected`
+    its lower bound, from the scatter of single flights."""
 
     value: float
-    shown: float
-    lucky: float
+    observed: float
+    expected: float
     flights: int
 
     @property
     def sd(self) -> float:
         """The larger of both, in the unit of the term."""
-        return max(self.shown, self.lucky)
+        return max(self.observed, self.expected)
 
-    def stands_clear(self, candidates: int) -> bool:
-        """Whether it excludes zero: by Student's t for the shown standard deviation, and by the normal distribution for
-        the scatter, corrected for the number of candidates (Bonferroni)."""
+    def excludes_zero(self, candidates: int) -> bool:
+        """Whether it excludes zero: by Student's t for the observed standard deviation, and by the normal distribution
+        for the scatter, corrected for the number of candidates (Bonferroni)."""
 
         unsure = (1 - INTERVAL_LEVEL) / 2
         least = max(
-            stdtrit(self.flights - 1, 1 - unsure) * self.shown,
-            ndtri(1 - unsure / candidates) * self.lucky,
+            stdtrit(self.flights - 1, 1 - unsure) * self.observed,
+            ndtri(1 - unsure / candidates) * self.expected,
         )
         return bool(abs(self.value) > least)
 
@@ -89,7 +89,7 @@ def _steady_gain(
     climbs: Sequence[Regression], scatters: Mapping[str, float], candidates: int, chosen: list[str], name: str
 ) -> float:
     """A term's reduction of the criterion without the flight that supports it most; zero if flights disagree."""
-    if not _mean(climbs, scatters, name, [*chosen, name]).stands_clear(candidates):
+    if not _mean(climbs, scatters, name, [*chosen, name]).excludes_zero(candidates):
         return -np.inf
     gains = _gains(climbs, chosen, name)
     return float(gains.sum() - gains.max()) - price(len(chosen), candidates)
@@ -119,10 +119,10 @@ def _mean(climbs: Sequence[Regression], scatters: Mapping[str, float], name: str
     middle = weight @ value / weight.sum()
     excess = weight @ (value - middle) ** 2 - (len(value) - 1)
     between = max(excess / (weight.sum() - (weight**2).sum() / weight.sum()), 0.0)
-    apart, least = 1 / (sd**2 + between), 1 / (sd**2 + random_draw_sd**2)
-    weight = np.minimum(apart, least)
-    shown, lucky = float(apart.sum() ** -0.5), float(least.sum() ** -0.5)
-    return Mean(float(weight @ value / weight.sum()), shown, lucky, len(value))
+    weight_between, least = 1 / (sd**2 + between), 1 / (sd**2 + random_draw_sd**2)
+    weight = np.minimum(weight_between, least)
+    observed, expected = float(weight_between.sum() ** -0.5), float(least.sum() ** -0.5)
+    return Mean(float(weight @ value / weight.sum()), observed, expected, len(value))
 
 
 def _shown(climb: Regression, names: Sequence[str]) -> list[str]:

@@ -16,25 +16,25 @@ COMPARISON_TEXTS = {
 }
 
 
-def climbs_in_words(said: LogEvidence) -> Iterator[str]:
+def climbs_in_words(evidence: LogEvidence) -> Iterator[str]:
     """The missing force and its comparison with the verdict; empty if no flight has a log."""
-    if said.flights:
-        yield f"missing force, {counted(len(said.flights), 'log')}: {_law(said)}"
-        if said.says:
-            yield COMPARISON_TEXTS[said.says].format(effects="+".join(said.effects))
+    if evidence.flights:
+        yield f"missing force, {counted(len(evidence.flights), 'log')}: {_law(evidence)}"
+        if evidence.comparison:
+            yield COMPARISON_TEXTS[evidence.comparison].format(effects="+".join(evidence.effects))
     reasons: dict[str, list[str]] = {}
-    for flight_id, why in said.silent:
+    for flight_id, why in evidence.silent:
         reasons.setdefault(why, []).append(flight_id)
     for why, ids in reasons.items():
         others = f" and {len(ids) - 1} more" if len(ids) > 1 else ""
         yield f"{counted(len(ids), 'log')} without a missing force, {ids[0]}{others}: {why}"
 
 
-def _law(said: LogEvidence) -> str:
-    if len(said.flights) < MIN_CLIMBS:
-        alone = ", ".join(map(_term, said.flights[0].law.terms)) or "none"
+def _law(evidence: LogEvidence) -> str:
+    if len(evidence.flights) < MIN_CLIMBS:
+        alone = ", ".join(map(_term, evidence.flights[0].law.terms)) or "none"
         return f"{alone}; one flight alone is not enough"
-    terms = [f"{_term(one)} (in {one.flights} of {one.seen})" for one in said.law]
+    terms = [f"{_term(one)} (in {one.flights} of {one.seen})" for one in evidence.law]
     return ", ".join(terms) or "nothing that recurs across flights"
 
 

@@ -127,7 +127,7 @@ def _join(ledger: Ledger, id: str, arrival: Arrival, sorting: Sorting, choices: 
     if not kept or (kinds[1] and kinds[0] >= kinds[1]):
         sorting.new.append(arrival)
         return
-    contents = [zlib.decompress(one.packed) for one in (*kept, *new)]
+    contents = [zlib.decompress(one.compressed) for one in (*kept, *new)]
     try:
         read = which(flight, read_stored(contents, id, format_of(flight), choices), id)
     except (DamagedLog, UnknownFormat, LedgerError) as error:

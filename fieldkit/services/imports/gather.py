@@ -241,9 +241,10 @@ def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
     found = list(found)
     if len(found) != 1:
         return flight
-    told, own = found[0], flight.readouts()
+    recorded, own = found[0], flight.readouts()
     known = {
-        part: {name: value for name, value in getattr(told, part).items() if name not in own} | getattr(flight, part)
+        part: {name: value for name, value in getattr(recorded, part).items() if name not in own}
+        | getattr(flight, part)
         for part in READOUT_FIELDS
     }
-    return flight.with_changes(**(told.readouts() | own), **known, extra={**told.extra, **flight.extra})
+    return flight.with_changes(**(recorded.readouts() | own), **known, extra={**recorded.extra, **flight.extra})

@@ -121,13 +121,13 @@ def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
             changes[column.name] = fresh.number(column.name)
     if flight.date_time is None and was.date_time is None and not was.log:
         changes["date_time"] = fresh.date_time
-    told = {part: _beside(part, changes, flight, was, fresh) for part in ("sd", "source")}
+    details = {part: _beside(part, changes, flight, was, fresh) for part in ("sd", "source")}
     ours = {c.stated_header for c in MEASURED} | {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
     extra = {name: text for name, text in flight.extra.items() if name not in ours or name in fresh.extra}
     for name, text in fresh.extra.items():
         if flight.extra.get(name) == was.extra.get(name):
             extra[name] = text
-    return flight.with_changes(**changes, **told, extra=extra)
+    return flight.with_changes(**changes, **details, extra=extra)
 
 
 def _beside(
@@ -135,14 +135,14 @@ def _beside(
 ) -> dict[str, float | str]:
     """The new standard deviations or sources of a flight's readouts: those of the files for readouts in `changes`,
     except for what the flyer edited."""
-    told: dict[str, float | str] = {}
+    details: dict[str, float | str] = {}
     for column in MEASURED:
         own, first, new = (getattr(one, part).get(column.name) for one in (flight, was, fresh))
         renewed_value = changes.get(column.name, flight.number(column.name))
         value = new if column.name in changes and own == first else own
         if value is not None and renewed_value is not None:
-            told[column.name] = value
-    return told
+            details[column.name] = value
+    return details
 
 
 def _open_to(column: Column, flight: Flight, was: Flight) -> bool:

@@ -99,14 +99,14 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
     return Answered(flight, wrong, usual, lift_off)
 
 
-def beside(question: Question, said: Answered, unit: str, system: str) -> str:
+def beside(question: Question, answered: Answered, unit: str, system: str) -> str:
     """The note next to an answer: why it cannot be read, what is implausible, or its unit and its value in another."""
-    if question.name in said.wrong:
-        return f"✗ {said.wrong[question.name]}"
-    if odd := implausible_answers(said.flight, question.name, said.usual, system):
-        return f"! {odd[0]}"
+    if question.name in answered.wrong:
+        return f"✗ {answered.wrong[question.name]}"
+    if reason := implausible_answers(answered.flight, question.name, answered.usual, system):
+        return f"! {reason[0]}"
     column = question.column
-    value = said.number(question) if column else None
+    value = answered.number(question) if column else None
     return spelled(unit) if column is None or value is None else in_both_units(column, value, unit, system)
 
 
@@ -208,18 +208,18 @@ class Draft:
             self.flight += 1
             return self._resources.ledger.drop_draft(DRAFT)
 
-    def save(self, said: Answered, *, confirmed: bool = False) -> Saved:
+    def save(self, answered: Answered, *, confirmed: bool = False) -> Saved:
         """Save the flight in the ledger if all answers can be read, its motor is known, and its apogee is plausible or
         `confirmed`."""
         from fieldkit.services.manual_entry import DRAFT, enter, weighed
         from fieldkit.services.plausible_flights import implausible_flights
 
-        for name, why in said.wrong.items():
+        for name, why in answered.wrong.items():
             return Saved(wrong=name, trouble=f"{BY_NAME[name].title}: {why}")
-        if trouble := self.motor_trouble(said.flight.motor):
+        if trouble := self.motor_trouble(answered.flight.motor):
             return Saved(wrong="motor", trouble=trouble)
         try:
-            typed = weighed(self._resources.motors, said.flight, said.lift_off)
+            typed = weighed(self._resources.motors, answered.flight, answered.lift_off)
         except FieldkitError as error:
             return Saved(wrong=LIFT_OFF_MASS.name, trouble=f"{LIFT_OFF_MASS.title}: {error}")
         if not confirmed and (question := self._question(typed)):
@@ -230,12 +230,12 @@ class Draft:
                 self.flight += 1
         except FieldkitError as error:
             return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
-        odd = implausible_flights([flight], self._resources.motors) if added.new else []
+        excluded = implausible_flights([flight], self._resources.motors) if added.new else []
         return Saved(
             added.new[0] if added.new else "",
             flight,
             lacks=lacks(typed),
-            trouble=in_system("; ".join(odd), self._resources.settings.units),
+            trouble=in_system("; ".join(excluded), self._resources.settings.units),
         )
 
     def _question(self, flight: Flight) -> str:

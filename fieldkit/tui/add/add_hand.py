@@ -30,37 +30,37 @@ class Hand(Horizontal):
         yield Big(id="big")
         yield Static("", id="says")
 
-    def show(self, field: Field, said: Answered, unit: str, system: str) -> None:
+    def show(self, field: Field, answered: Answered, unit: str, system: str) -> None:
         """A field, among all the answers; `unit` is that of a number without one."""
-        self._enlarge(field, said, unit)
-        self._say(_meaning(field.question, field.answer, said, system), said, system)
+        self._enlarge(field, answered, unit)
+        self._say(_meaning(field.question, field.answer, answered, system), answered, system)
 
-    def rest(self, said: Answered, system: str) -> None:
+    def rest(self, answered: Answered, system: str) -> None:
         """No field: the flight in one line, and the action of Enter."""
-        self.border_title = "Enter to save" if said.flight.readouts() else "Enter to add the next flight"
+        self.border_title = "Enter to save" if answered.flight.readouts() else "Enter to add the next flight"
         self.border_subtitle = ""
         self.query_one(Big).show("")
-        self._say(summary(said.flight), said, system)
+        self._say(summary(answered.flight), answered, system)
 
-    def _say(self, first: str, said: Answered, system: str) -> None:
-        lines = [first, *together(said.flight, system)]
+    def _say(self, first: str, answered: Answered, system: str) -> None:
+        lines = [first, *together(answered.flight, system)]
         text = Content("\n").join(marked(printable(line)) for line in lines)
         self.query_one("#says", Static).update(text, layout=False)
 
-    def _enlarge(self, field: Field, said: Answered, unit: str) -> None:
+    def _enlarge(self, field: Field, answered: Answered, unit: str) -> None:
         """The number in large digits, its unit in the frame."""
         from fieldkit.services.manual_entry import typed_unit
 
         question, text = field.question, field.line.value.strip()
-        known = question.column is not None and said.number(question) is not None
+        known = question.column is not None and answered.number(question) is not None
         asked = f" ({spelled(unit)})" if question.column else ""
         self.border_title = Content(f"{question.title}{asked}")
         self.border_subtitle = spelled(typed_unit(text)) if known else ""
         self.query_one(Big).show(text[: len(text) - len(typed_unit(text))].strip() if known else "")
 
 
-def _meaning(question: Question, answer: str, said: Answered, system: str) -> str:
+def _meaning(question: Question, answer: str, answered: Answered, system: str) -> str:
     """Why an answer cannot be read, what is implausible about it, or the meaning of the question."""
-    trouble = said.wrong.get(question.name)
-    odd = implausible_answers(said.flight, question.name, said.usual, system)
-    return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help
+    trouble = answered.wrong.get(question.name)
+    reason = implausible_answers(answered.flight, question.name, answered.usual, system)
+    return f"✗ {trouble}" if trouble and answer else f"! {reason[0]}" if reason else question.help

@@ -51,9 +51,9 @@ def after_flight(resources: "Resources", flight: Flight) -> AfterFlight | None:
     found = outcome(ledger, motors, flight)
     if found is None:
         return None
-    said = list_forecasts(ledger, motors, flight.rocket)
-    flown = tuple(one for one in said if one.flown is not None and one.flight != flight)
-    return AfterFlight(found, suggestion(ledger, motors, resources.settings, found, said), flown)
+    forecasts = list_forecasts(ledger, motors, flight.rocket)
+    flown = tuple(one for one in forecasts if one.flown is not None and one.flight != flight)
+    return AfterFlight(found, suggestion(ledger, motors, resources.settings, found, forecasts), flown)
 
 
 class AfterCard(VerticalScroll, can_focus=True):

@@ -30,24 +30,24 @@ class Saving:
             self._objections.append(trouble)
             self._page.complain(trouble)
 
-    async def save_once(self, said: Answered) -> None:
+    async def save_once(self, answered: Answered) -> None:
         """Save the flight in the ledger unless that is done; the next keys wait, because saving clears the form."""
         if not self.card.display:
-            self.save(said)
+            self.save(answered)
             await self._page.settled("save")
 
-    def save(self, said: Answered, *, confirmed: bool = False) -> None:
+    def save(self, answered: Answered, *, confirmed: bool = False) -> None:
         """Save the flight in the ledger."""
-        self._page.ask(partial(self._draft.save, said, confirmed=confirmed), partial(self._saved, said), "save")
+        self._page.ask(partial(self._draft.save, answered, confirmed=confirmed), partial(self._saved, answered), "save")
 
     def leave_card(self) -> None:
         """Return to the form."""
         self._front(card=False)
 
-    def _saved(self, said: Answered, saved: Saved) -> None:
+    def _saved(self, answered: Answered, saved: Saved) -> None:
 
         if saved.confirm:
-            self._page.app.push_screen(AskYes(saved.confirm), partial(self._confirmed, said))
+            self._page.app.push_screen(AskYes(saved.confirm), partial(self._confirmed, answered))
             return
         if saved.wrong:
             self.object_to(saved.trouble)
@@ -67,10 +67,10 @@ class Saving:
             self._page.set_focus(self._sheet.button)  # outside a field, a digit opens a page
         self._page.field_app.changed()
 
-    def _confirmed(self, said: Answered, yes: bool | None) -> None:
+    def _confirmed(self, answered: Answered, yes: bool | None) -> None:
         """Save the flight anyway, or return to it."""
         if yes:
-            self.save(said, confirmed=True)
+            self.save(answered, confirmed=True)
         else:
             self._page.set_focus(self._sheet.field(READ[0]).line)
 

@@ -136,10 +136,10 @@ def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
     flights = ledger.flights()
-    said = by_flight(list_forecasts(ledger, motors))
+    forecasts = by_flight(list_forecasts(ledger, motors))
     rows = []
     for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
-        one = said.get((flight.rocket, flight.flight_id))
+        one = forecasts.get((flight.rocket, flight.flight_id))
         rows.append(Row(id, place, flight, one.miss, one.stale, one.interval) if one else Row(id, place, flight))
     return rows
 

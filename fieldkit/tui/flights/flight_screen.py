@@ -109,7 +109,7 @@ class FlightScreen(PageScreen):
     def turn_to(self, id: str) -> None:
         """Show another flight: the old contents are cleared, and the new ones appear as they are read."""
         self._flight_id, self._flight, self._text = id, None, []
-        for question in ("ask", "said", "forecast", "log", "rocket", "look"):
+        for question in ("ask", "hills", "forecast", "log", "rocket", "look"):
             self.workers.cancel_group(self, question)
         self.reload_on_resume()
         for place in self.query(Static):
@@ -172,7 +172,7 @@ class FlightScreen(PageScreen):
             blocks.append(cards.lines("Other data", logged.beside(flight.extra, system), 20))
         self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
         self.query_one("#figures", Static).update(stacked(blocks))
-        self.ask(or_why(partial(hills, flight, self.resources)), self._have_said, "said")
+        self.ask(or_why(partial(hills, flight, self.resources)), self._show_hills, "hills")
         self.ask(
             or_why(partial(forecast_facts, flight, self.resources.ledger, self.resources.motors, system)),
             self._have_forecast,
@@ -202,36 +202,36 @@ class FlightScreen(PageScreen):
     def _have_rocket(self, rocket: tuple[Group, Start | None] | None) -> None:
         self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
-    def _have_said(self, said: "Hills | str") -> None:
+    def _show_hills(self, hills: "Hills | str") -> None:
         for plot in self.query("#hills Plot"):
-            plot.display = not isinstance(said, str)
-        if isinstance(said, str):
-            self.query_one("#drag-title", Static).update(Content(printable(said)))
+            plot.display = not isinstance(hills, str)
+        if isinstance(hills, str):
+            self.query_one("#drag-title", Static).update(Content(printable(hills)))
             return
-        for name, title, draw in said.drawn:
+        for name, title, draw in hills.drawn:
             self.query_one(f"#{name}-title", Static).update(Content(title).stylize("bold"))
             self.query_one(f"#{name}", Plot).show(draw)
             self._text.append(title)
         doubts = self.query_one("#doubts", Static)
-        doubts.set_class(not said.warnings, "-none")
-        doubts.update(hanging(f"! {in_system(line, self.resources.settings.units)}" for line in said.warnings))
+        doubts.set_class(not hills.warnings, "-none")
+        doubts.update(hanging(f"! {in_system(line, self.resources.settings.units)}" for line in hills.warnings))
 
-    def _have_forecast(self, said: ForecastFacts | str) -> None:
+    def _have_forecast(self, facts: ForecastFacts | str) -> None:
         place = self.query_one("#forecast", Static)
-        if isinstance(said, str) or self._flight is None:
-            place.update(Content(f"no forecast: {printable(str(said))}"))
+        if isinstance(facts, str) or self._flight is None:
+            place.update(Content(f"no forecast: {printable(str(facts))}"))
             return
         system, flown = self.resources.settings.units, self._flight.apogee
-        low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
+        low, high = number(cards.APOGEE, facts.low, system), measure(cards.APOGEE, facts.high, system)
         parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
-        parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
-        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90% in {low} to {high}", "b"))
+        parts += [f"{printable(line)}\n" for line in facts.by.splitlines()]
+        parts.append((f"{measure(cards.APOGEE, facts.middle, system)}, 90% in {low} to {high}", "b"))
         if flown is not None:
-            inside = "inside" if said.low <= flown <= said.high else "outside"
-            off = measure(cards.APOGEE, abs(flown - said.middle), system)
-            way = "higher" if flown >= said.middle else "lower"
+            inside = "inside" if facts.low <= flown <= facts.high else "outside"
+            off = measure(cards.APOGEE, abs(flown - facts.middle), system)
+            way = "higher" if flown >= facts.middle else "lower"
             parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
-        row = Interval("", said.low, said.middle, said.high, flown)
+        row = Interval("", facts.low, facts.middle, facts.high, flown)
         parts.append(("\n" + bar(row, *row.ends, 36), "$accent"))
         place.update(content := Content.assemble(*parts))
         self._text.append(content.plain)
@@ -272,13 +272,13 @@ class Hills:
 
 def hills(flight: Flight, resources: Resources) -> Hills:
     """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
-    said = drag_facts(flight, resources.ledger, resources.motors, resources.settings.units)
+    drag = drag_facts(flight, resources.ledger, resources.motors, resources.settings.units)
     drawn = tuple(
         (
             place,
             f"{title}  {values.mean():.3f} ± {values.std():.3f}",
             draw_density(values, [(float(values.mean()), "")], lambda value: f"{value:.2f}"),
         )
-        for place, title, values in (("drag", said.drag_name, said.drag), ("thrust", "alpha", said.thrust))
+        for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "alpha", drag.thrust))
     )
-    return Hills(drawn, said.warnings)
+    return Hills(drawn, drag.warnings)

@@ -96,11 +96,11 @@ def _readouts(one: FlightView, system: str) -> Hanging:
             continue
         unit = unit_of(column, system)
         own, scale = units.unit(column.quantity, column.unit), units.unit(column.quantity, unit)
-        value, said = (
+        value, parts = (
             None if one is None else rounded(scale.from_si(own.to_si(one))) for one in (found.value, found.stated)
         )
         spread = f" ± {scale.difference_from_si(own.difference_to_si(found.sd)):.2g}" if found.sd else ""
-        beside = "" if said is None else f"  device: {said}"
+        beside = "" if parts is None else f"  device: {parts}"
         rows.append((column.title, f"{value}{spread} {spelled(unit)}  {found.sensor}{beside}"))
     return cards.lines("Readouts", rows)
 
@@ -185,7 +185,7 @@ class LogView(ModalScreen[None]):
             self.query_one("#cursor", Static).update("no samples in this file")
             return
         span = float(curve.time[0]), float(curve.time[-1])
-        said = [f"T{self._moment:+.2f} s" + ("" if curve.from_liftoff else " on the log's clock")]
+        parts = [f"T{self._moment:+.2f} s" + ("" if curve.from_liftoff else " on the log's clock")]
         for (name, readout), values, here in zip(
             CHANNELS.items(), (curve.height, curve.speed, curve.acceleration), curve.at(self._moment), strict=True
         ):
@@ -195,10 +195,10 @@ class LogView(ModalScreen[None]):
             plot = self.query_one(f"#look-{name}", Plot)
             plot.border_title = Content(f"{name} [{spelled(unit)}]")
             plot.show(_with_cursor(trace, curve.events, span, self._moment))
-            said.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
+            parts.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
         step = (span[1] - span[0]) / STEPS
-        said += [name for name, moment in curve.events.items() if abs(moment - self._moment) < STEPS_TO_EVENT * step]
-        self.query_one("#cursor", Static).update(Content(printable("  ".join(said))).stylize("bold"))
+        parts += [name for name, moment in curve.events.items() if abs(moment - self._moment) < STEPS_TO_EVENT * step]
+        self.query_one("#cursor", Static).update(Content(printable("  ".join(parts))).stylize("bold"))
 
     def action_step(self, by: int) -> None:
         """Move the cursor."""

@@ -87,13 +87,13 @@ class NextCard(HomeCard):
             self.say("No rocket yet. Choose a first step below and press Enter.")
             return
         weather = home_text.weather_line(view.weather, system)
-        said = view.forecast
-        if said is None:
+        forecast = view.forecast
+        if forecast is None:
             heading = "\n".join(home_text.next_lines(view, system))
             self.say(heading, f"No open forecast. f to choose a motor, then Enter to save its forecast.\n{weather}")
             return
-        low, middle, high = said.interval
-        title, words = home_text.forecast_title(said), home_text.forecast_lines(said, system)
+        low, middle, high = forecast.interval
+        title, words = home_text.forecast_title(forecast), home_text.forecast_lines(forecast, system)
         big = number(cards.APOGEE, middle, system)
         self.border_subtitle = "Flown? a to add it"
         self.figure(title, big, words, Interval("", low, middle, high), weather)
@@ -113,8 +113,8 @@ class LastCard(HomeCard):
         if view is None or last is None or last.flight.apogee is None:
             self.say("Nothing has flown yet.")
             return
-        said, apogee = last.forecast, last.flight.apogee
-        interval = Interval("", *said.interval, flown=apogee) if said is not None else None
+        forecast, apogee = last.forecast, last.flight.apogee
+        interval = Interval("", *forecast.interval, flown=apogee) if forecast is not None else None
         words: Sequence[str] = list(home_text.flown_lines(last, system))
         title, day = home_text.flown_title(last), home_text.day_line(view.on(today), system)
         self.figure(title, number(cards.APOGEE, apogee, system), words, interval, day)

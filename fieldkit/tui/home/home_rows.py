@@ -45,10 +45,10 @@ def _heads(profiles: int, bars: int, scale: HeightScale, system: str) -> list[He
 def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> "Callable[[ListedFlight, str], Sequence[str]]":
 
     def cells(one: "ListedFlight", profile: str) -> Sequence[str]:
-        flight, said = one.flight, one.forecast
+        flight, forecast = one.flight, one.forecast
         when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
         apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
-        miss = "" if said is None or said.miss is None else signed(said.miss, system) + "*" * said.stale
+        miss = "" if forecast is None or forecast.miss is None else signed(forecast.miss, system) + "*" * forecast.stale
         motor = motor_name(flight.motor, MOTOR_CELLS)
         texts = [one.id, when, build_of(flight), motor, apogee, miss]
         texts += [profile] if profiles else []

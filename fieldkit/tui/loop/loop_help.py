@@ -34,7 +34,7 @@ LOOP_HELP = Help(
         ("held-out error", "Its mean error on held-out flights, before and after."),
     ),
     (
-        "fieldkit loop [--rocket R] [--look] [--report FILE]",
+        "fieldkit loop [--rocket R] [--dry-run] [--report FILE]",
         "fieldkit model --use N",
         "fieldkit report ROCKET --out r.pdf",
     ),

@@ -105,8 +105,8 @@ class Panels(Container):
     def show_residuals(self, turn: int, system: str) -> None:
         """Residuals against a column, flight by flight."""
         if self.found is not None:
-            said, points, ticks = residual_points(self.found, turn, system)
-            self.query_one("#against", Static).update(Content(said))
+            caption, points, ticks = residual_points(self.found, turn, system)
+            self.query_one("#against", Static).update(Content(caption))
             self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
 
     def show_marks(self, turn: int) -> None:
@@ -119,12 +119,12 @@ class Panels(Container):
     def _at_length(self, message: Table.Moved) -> None:
         """The effect under the cursor, in full."""
         known = self.found is not None and message.key is not None
-        said = (
+        caption = (
             effect_at_length(self.found.diagnosis, message.key, self._system)
             if self.found is not None and known
             else ""
         )
-        self.query_one("#at-length", Static).update(said)
+        self.query_one("#at-length", Static).update(caption)
 
     def show_versions(self, standing: Standing, system: str) -> None:
         """The models of the rocket, and which is in use."""

@@ -123,8 +123,8 @@ def fingerprint(found: Findings, turn: int, *, narrow: bool = False) -> Content:
             parts.append(f"\n{title:{name}}{'not recorded':^{2 * wide}}")
             continue
         similar = "similar" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
-        leans = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
-        parts.append(f"\n{title:{name}}{''.join(leans)} {similar}")
+        bars = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
+        parts.append(f"\n{title:{name}}{''.join(bars)} {similar}")
     return Content.assemble(*parts)
 
 
@@ -166,8 +166,8 @@ def _odds(log_bayes: float) -> str:
     if abs(log_bayes) < EVEN_LOG_BAYES_FACTOR:
         return "these flights favor neither"
     odds = math.exp(min(abs(log_bayes), 20.0))
-    said = "more than 1000" if odds > 1000 else f"{odds:.2g}" if odds < 10 else f"{odds:.0f}"
-    return f"{said} to 1 {'for' if log_bayes > 0 else 'against'} it"
+    odds_text = "more than 1000" if odds > 1000 else f"{odds:.2g}" if odds < 10 else f"{odds:.0f}"
+    return f"{odds_text} to 1 {'for' if log_bayes > 0 else 'against'} it"
 
 
 def version_rows(versions: Sequence[Version], system: str) -> dict[int, tuple[str, ...]]:

@@ -79,20 +79,20 @@ class Decision:
             return Answer(("No target yet. Press g on the Next page to set one.",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
-        said = best.advised
-        more = _limits_of(rule, said, day) if rule else ()
-        answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(said, more))
+        prediction = best.advised
+        more = _limits_of(rule, prediction, day) if rule else ()
+        answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(prediction, more))
         answer = large_figures.of_ballast(answer, best, self.system)
-        return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
+        return decision_plots.of_apogee(answer, prediction.apogee, goal.target, self.system)
 
     def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
         rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
-        said = ahead.forecast
+        prediction = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
-        answer = Answer(words, self._beside(said, _limits_of(rule, said, day), area))
+        answer = Answer(words, self._beside(prediction, _limits_of(rule, prediction, day), area))
         points = ahead.points.ravel()
         return decision_plots.of_points(large_figures.of_points(answer, points), points)
 
@@ -115,8 +115,8 @@ class Decision:
             return Answer(("No saved forecasts of this rocket yet. Press Enter on the Next page to save one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
-            said = one.made.payload
-            words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
+            payload = one.made.payload
+            words += ["", f"{one.state}: {payload.get('motor', '')} {payload.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one, self.system)]
         return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
@@ -128,8 +128,8 @@ class Decision:
             return Answer(("Needs two clean flights with an apogee: each is forecast from the earlier ones.",))
         found = judged_report(rows)
         words = (f"{len(rows)} flights of {rocket}, each forecast from the earlier ones", "")
-        said = (*_missed(found, self.system), "", *against_the_bar(found))
-        answer = Answer((*words, *said), tuple(histogram(found.calibration)))
+        scores = (*_missed(found, self.system), "", *against_the_bar(found))
+        answer = Answer((*words, *scores), tuple(histogram(found.calibration)))
         return decision_plots.of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
@@ -137,11 +137,11 @@ class Decision:
         if not scored:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
-        told = [(one, own) for one, own in last if isfinite(own)]
-        alone = [one.flight_id for one, _ in told if judged_duration(one) is None]
+        per_flight = [(one, own) for one, own in last if isfinite(own)]
+        alone = [one.flight_id for one, _ in per_flight if judged_duration(one) is None]
         none = [f"{one.flight_id} ({why_no_score(one)})" for one, own in last if not isfinite(own)]
-        if told:
-            yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
+        if per_flight:
+            yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in per_flight)}"
         if none:
             yield f"            no score, count as attempts: {', '.join(none)}"
         if alone:
@@ -154,12 +154,12 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, said: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0) -> tuple[str, ...]:
+    def _beside(self, prediction: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety checks, with a fraction of the parachute's area. [1]"""
-        fall = fall_of(self.rocket.history, said.plan, said.found).on_area(area)
-        lines = safety_lines(said, self.site, fall, self.limits)
+        fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
+        lines = safety_lines(prediction, self.site, fall, self.limits)
         return (
-            *conditions_in_words(said.plan, self.rocket.starts, self.system),
+            *conditions_in_words(prediction.plan, self.rocket.starts, self.system),
             "",
             *safety_text(worst_first([*lines, *more]), self.system),
         )
@@ -167,7 +167,7 @@ class Decision:
 
 def _missed(found: ScoreReport, system: str) -> Iterator[str]:
     """The error of each method, and the fraction of flights in the intervals, as a table."""
-    yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
+    yield f"{'median':>6}{'mean':>7}{'mean':>9}  error of"
     for way in found.ways:
         mean = measure(cards.APOGEE, way.mae, system)
         alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
@@ -175,9 +175,11 @@ def _missed(found: ScoreReport, system: str) -> Iterator[str]:
     yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
-def _limits_of(rule: Season, said: Prediction, day: Day) -> list[SafetyCheck]:
+def _limits_of(rule: Season, prediction: Prediction, day: Day) -> list[SafetyCheck]:
     """The season's limits on a plan, with the flyer's own list of approved motors."""
-    return allowed(rule, said.plan, said.found, day.length, approved_motors(rule.year, data_file("seasons")))
+    return allowed(
+        rule, prediction.plan, prediction.found, day.length, approved_motors(rule.year, data_file("seasons"))
+    )
 
 
 def rule_of(year: int) -> Season:

@@ -59,9 +59,9 @@ class ForecastCard(VerticalScroll):
         self.query_one(Plot).show(None)
         self.text = ""
 
-    def _show_hill(self, said: Prediction, settings: Settings) -> None:
+    def _show_hill(self, prediction: Prediction, settings: Settings) -> None:
         """The distribution of the apogee, with its interval and the target."""
         marks = [(settings.target, "◎")] if settings.target else []
-        marks += [(float(place), "") for place in said.apogee_quantiles()]
+        marks += [(float(place), "") for place in prediction.apogee_quantiles()]
         spell = motor_rows.whole
-        self.query_one(Plot).show(draw_density(said.apogee, marks, lambda height: spell(height, settings.units)))
+        self.query_one(Plot).show(draw_density(prediction.apogee, marks, lambda height: spell(height, settings.units)))

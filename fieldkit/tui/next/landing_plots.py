@@ -36,11 +36,11 @@ def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: s
 
 def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
     """Pad, apogee and landing of some draws, joined by straight lines."""
-    said, down = one.prediction, one.down
-    drift = np.broadcast_to(np.nan_to_num(said.drift), said.apogee.shape)
-    for row in range(min(DRAWN_FLIGHTS, len(said.apogee))):
+    prediction, down = one.prediction, one.down
+    drift = np.broadcast_to(np.nan_to_num(prediction.drift), prediction.apogee.shape)
+    for row in range(min(DRAWN_FLIGHTS, len(prediction.apogee))):
         up, end = scaled(float(drift[row])), scaled(float(down.along[row]))
-        plt.plot([0.0, up, end], [0.0, scaled(float(said.apogee[row])), 0.0], marker="braille", color=ink.line)
+        plt.plot([0.0, up, end], [0.0, scaled(float(prediction.apogee[row])), 0.0], marker="braille", color=ink.line)
     plt.scatter([0.0], [0.0], marker="▲", color=ink.mark)
     plt.xfrequency(5)
     plt.yfrequency(4)

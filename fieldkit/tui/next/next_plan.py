@@ -90,7 +90,7 @@ class Plan:
         parts = [
             f"{self.flight.rocket} {self.flight.config}".strip(),
             f"{measure(BY_NAME['dry_mass'], self.full.dry_mass, system)} without motor",
-            *([f"{name.lower()} {value}" for name, value in numbers if value] or ["standard air, no wind"]),
+            *([f"{name.lower()} {value}" for name, value in numbers if value] or ["standard air, wind not given"]),
             f"target {measure(cards.APOGEE, target, system)}" if target else "no target",
         ]
         return printable(" · ".join(parts))

@@ -19,9 +19,9 @@ WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
 """Verdicts in the order in which a flyer should read them."""
 
 
-def rail_speed(said: Prediction, system: str) -> str:
+def rail_speed(prediction: Prediction, system: str) -> str:
     """The median speed at the end of the rail."""
-    return measure(BY_NAME["top_speed"], median(said.rail_speed), system)
+    return measure(BY_NAME["top_speed"], median(prediction.rail_speed), system)
 
 
 def title(plan: Plan, one: MotorChoice) -> str:
@@ -31,31 +31,31 @@ def title(plan: Plan, one: MotorChoice) -> str:
     return f"{build} on {one.motor.maker} {motor}"
 
 
-def interval(said: Prediction, system: str) -> str:
+def interval(prediction: Prediction, system: str) -> str:
     """The text after the large figure: `m on the altimeter, 90% 179-317`."""
-    low, _, high = (motor_rows.whole(float(x), system) for x in said.apogee_quantiles())
+    low, _, high = (motor_rows.whole(float(x), system) for x in prediction.apogee_quantiles())
     return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
 def figures(plan: Plan, one: MotorChoice, system: str) -> Pairs:
     """The figures below the density, name and value."""
-    said = one.prediction
+    prediction = one.prediction
     fires = [f"{delay:g} s {motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
     misfit = plan.misfit(one.motor) or ", ".join(line.name for line in one.why_not)
     return [
         ("✗ fit", misfit),
-        ("ejection", _ejection(said.median_eject)),
+        ("ejection", _ejection(prediction.median_eject)),
         ("by delay", "  ".join(fires)),
-        ("off rail", rail_speed(said, system)),
+        ("off rail", rail_speed(prediction, system)),
         ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
-        ("top speed", measure(BY_NAME["top_speed"], median(said.top_speed), system)),
-        ("Cd", f"{said.cd.mean():.2f} ± {said.cd.std():.2f}"),
-        ("alpha", f"{said.alpha.mean():.3f} ± {said.alpha.std():.3f}"),
-        ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
-        ("air", air_of(said.plan).words(system)),
+        ("top speed", measure(BY_NAME["top_speed"], median(prediction.top_speed), system)),
+        ("Cd", f"{prediction.cd.mean():.2f} ± {prediction.cd.std():.2f}"),
+        ("alpha", f"{prediction.alpha.mean():.3f} ± {prediction.alpha.std():.3f}"),
+        ("true", f"{measure(cards.APOGEE, median(prediction.true_apogee), system)} above the pad"),
+        ("air", air_of(prediction.plan).words(system)),
         ("based on", plan.rests_on),
-        ("narrows", narrows(said)),
-        ("note", in_system("; ".join([*said.found.notes, *said.left_out]), system)),
+        ("narrows", narrows(prediction)),
+        ("note", in_system("; ".join([*prediction.found.notes, *prediction.left_out]), system)),
     ]
 
 
@@ -68,11 +68,13 @@ def checks(one: MotorChoice, system: str) -> Pairs:
     return [*lines, ("", ADVICE_NOTE)]
 
 
-def saved_in_words(said: Prediction, system: str) -> str:
+def saved_in_words(prediction: Prediction, system: str) -> str:
     """The notice of a saved forecast with its values."""
-    low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
+    low, middle, high = (number(cards.APOGEE, float(x), system) for x in prediction.apogee_quantiles())
     unit = spelled(unit_of(cards.APOGEE, system))
-    return f"Saved forecast: {said.plan.motor} to {middle} {unit} ({low} to {high}). a to add the flight, u to undo"
+    return (
+        f"Saved forecast: {prediction.plan.motor} to {middle} {unit} ({low} to {high}). a to add the flight, u to undo"
+    )
 
 
 def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterable[str]:

@@ -36,10 +36,10 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
 def _facts(start: "Start", design: "Design", system: str) -> list[str]:
     facts = [f"starts {start.rocket} {start.config}".rstrip()]
     if start.dry_mass is not None:
-        facts.append(f"{measure(BY_NAME['dry_mass'], start.dry_mass, system)} without motor, by {design.mass_by}")
+        facts.append(f"{measure(BY_NAME['dry_mass'], start.dry_mass, system)} without motor, from {design.mass_by}")
     if start.diameter is not None:
         facts.append(f"{measure(BY_NAME['diameter'], start.diameter, system)} across")
     if start.margin is not None:
         facts.append(f"stability {start.margin:.1f} calibers with its motor, off the launch rod")
-    facts.append(f"Cd {start.cd:.2f}, by {design.cd_by}" if start.cd else "no Cd in the file")
+    facts.append(f"Cd {start.cd:.2f}, from {design.cd_by}" if start.cd else "no Cd in the file")
     return facts

@@ -72,8 +72,8 @@ class SetupCard(VerticalScroll):
 
 def of_motor(motor: Motor, system: str) -> Facts:
     """A motor and its thrust curve, with masses in the units of a system."""
-    said = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor, system))
-    return Facts((said,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
+    content = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor, system))
+    return Facts((content,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
 
 
 def of_build(group: Group, system: str, design: Start | None = None) -> Facts:

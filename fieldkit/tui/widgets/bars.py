@@ -73,10 +73,10 @@ class NoticeBar(Static):
         self.set_class(notice.error, "-error")
         self.set_class(whole, "-whole")
         mark = Content.from_markup("[b $error]✗ error[/] " if notice.error else "[b $success]✓[/] ")
-        said = notice.text if whole else self._within(shortened(notice.text))
-        lines = "\n".join(printable(line) for line in said.splitlines())
+        body = notice.text if whole else self._within(shortened(notice.text))
+        lines = "\n".join(printable(line) for line in body.splitlines())
         more = f"  ({len(notices) - 1} more)" if len(notices) > 1 else ""
-        more += "  [@click=app.whole_notice][b]W[/] full text[/]" if said != notice.text else ""
+        more += "  [@click=app.whole_notice][b]W[/] full text[/]" if body != notice.text else ""
         shown = Content.assemble(mark, lines, Content.from_markup(more))
         dismiss = Content.from_markup("  [@click=app.read][b]Esc[/] dismiss[/]")
         room = max(1, self.app.size.width - 2)
@@ -136,14 +136,14 @@ class KeyBar(Static):
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         lines: list[list[Content]] = [[]]
         room = width = self._room()
-        said = set[str]()
+        named = set[str]()
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in GLOBAL_KEYS)):
             key = self.app.get_key_display(binding)
             word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
             word = word or binding.description
-            if word in said:
+            if word in named:
                 continue
-            said.add(word)
+            named.add(word)
             room -= len(key) + len(word) + 3
             if room < -2 and lines[-1]:
                 lines.append([])

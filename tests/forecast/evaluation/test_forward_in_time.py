@@ -99,14 +99,14 @@ def test_another_hyperprior_forecasts_otherwise(found: list[Forecast]) -> None:
 
 
 def test_it_says_how_far_it_is_and_can_be_stopped() -> None:
-    told: list[tuple[str, float]] = []
+    steps: list[tuple[str, float]] = []
 
     def on_progress(text: str, share: float) -> None:
-        told.append((text, share))
-        if len(told) == 3:
+        steps.append((text, share))
+        if len(steps) == 3:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         forward(fleet(), on_progress=on_progress)
-    assert told == [("Astra 0", 0.0), ("Luna 1", pytest.approx(1 / 6)), ("Astra 2", pytest.approx(1 / 3))]
+    assert steps == [("Astra 0", 0.0), ("Luna 1", pytest.approx(1 / 6)), ("Astra 2", pytest.approx(1 / 3))]
     assert forward([]) == []

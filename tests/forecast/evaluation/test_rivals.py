@@ -25,7 +25,7 @@ def flown(apogee: float | None, simulated: float = 200.0, rocket: str = "Astra",
     return Simulated(Flight("1", rocket, motor=motor, apogee=apogee), found, simulated)
 
 
-def said(rival: str, earlier: list[Simulated], plan: Simulated) -> list[float]:
+def forecast_by(rival: str, earlier: list[Simulated], plan: Simulated) -> list[float]:
     """A rival's forecast; None if it has too little data."""
     draws = RIVALS[rival](earlier, plan)
     return [] if draws is None else draws.tolist()
@@ -41,7 +41,7 @@ def test_without_a_flight_only_those_with_a_prior_or_a_simulation_say_anything()
 def test_the_scalar_correction_is_the_mean_ratio_of_the_rocket_and_has_a_spread_from_three_flights_on() -> None:
     earlier = [flown(220.0), flown(500.0, rocket="Luna"), flown(130.0, 100.0)]
     plan = flown(None, 210.0)
-    assert said("scalar", earlier, plan) == pytest.approx([210 * 1.2])
+    assert forecast_by("scalar", earlier, plan) == pytest.approx([210 * 1.2])
     draws = scalar([*earlier, flown(200.0)], plan)
     ratios = np.array([1.1, 1.3, 1.0])
     assert draws is not None
@@ -52,16 +52,16 @@ def test_the_scalar_correction_is_the_mean_ratio_of_the_rocket_and_has_a_spread_
 
 def test_the_last_flight_on_the_motor_is_repeated_else_scaled() -> None:
     earlier = [flown(220.0), flown(240.0), flown(390.0, 400.0, motor="F39-6T"), flown(500.0, rocket="Luna")]
-    assert said("last_on_motor", earlier, flown(None, 210.0)) == [240.0]
-    assert said("last_on_motor", earlier[:2], flown(None, 400.0, motor="F39-6T")) == pytest.approx([400 * 1.15])
-    assert said("flight_before", earlier, flown(None, 210.0)) == [390.0]
+    assert forecast_by("last_on_motor", earlier, flown(None, 210.0)) == [240.0]
+    assert forecast_by("last_on_motor", earlier[:2], flown(None, 400.0, motor="F39-6T")) == pytest.approx([400 * 1.15])
+    assert forecast_by("flight_before", earlier, flown(None, 210.0)) == [390.0]
     assert last_on_motor([], flown(None)) is None
     assert flight_before([], flown(None)) is None
 
 
 def test_a_flight_that_the_simulation_leaves_on_the_pad_has_no_ratio() -> None:
     earlier = [flown(220.0), flown(100.0, 0.0)]
-    assert said("scalar", earlier, flown(None, 210.0)) == pytest.approx([231.0])
+    assert forecast_by("scalar", earlier, flown(None, 210.0)) == pytest.approx([231.0])
     assert np.median(fleet_ratio(earlier, flown(None, 0.0))) == 0.0
 
 

@@ -21,17 +21,17 @@ def test_a_cold_sensor_is_compensated_to_the_second_order() -> None:
     # by hand, from the formulas of the data sheet, in floating point
     for counts in (7_000_000, 5_500_000):
         dt = counts - 31553 * 256
-        warmth = 2000 + dt * 28165 / 2**23
-        t2, off2, sens2 = dt**2 / 2**31, 61 * (warmth - 2000) ** 2 / 16, 2 * (warmth - 2000) ** 2
-        if warmth < -1500:
-            off2 += 15 * (warmth + 1500) ** 2
-            sens2 += 8 * (warmth + 1500) ** 2
+        hundredths = 2000 + dt * 28165 / 2**23
+        t2, off2, sens2 = dt**2 / 2**31, 61 * (hundredths - 2000) ** 2 / 16, 2 * (hundredths - 2000) ** 2
+        if hundredths < -1500:
+            off2 += 15 * (hundredths + 1500) ** 2
+            sens2 += 8 * (hundredths + 1500) ** 2
         off = 43981 * 2**17 + 27842 * dt / 64 - off2
         sens = 46372 * 2**16 + 29059 * dt / 128 - sens2
         expected = (6465444 * sens / 2**21 - off) / 2**15
         pressure, temperature = ms5607(np.array([6465444]), np.array([counts]), TYPICAL)
         assert pressure == pytest.approx([expected], abs=5)  # integers round
-        assert temperature == pytest.approx([(warmth - t2) / 100 + 273.15], abs=0.02)
+        assert temperature == pytest.approx([(hundredths - t2) / 100 + 273.15], abs=0.02)
 
 
 def test_pressures_that_a_telemetrum_1_exported_are_whole_counts() -> None:

@@ -17,16 +17,16 @@ CHECK_SHAPES = False
 
 
 @pytest.fixture(scope="module")
-def said() -> QuickAnswer:
+def answer() -> QuickAnswer:
     return quick_answer(history(4), quick_candidates)
 
 
 @pytest.fixture(scope="module")
-def own(said: QuickAnswer) -> QuickAnswer:
+def own(answer: QuickAnswer) -> QuickAnswer:
     """The linear fit's answer instead of the network's."""
-    base = said.summary.baseline
+    base = answer.summary.baseline
     return replace(
-        said,
+        answer,
         log_apogee=base.apogee[0] + base.apogee_sd[0] * np.array(STANDARD),
         log_cd=(float(base.cd[0]), float(base.cd_sd[0])),
         log_alpha=(float(base.alpha[0]), float(base.alpha_sd[0])),
@@ -74,15 +74,15 @@ def test_it_takes_both_to_agree() -> None:
     assert not Check(np.inf, 0.0, 0.0, 400).agrees
 
 
-def test_several_plans_are_refused(said: QuickAnswer) -> None:
-    linear = said.summary.forecast
+def test_several_plans_are_refused(answer: QuickAnswer) -> None:
+    linear = answer.summary.forecast
     two = replace(linear, flown=linear.flown - 1)
     with pytest.raises(ValueError, match="expected one"):
-        check(replace(said, summary=replace(said.summary, forecast=two)))
+        check(replace(answer, summary=replace(answer.summary, forecast=two)))
 
 
-def test_the_forecast_is_a_mixture_of_students_t(said: QuickAnswer) -> None:
-    linear, rng = said.summary.forecast, np.random.default_rng(3)
+def test_the_forecast_is_a_mixture_of_students_t(answer: QuickAnswer) -> None:
+    linear, rng = answer.summary.forecast, np.random.default_rng(3)
     sds, nu = np.sqrt(own_variance(linear)[:, 0]), linear.model.hyperprior.tail
     middle, weight = np.array([4.5, 4.7, np.nan, 5.1]), rng.dirichlet(np.ones(4 * len(sds))).reshape(4, -1)
     weight[0] = 0.0

@@ -16,24 +16,24 @@ from tests.inference.history.histories import history
 
 
 @pytest.fixture(scope="module")
-def said() -> QuickAnswer:
+def answer() -> QuickAnswer:
     return quick_answer(history(8), quick_candidates)
 
 
-def linear_parameters(said: QuickAnswer) -> ParameterMoments:
-    base = moments(said.summary.forecast)
+def linear_parameters(answer: QuickAnswer) -> ParameterMoments:
+    base = moments(answer.summary.forecast)
     return parameter_moments(base.cd, base.cd_sd, base.alpha, base.alpha_sd, base.correlation)
 
 
-def test_the_same_drag_and_thrust_leave_readouts_as_they_are(said: QuickAnswer) -> None:
-    linear, own = readout_moments(said.summary.forecast), linear_parameters(said)
+def test_the_same_drag_and_thrust_leave_readouts_as_they_are(answer: QuickAnswer) -> None:
+    linear, own = readout_moments(answer.summary.forecast), linear_parameters(answer)
     again = linear.given(own, own)
     assert again.mean == pytest.approx(linear.mean)
     assert again.sd == pytest.approx(linear.sd)
 
 
-def test_knowing_drag_and_thrust_narrows_as_a_normal_distribution_does(said: QuickAnswer) -> None:
-    linear, own = readout_moments(said.summary.forecast), linear_parameters(said)
+def test_knowing_drag_and_thrust_narrows_as_a_normal_distribution_does(answer: QuickAnswer) -> None:
+    linear, own = readout_moments(answer.summary.forecast), linear_parameters(answer)
     known = linear.given(own, ParameterMoments(own.mean, np.zeros_like(own.covariance)))
     cross = linear.with_parameters[0]
     taken = np.einsum("ri,ij,rj->r", cross, np.linalg.inv(own.covariance[0]), cross)
@@ -44,9 +44,9 @@ def test_knowing_drag_and_thrust_narrows_as_a_normal_distribution_does(said: Qui
 def test_readouts_are_near_those_of_the_fit(count: int) -> None:
     """Medians within a fifth of the fit's 90% interval."""
     flights = history(count)
-    said = quick_answer(flights, quick_candidates)
+    answer = quick_answer(flights, quick_candidates)
     known = list(zip(flights.flights, flights.found, strict=True))
     (fitted,) = predict(known[:-1], known[-1:], draws=2000)
     for name, draws in (("top_speed", fitted.top_speed), ("coast_to_apogee", fitted.coast)):
         low, middle, high = np.percentile(draws, [5, 50, 95])
-        assert abs(said.readouts[name][1] - middle) < 0.2 * (high - low)
+        assert abs(answer.readouts[name][1] - middle) < 0.2 * (high - low)

@@ -29,9 +29,9 @@ def test_one_odd_flight_does_not_widen_what_is_reported_of_the_others() -> None:
     seen = np.ones(20, bool)
     calm = apogee_spread(error, known, own, seen)
     error[3] = 1.0
-    odd = apogee_spread(error, known, own, seen)
-    assert np.sqrt(odd.mean_square_without[3]) == pytest.approx(np.sqrt(calm.mean_square_without[3]))
-    assert np.sqrt(FACTORS**2 @ odd.weight) < 1.3 * np.sqrt(FACTORS**2 @ calm.weight)
+    scales = apogee_spread(error, known, own, seen)
+    assert np.sqrt(scales.mean_square_without[3]) == pytest.approx(np.sqrt(calm.mean_square_without[3]))
+    assert np.sqrt(FACTORS**2 @ scales.weight) < 1.3 * np.sqrt(FACTORS**2 @ calm.weight)
 
 
 def test_without_a_flight_is_the_spread_of_the_others_alone() -> None:

@@ -62,7 +62,7 @@ def seasons() -> tuple[Data, ...]:
     pair = rng.choice(len(log_prior), SETS, p=np.exp(log_prior))
     size = (SETS, len(PLANS))
     scatter = {s.bends: rng.normal(size=size) * s.sd * scatter_scale[pair, None] for s in model().scatter}
-    lean = scatter.pop("tilt")
+    launch_angle = scatter.pop("tilt")
     raw, upright, leaning = (
         np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1)
         for readings in (
@@ -80,7 +80,7 @@ def seasons() -> tuple[Data, ...]:
         * scales
         * np.stack([reading_sd(part) for part in raw])
     )
-    noisy = compared(raw) + noise + lean[..., None] * (compared(leaning) - compared(upright))
+    noisy = compared(raw) + noise + launch_angle[..., None] * (compared(leaning) - compared(upright))
     seen = np.where(IS_LOGARITHMIC, np.exp(noisy), noisy)
     return tuple(observe(flights(part), [True] * len(PLANS)) for part in seen)
 

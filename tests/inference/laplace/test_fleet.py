@@ -59,16 +59,16 @@ def dense(fits: list[Fit]) -> tuple[Array, Array, float]:
     means = np.array([PRIOR[name][0] if name in PRIOR else PRIOR["drag"][0] for name in names])
     rows, miss, noise = [], [], []
     for i, result in enumerate(fits):
-        told = result.told
-        design = np.zeros((told.miss.size, len(names)))
-        design[:, [0, 1, 2 + i]] = told.slope.reshape(told.miss.size, -1)
+        at_fit = result.evidence
+        design = np.zeros((at_fit.miss.size, len(names)))
+        design[:, [0, 1, 2 + i]] = at_fit.slope.reshape(at_fit.miss.size, -1)
         rows.append(design)
-        miss.append(told.miss.ravel())
-        blocks = np.zeros((told.miss.size, told.miss.size))
-        width = len(told.readouts)
+        miss.append(at_fit.miss.ravel())
+        blocks = np.zeros((at_fit.miss.size, at_fit.miss.size))
+        width = len(at_fit.readouts)
         for flight in range(FLIGHTS):
             part = slice(flight * width, (flight + 1) * width)
-            blocks[part, part] = told.noise()[0, flight]
+            blocks[part, part] = at_fit.noise()[0, flight]
         noise.append(blocks)
     design, seen = np.concatenate(rows), np.concatenate(miss)
     full = np.zeros((len(seen), len(seen)))

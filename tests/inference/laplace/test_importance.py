@@ -78,13 +78,13 @@ def test_an_odd_flight_counts_for_little() -> None:
     result = fitted()
     values = result.data.values.copy()
     values[3, :2] -= 0.5
-    odd = fit(result.model, replace(result.data, values=values), outlier_flights=True)
-    weight = flight_weights(odd)
+    with_outlier = fit(result.model, replace(result.data, values=values), outlier_flights=True)
+    weight = flight_weights(with_outlier)
     assert weight[3] < 0.35
     assert np.median(np.delete(weight, 3)) > 0.8
     plain = fit(result.model, replace(result.data, values=values))
     drag = result.model.names.index("drag")
-    true, robust, other = (one.moments()[0][drag] for one in (result, odd, plain))
+    true, robust, other = (one.moments()[0][drag] for one in (result, with_outlier, plain))
     assert abs(robust - true) <= abs(other - true)
 
 

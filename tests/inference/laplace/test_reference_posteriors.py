@@ -29,13 +29,13 @@ more: by chance alone 0.005 in the mean, and up to 0.035 in one case of a thousa
 
 
 @pytest.fixture(scope="module")
-def said() -> dict[str, Array]:
+def forecasts() -> dict[str, Array]:
     """The fit's forecast of the next flight of every case."""
     return {one.name: said_by_fit(one.case, DRAWS, 0) for one in REFERENCES}
 
 
-def gaps(one: Reference, said: dict[str, Array]) -> Array:
-    return np.abs(off(quantiles(said[one.name]), one.quantiles))
+def gaps(one: Reference, forecasts: dict[str, Array]) -> Array:
+    return np.abs(off(quantiles(forecasts[one.name]), one.quantiles))
 
 
 def test_there_are_references_of_twenty_drawn_histories_and_of_hard_ones() -> None:
@@ -53,24 +53,24 @@ def test_what_is_stored_is_consistent(one: Reference) -> None:
 
 
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
-def test_the_fit_is_as_near_to_the_exact_posterior_as_measured(one: Reference, said: dict[str, Array]) -> None:
+def test_the_fit_is_as_near_to_the_exact_posterior_as_measured(one: Reference, forecasts: dict[str, Array]) -> None:
     most = np.array([FARTHEST[figure] for figure in FIGURES]).T
-    assert (gaps(one, said) < most).all()
+    assert (gaps(one, forecasts) < most).all()
 
 
 @pytest.mark.parametrize("figure", FIGURES)
-def test_half_of_all_quantiles_are_nearer_than_that(figure: str, said: dict[str, Array]) -> None:
-    every = np.array([gaps(one, said)[:, FIGURES.index(figure)] for one in REFERENCES])
+def test_half_of_all_quantiles_are_nearer_than_that(figure: str, forecasts: dict[str, Array]) -> None:
+    every = np.array([gaps(one, forecasts)[:, FIGURES.index(figure)] for one in REFERENCES])
     assert np.median(every) < USUAL[figure]
 
 
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
-def test_the_forecast_scores_as_the_exact_one_does(one: Reference, said: dict[str, Array]) -> None:
-    assert excess_crps(np.exp(said[one.name][:, 0]), np.exp(one.draws[:, 0])) < CRPS
+def test_the_forecast_scores_as_the_exact_one_does(one: Reference, forecasts: dict[str, Array]) -> None:
+    assert excess_crps(np.exp(forecasts[one.name][:, 0]), np.exp(one.draws[:, 0])) < CRPS
 
 
-def test_a_forecast_that_is_off_by_a_fifth_of_its_width_is_noticed(said: dict[str, Array]) -> None:
+def test_a_forecast_that_is_off_by_a_fifth_of_its_width_is_noticed(forecasts: dict[str, Array]) -> None:
     one = REFERENCES[0]
     wide = one.quantiles[2, 0] - one.quantiles[0, 0]
-    moved = {one.name: said[one.name] + 0.2 * wide}
+    moved = {one.name: forecasts[one.name] + 0.2 * wide}
     assert (gaps(one, moved)[:, 0] > 0.12).all()

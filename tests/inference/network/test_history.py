@@ -20,23 +20,23 @@ CHECK_SHAPES = False
 
 def ends(of: History) -> tuple[float, float]:
     """The median apogee [m] and the relative width of the 90% interval. [1]"""
-    said = quick_answer(of, quick_candidates)
-    low, high = (float(said.log_apogee[LEVELS.index(level)]) for level in (0.05, 0.95))
-    return float(np.exp(said.log_apogee[MEDIAN])), high - low
+    estimate = quick_answer(of, quick_candidates)
+    low, high = (float(estimate.log_apogee[LEVELS.index(level)]) for level in (0.05, 0.95))
+    return float(np.exp(estimate.log_apogee[MEDIAN])), high - low
 
 
 def test_strong_wear_is_found_and_likelier_than_anything_else() -> None:
-    said = quick_answer(history(24, wear=0.05), quick_candidates)
-    assert said.inclusion["wear"] > 0.8
-    assert said.none < 0.2
-    assert max(said.inclusion, key=lambda name: said.inclusion[name]) == "wear"
+    estimate = quick_answer(history(24, wear=0.05), quick_candidates)
+    assert estimate.inclusion["wear"] > 0.8
+    assert estimate.none < 0.2
+    assert max(estimate.inclusion, key=lambda name: estimate.inclusion[name]) == "wear"
 
 
 def test_nothing_is_found_in_a_clean_history() -> None:
     for seed in range(3):
-        said = quick_answer(history(24, seed=seed), quick_candidates)
-        assert said.none > 0.5, seed
-        assert max(said.inclusion.values()) < 0.5, seed
+        estimate = quick_answer(history(24, seed=seed), quick_candidates)
+        assert estimate.none > 0.5, seed
+        assert max(estimate.inclusion.values()) < 0.5, seed
 
 
 def test_more_flights_narrow_the_forecast_and_the_drag() -> None:
@@ -84,11 +84,11 @@ def test_the_order_of_one_moments_flights_changes_nothing_that_does_not_grow() -
 
 def test_probabilities_are_probabilities_and_quantiles_in_order() -> None:
     rng = np.random.default_rng(0)
-    said = answer(3 * rng.normal(size=(50, 5, width(12))), 12)
-    for chances in (said.inclusion, said.none, said.unexplained):
+    estimate = answer(3 * rng.normal(size=(50, 5, width(12))), 12)
+    for chances in (estimate.inclusion, estimate.none, estimate.unexplained):
         assert ((chances >= 0) & (chances <= 1)).all()
-    assert (np.diff(said.quantiles, axis=1) > 0).all()
-    assert (said.scale > 0).all()
+    assert (np.diff(estimate.quantiles, axis=1) > 0).all()
+    assert (estimate.scale > 0).all()
 
 
 @pytest.mark.usefixtures("shapes_checked")
@@ -119,8 +119,8 @@ def test_many_motors_at_once_are_answered_as_each_alone(shared: SharedPrior | No
     motors = [catalogue().resolve(name) for name in ("F24-4W", "F39-6T", "E35-5W", "E15-4W", "F39-6T")]
     plans = [(whole.flights[-1].with_changes(motor=found.motor.name), found) for found in motors]
     together = forecasts_at_once(flown, plans, shared=shared)
-    for plan, said in zip(plans, together, strict=True):
+    for plan, estimate in zip(plans, together, strict=True):
         alone = forecast_at_once(flown, plan, shared=shared)
-        assert said.log_apogee == pytest.approx(alone.log_apogee, abs=1e-6)
-        assert [*said.log_cd, *said.log_alpha] == pytest.approx([*alone.log_cd, *alone.log_alpha], abs=1e-6)
-        assert said.inclusion == pytest.approx(alone.inclusion, abs=1e-6)
+        assert estimate.log_apogee == pytest.approx(alone.log_apogee, abs=1e-6)
+        assert [*estimate.log_cd, *estimate.log_alpha] == pytest.approx([*alone.log_cd, *alone.log_alpha], abs=1e-6)
+        assert estimate.inclusion == pytest.approx(alone.inclusion, abs=1e-6)

@@ -37,8 +37,8 @@ def test_members_and_their_graph_say_the_same() -> None:
     features = rng.normal(size=(7, 10))
     scaled = torch.from_numpy((((features - mean) / sd).clip(-8, 8)).astype(np.float32))
     with torch.no_grad():
-        said = members(scaled).numpy().swapaxes(0, 1)
-    assert ensemble.members(features) == pytest.approx(said, abs=1e-5)
+        printed = members(scaled).numpy().swapaxes(0, 1)
+    assert ensemble.members(features) == pytest.approx(printed, abs=1e-5)
     assert answer(ensemble.members(features), 3).inclusion.shape == (7, 3)
 
 
@@ -76,9 +76,9 @@ def test_the_command_trains_a_network_that_answers(
     options = ("--recipe", "history", "--schedule", "quick", "--seed", "3", "--n-train", "20")
     capsys.readouterr()
     assert main(["train", *options, "--out", str(out), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["recipe"] == "history"
-    assert said["n_train"] == 20
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["recipe"] == "history"
+    assert printed["n_train"] == 20
     assert not (out / "parts").exists()
     card = json.loads((out / "card.json").read_text())
     assert card["seed"] == 3

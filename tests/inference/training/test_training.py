@@ -115,13 +115,13 @@ def test_training_leaves_torch_as_it_was() -> None:
 
 
 def test_the_same_seed_trains_the_same_ensemble_and_its_card_shows_how(tmp_path: Path) -> None:
-    told: list[int] = []
-    first = train_paper(tmp_path / "a", seed=7, n_train=512, progress=lambda epoch, epochs, loss: told.append(epoch))
+    steps: list[int] = []
+    first = train_paper(tmp_path / "a", seed=7, n_train=512, progress=lambda epoch, epochs, loss: steps.append(epoch))
     train_paper(tmp_path / "b", seed=7, n_train=512)
     train_paper(tmp_path / "c", seed=8, n_train=512)
     a, b, c = (hashlib.sha256((tmp_path / name / GRAPH).read_bytes()).hexdigest() for name in "abc")
     assert a == b != c
-    assert told == list(range(1, 11))
+    assert steps == list(range(1, 11))
     assert set(first) == {"recipe", "cd_mae", "alpha_mae", "n_train", "seconds", "files"}
     assert [Path(file).name for file in first["files"]] == [GRAPH, CARD]
     card = json.loads((tmp_path / "a" / CARD).read_text())

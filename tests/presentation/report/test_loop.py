@@ -130,9 +130,9 @@ def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found:
     """The last flight's apogee is absurd, which must not change any earlier forecast."""
 
     def spoilt(one: Hypothesis) -> Hypothesis:
-        miss = one.fit.told.miss.copy()
+        miss = one.fit.evidence.miss.copy()
         miss[-1] += 1.0
-        return replace(one, fit=replace(one.fit, told=replace(one.fit.told, miss=miss)))
+        return replace(one, fit=replace(one.fit, evidence=replace(one.fit.evidence, miss=miss)))
 
     later = ahead(SetPosterior(tuple(spoilt(one) for one in diagnosis.posterior.hypotheses)))
     assert later.chosen == found.ahead.chosen
@@ -246,8 +246,8 @@ def test_draws_are_widened_about_their_median() -> None:
 
 
 def test_what_the_residual_goes_with_is_reported(diagnosis: Diagnosis) -> None:
-    told = leftover(diagnosis).in_words
-    assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", told)
+    in_words = leftover(diagnosis).in_words
+    assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", in_words)
 
 
 def test_an_average_is_kept_until_there_is_nothing_to_average(
@@ -273,10 +273,10 @@ def test_a_forecast_averaged_over_sets_is_their_mixture() -> None:
     known = [(flight, catalogue().resolve(flight.motor)) for flight in flights]
     plan = [(flights[0].with_changes(apogee=None, top_speed=None, coast_to_apogee=None, wind=9.0), known[0][1])]
     sets = ((), (Place("wear", since=flights[0].flight_id),), (Place("mass_offset"), Place("wear")))
-    apart = [predict(known, plan, own, declared=False, draws=1500)[0].apogee for own in sets]
+    by_set = [predict(known, plan, own, declared=False, draws=1500)[0].apogee for own in sets]
     averaged = tuple(zip((0.2, 0.5, 0.3), sets, strict=True))
     (mixed,) = predict(known, plan, averaged=averaged, declared=False, draws=3000)
-    expected = 0.2 * apart[0].mean() + 0.5 * apart[1].mean() + 0.3 * apart[2].mean()
+    expected = 0.2 * by_set[0].mean() + 0.5 * by_set[1].mean() + 0.3 * by_set[2].mean()
     assert len(mixed.apogee) == 3000
     assert mixed.apogee.mean() == pytest.approx(expected, rel=0.01)
 

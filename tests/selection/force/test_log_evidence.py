@@ -14,7 +14,7 @@ from fieldkit.cli.main import main
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from fieldkit.selection.force.flights import FREE_TERMS, TOO_SHORT, FlightForce, flight_force
-from fieldkit.selection.force.log_evidence import LogEvidence, _says, document
+from fieldkit.selection.force.log_evidence import LogEvidence, _comparison, document
 from fieldkit.selection.force.one_flight import missing_force
 from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.several_flights import Common, common_law
@@ -67,10 +67,10 @@ def test_the_scatter_of_single_flights_is_no_law() -> None:
 
 
 def test_motors_equally_by_chance_are_no_law() -> None:
-    alike = [flown("", 0.0, seed, (0.025, 0.0, 0.0)) for seed in range(3)]
-    assert common_law(alike, library()) == ()
-    told = common_law(alike, [replace(term, random_draw_sd=0.0) for term in library()])
-    assert "thrust" in [name for found in told for name in (found.term.name, *found.also)]
+    same = [flown("", 0.0, seed, (0.025, 0.0, 0.0)) for seed in range(3)]
+    assert common_law(same, library()) == ()
+    law = common_law(same, [replace(term, random_draw_sd=0.0) for term in library()])
+    assert "thrust" in [name for found in law for name in (found.term.name, *found.also)]
 
 
 def test_a_coefficient_varies_by_its_part_of_the_scatter() -> None:
@@ -85,10 +85,10 @@ def test_a_coefficient_varies_by_its_part_of_the_scatter() -> None:
 
 @pytest.mark.usefixtures("shapes_checked")
 def test_one_flight_decides_nothing_however_strong_its_force() -> None:
-    odd = flown("base drag", 0.8, 9)
-    assert odd.cost([]) - odd.cost(["base drag"]) > 100
-    assert common_law([odd], library()) == ()
-    together = common_law([odd, *(flown("", 0.0, seed) for seed in range(FLIGHTS - 1))], library())
+    another = flown("base drag", 0.8, 9)
+    assert another.cost([]) - another.cost(["base drag"]) > 100
+    assert common_law([another], library()) == ()
+    together = common_law([another, *(flown("", 0.0, seed) for seed in range(FLIGHTS - 1))], library())
     assert "base drag" not in [found.term.name for found in together]
 
 
@@ -99,9 +99,11 @@ def test_flights_that_disagree_in_sign_have_no_law() -> None:
 
 
 def one(smoothed: bool = False) -> FlightForce:
-    said = flight_force("F1", Recorded(forces=forces(noisy(climb(SLOW, "base drag", 0.4), 1), smoothed=smoothed)), SLOW)
-    assert isinstance(said, FlightForce)
-    return said
+    shown_force = flight_force(
+        "F1", Recorded(forces=forces(noisy(climb(SLOW, "base drag", 0.4), 1), smoothed=smoothed)), SLOW
+    )
+    assert isinstance(shown_force, FlightForce)
+    return shown_force
 
 
 @pytest.mark.usefixtures("shapes_checked")
@@ -113,9 +115,9 @@ def test_a_climb_is_summed_up_in_a_few_points() -> None:
 
 
 def test_smoothed_heights_constrain_the_coast_alone() -> None:
-    said = one(smoothed=True)
-    assert not any(point.burning for point in said.points)
-    assert not {"thrust", "longer burn", "rail"} & set(said.regression.columns)
+    shown_force = one(smoothed=True)
+    assert not any(point.burning for point in shown_force.points)
+    assert not {"thrust", "longer burn", "rail"} & set(shown_force.regression.columns)
 
 
 def test_a_log_without_a_climb_says_why() -> None:
@@ -135,13 +137,13 @@ def test_a_log_without_a_climb_says_why() -> None:
     ],
 )
 def test_the_law_is_put_beside_the_verdict(verdict: str, says: str) -> None:
-    assert _says(verdict, shared("base drag", 0.4), FLIGHTS) == says
-    assert _says(verdict, (), 1) == ""
+    assert _comparison(verdict, shared("base drag", 0.4), FLIGHTS) == says
+    assert _comparison(verdict, (), 1) == ""
 
 
 def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
-    assert _says("base_drag", (), FLIGHTS) == "nothing of it"
-    assert _says("wind", (), FLIGHTS) == ""
+    assert _comparison("base_drag", (), FLIGHTS) == "nothing of it"
+    assert _comparison("wind", (), FLIGHTS) == ""
 
 
 def test_without_a_log_nothing_is_reported() -> None:
@@ -204,10 +206,10 @@ def test_the_loop_reports_the_missing_force_of_the_latest_logs(
     capsys.readouterr()
     page = tmp_path / "page.html"
     assert main([*command, "loop", "--look", "--json", "--report", str(page)]) == 0
-    said = json.loads(capsys.readouterr().out)["missing_force"]
-    assert [flight["flight_id"] for flight in said["flights"]] == ["F1", "F2", "F3"]
-    assert said["silent"] == [{"flight_id": "F0", "why": OLDER_LOGS_NOTE}]
-    assert said["law"][0]["effect"] == "base_drag"
-    assert said["law"][0]["flights"] == 3
-    assert {point["phase"] for point in said["flights"][0]["points"]} == {"boost", "coast"}
+    shown_force = json.loads(capsys.readouterr().out)["missing_force"]
+    assert [flight["flight_id"] for flight in shown_force["flights"]] == ["F1", "F2", "F3"]
+    assert shown_force["silent"] == [{"flight_id": "F0", "why": OLDER_LOGS_NOTE}]
+    assert shown_force["law"][0]["effect"] == "base_drag"
+    assert shown_force["law"][0]["flights"] == 3
+    assert {point["phase"] for point in shown_force["flights"][0]["points"]} == {"boost", "coast"}
     assert "Missing force along each climb" in page.read_text(encoding="utf-8")

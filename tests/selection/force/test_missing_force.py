@@ -101,16 +101,16 @@ def test_nothing_is_missing_if_nothing_is(smooth: int) -> None:
     ],
 )
 def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: RocketInputs, term: str, strength: float) -> None:
-    said = found(rocket, term, strength)
-    assert said.terms[0].term.name == term
-    assert len(said.terms) == 1
-    assert said.terms[0].value == pytest.approx(strength, abs=max(5 * said.terms[0].sd, 0.1 * abs(strength)))
+    shown = found(rocket, term, strength)
+    assert shown.terms[0].term.name == term
+    assert len(shown.terms) == 1
+    assert shown.terms[0].value == pytest.approx(strength, abs=max(5 * shown.terms[0].sd, 0.1 * abs(strength)))
 
 
 @pytest.mark.usefixtures("shapes_checked")
 def test_its_uncertainty_is_what_other_logs_scatter_by() -> None:
-    said = [found(SLOW, "base drag", 0.4, seed, smooth=5).terms[0] for seed in range(10)]
-    values, sds = (np.array([getattr(one, name) for one in said]) for name in ("value", "sd"))
+    shown = [found(SLOW, "base drag", 0.4, seed, smooth=5).terms[0] for seed in range(10)]
+    values, sds = (np.array([getattr(one, name) for one in shown]) for name in ("value", "sd"))
     assert 0.4 < values.std() / sds.mean() < 2.5
 
 

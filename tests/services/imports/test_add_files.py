@@ -247,8 +247,8 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
     ledger.undo()
     assert "1 would change, 0 unchanged, 1 without samples" in run("remeasure", "--dry-run")
     assert ledger.flight(id) == before
-    (told,) = json.loads(run("remeasure", id, "--json"))["flights"]
-    apogee = told["changes"]["apogee_m"]
+    (entry,) = json.loads(run("remeasure", id, "--json"))["flights"]
+    apogee = entry["changes"]["apogee_m"]
     assert apogee["now"]["value"] - apogee["there"]["value"] == pytest.approx(1.0)
     assert apogee["now"]["sd"] == before.sd["apogee"]
     assert ledger.flight(id).apogee == pytest.approx((before.apogee or 0) + 1)

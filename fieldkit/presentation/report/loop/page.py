@@ -62,7 +62,7 @@ def content(found: Findings, system: str = "SI") -> dict[str, Any]:
             if row.p < 0.1
         ],
         "pictures": {name: embedded(svg(name, found, system)) for name in pictures(found)},
-        "climbs": [f"{_capitalized(line)}." for line in climbs_in_words(found.testimony)],
+        "climbs": [f"{_capitalized(line)}." for line in climbs_in_words(found.log_evidence)],
         "implausible": [f"{_capitalized(line)}." for line in found.excluded],
         "errors": [
             row

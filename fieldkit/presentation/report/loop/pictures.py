@@ -104,8 +104,8 @@ def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) ->
         place = number[ahead.seen] + shift
         panel.vlines(place, low, high, color=colour, alpha=0.3, linewidth=5)
         panel.plot(place, forecasts.apogee[ahead.seen] / unit, "_", color=colour, markersize=8, mew=2, label=title)
-    teach = found.diagnosis.data.seen[:, 0]
-    panel.plot(number[teach], flown[teach], "o", color=INK_COLOR, markersize=4, label="flown")
+    used_in_fit = found.diagnosis.data.seen[:, 0]
+    panel.plot(number[used_in_fit], flown[used_in_fit], "o", color=INK_COLOR, markersize=4, label="flown")
     panel.set_xlabel("flight, in the order flown")
     panel.set_ylabel(f"apogee [{shown.length_unit}]")
     panel.margins(y=0.2)
@@ -175,7 +175,7 @@ def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None
 def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
     """The missing force along each climb: measured minus modeled push against time and against speed."""
     panels = figure.subplots(1, 2, sharey=True)
-    for number, one in enumerate(found.testimony.flights):
+    for number, one in enumerate(found.log_evidence.flights):
         for burning, mark, colour in ((True, "^", BEFORE_COLOR), (False, "o", AFTER_COLOR)):
             points = [point for point in one.points if point.burning is burning]
             phase = "motor burning" if burning else "coasting"
@@ -207,7 +207,7 @@ PICTURES: Mapping[str, tuple[Draw, tuple[float, float]]] = {
 
 def pictures(found: Findings) -> list[str]:
     """Names of the pictures with any content."""
-    return [name for name in PICTURES if name != "missing_force" or found.testimony.flights]
+    return [name for name in PICTURES if name != "missing_force" or found.log_evidence.flights]
 
 
 def svg(name: str, found: Findings, system: str = "SI") -> bytes:
