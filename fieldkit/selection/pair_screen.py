@@ -88,7 +88,7 @@ def _gains(tried: Sequence[_Tried], columns: Columns, near: Fit) -> Float[Array,
         shift = product[0, other] - np.diagonal(both) / 2
         gain = shift[:, None] + shift - both + 0.5 * (raised - np.log(det))
         np.logaddexp(found, near.log_weight[scale] + gain, out=found)
-    return found - near.log_evidence - np.log(np.multiply.outer(sds, sds))
+    return np.asarray(found - near.log_evidence - np.log(np.multiply.outer(sds, sds)))
 
 
 def _products(
