@@ -405,7 +405,7 @@ def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
     assert ("as wide" in line.text) == wrong_size
 
 
-def test_a_main_above_the_apogee_opens_there_and_the_landing_says_so(
+def test_a_main_above_the_apogee_opens_there_and_the_landing_reports_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--motor", "F39T-6", "--wind", "3m/s"]
