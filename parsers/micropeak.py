@@ -18,7 +18,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
-from fieldkit.flight.plausibility import check
+from fieldkit.flight.limits import check
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.checksums import crc_x25
 from fieldkit.importing.tables.text import narrow

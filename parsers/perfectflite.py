@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
-from fieldkit.flight.plausibility import check
+from fieldkit.flight.limits import check
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.text import first_lines, shown

@@ -8,7 +8,7 @@ from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.errors import BadValue
 from fieldkit.flight import MEASURED, Column
-from fieldkit.flight.plausibility import check
+from fieldkit.flight.limits import check
 
 
 def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str, object], dict[str, str]]:

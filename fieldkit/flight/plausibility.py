@@ -1,9 +1,8 @@
 """Which values a flight can have at all, and which values contradict each other.
 
-`Column.low` and `high` are the usual range. This module has the bounds beyond which a number must be a typing error,
-and the relations that the ten readouts of a flight obey. A value that is merely unusual is accepted. A value that no
-rocket can reach on the flight's motor is `implausible`: the flight stays in the ledger, is reported, and is left out of
-every fit.
+`fieldkit.flight.limits` has the bounds beyond which a number must be a typing error. This module has the bounds of
+physics, and the relations that the ten readouts of a flight obey. A value that no rocket can reach on the flight's
+motor is `implausible`: the flight stays in the ledger, is reported, and is left out of every fit.
 """
 
 import math
@@ -15,34 +14,8 @@ from typing import Protocol
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
+from fieldkit.flight.limits import check, rounded
 from fieldkit.flight.recovery import IN_EVERY_FIT, check_recovery, rail_direction
-
-_EDGE: Mapping[str, tuple[float, float]] = {
-    "dry_mass": (0.1, 1e6),
-    "diameter": (1, 3000),
-    "delay": (0, 60),
-    "site_elevation": (-500, 9000),
-    "temperature": (-90, 70),
-    "pressure": (300, 1100),
-    "humidity": (0, 100),
-    "wind": (0, 60),
-    "rail_length": (0.01, 100),
-    "rail_angle": (-90, 90),
-    "apogee": (0.1, 200_000),
-    "top_speed": (0.1, 3000),
-    "burn_time": (0.01, 120),
-    "peak_accel": (0.01, 1000),
-    "avg_accel": (0, 1000),
-    "coast_to_apogee": (0, 900),
-    "apogee_to_eject": (-900, 900),
-    "eject_altitude": (-500, 200_000),
-    "descent_speed": (0.1, 1000),
-    "duration": (0.1, 86_400),
-    "coast_drag": (0.001, 1000),
-    "burn_impulse": (0.1, 5000),
-}
-LIMITS: Mapping[str, tuple[float, float]] = MappingProxyType(_EDGE)
-"""Lowest and highest possible value of each column, in the column's own unit."""
 
 IDENTITY = (0.9, 1.1)
 """Range of top speed over (average acceleration × burn time); outside it, a value is mistyped. [1]
@@ -78,7 +51,7 @@ MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 def figure(column: Column, value: float) -> str:
     """Format a value [SI] in the column's own unit: `281.3 m`."""
     number = units.unit(column.quantity, column.unit).from_si(value)
-    return f"{_rounded(number)} {column.unit}"
+    return f"{rounded(number)} {column.unit}"
 
 
 class Burning(Protocol):
@@ -98,26 +71,6 @@ class Burning(Protocol):
     def peak_thrust(self) -> float: ...
     @property
     def burning(self) -> tuple[float, float]: ...
-
-
-def check(column: Column, value: float, unit: str = "") -> float:
-    """Return the SI value of a column if it is possible. Raises BadValue with the expected range, in `unit` (as it was
-    typed) or in the column's own unit."""
-    low, high = LIMITS[column.name]
-    own = units.unit(column.quantity, column.unit)
-    number = own.from_si(value)
-    slack = 1e-9 * (1 + abs(number))
-    if not math.isfinite(value) or not low - slack <= number <= high + slack:
-        shown = units.unit(column.quantity, unit or column.unit)
-        least, most = (_rounded(shown.from_si(own.to_si(bound))) for bound in (low, high))
-        ending = f" {units.spelled(unit or column.unit)}".rstrip()
-        raise BadValue(f"found {_rounded(shown.from_si(value))}{ending}, expected {least} to {most}{ending}")
-    return value
-
-
-def _rounded(number: float) -> str:
-    """A number with four significant digits and no exponent in the range of the limits."""
-    return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:

@@ -25,7 +25,8 @@ from fieldkit.flight import (
     read_date,
     read_tags,
 )
-from fieldkit.flight.plausibility import check, doubts
+from fieldkit.flight.limits import check
+from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
 from fieldkit.quantities import significant
 

@@ -17,7 +17,7 @@ import numpy as np
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
-from fieldkit.flight.plausibility import check
+from fieldkit.flight.limits import check
 from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction

@@ -7,7 +7,8 @@ from types import MappingProxyType
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column, Flight
-from fieldkit.flight.plausibility import check, middles
+from fieldkit.flight.limits import check
+from fieldkit.flight.plausibility import middles
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger
 from fieldkit.motors import Catalogue, Motor, is_cluster

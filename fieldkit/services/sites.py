@@ -5,7 +5,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
-from fieldkit.flight.plausibility import check
+from fieldkit.flight.limits import check
 from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger import Ledger
 from fieldkit.services.names import same_name

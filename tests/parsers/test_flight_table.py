@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import BY_NAME, COLUMNS, TAGS, TEXT_COLUMNS, Flight
-from fieldkit.flight.plausibility import LIMITS
+from fieldkit.flight.limits import LIMITS
 from fieldkit.importing import Intake, Mapped, Reading
 from fieldkit.importing.read import read, read_plans
 from fieldkit.importing.recognize import claims, open_log

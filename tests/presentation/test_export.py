@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from fieldkit import units
 from fieldkit.flight import COLUMNS, READOUTS, TAGS, Flight
-from fieldkit.flight.plausibility import LIMITS
+from fieldkit.flight.limits import LIMITS
 from fieldkit.importing.read import read
 from fieldkit.ledger.rows import differences
 from fieldkit.presentation.export import csv_table, document

@@ -18,7 +18,8 @@ from fieldkit import units
 from fieldkit.cli.main import main
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight import Flight
-from fieldkit.flight.plausibility import LIMITS, READ_TOO_HIGH, best_apogee, best_speed, implausible
+from fieldkit.flight.limits import LIMITS
+from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
 from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found, catalogue

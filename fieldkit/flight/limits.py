@@ -1,0 +1,59 @@
+"""The bounds beyond which a number of a flight must be a typing error.
+
+`Column.low` and `high` are the usual range; a value that is merely unusual is accepted.
+"""
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.flight import Column
+
+_EDGE: Mapping[str, tuple[float, float]] = {
+    "dry_mass": (0.1, 1e6),
+    "diameter": (1, 3000),
+    "delay": (0, 60),
+    "site_elevation": (-500, 9000),
+    "temperature": (-90, 70),
+    "pressure": (300, 1100),
+    "humidity": (0, 100),
+    "wind": (0, 60),
+    "rail_length": (0.01, 100),
+    "rail_angle": (-90, 90),
+    "apogee": (0.1, 200_000),
+    "top_speed": (0.1, 3000),
+    "burn_time": (0.01, 120),
+    "peak_accel": (0.01, 1000),
+    "avg_accel": (0, 1000),
+    "coast_to_apogee": (0, 900),
+    "apogee_to_eject": (-900, 900),
+    "eject_altitude": (-500, 200_000),
+    "descent_speed": (0.1, 1000),
+    "duration": (0.1, 86_400),
+    "coast_drag": (0.001, 1000),
+    "burn_impulse": (0.1, 5000),
+}
+LIMITS: Mapping[str, tuple[float, float]] = MappingProxyType(_EDGE)
+"""Lowest and highest possible value of each column, in the column's own unit."""
+
+
+def check(column: Column, value: float, unit: str = "") -> float:
+    """Return the SI value of a column if it is possible. Raises BadValue with the expected range, in `unit` (as it was
+    typed) or in the column's own unit."""
+    low, high = LIMITS[column.name]
+    own = units.unit(column.quantity, column.unit)
+    number = own.from_si(value)
+    slack = 1e-9 * (1 + abs(number))
+    if not math.isfinite(value) or not low - slack <= number <= high + slack:
+        shown = units.unit(column.quantity, unit or column.unit)
+        least, most = (rounded(shown.from_si(own.to_si(bound))) for bound in (low, high))
+        ending = f" {units.spelled(unit or column.unit)}".rstrip()
+        raise BadValue(f"found {rounded(shown.from_si(value))}{ending}, expected {least} to {most}{ending}")
+    return value
+
+
+def rounded(number: float) -> str:
+    """A number with four significant digits and no exponent in the range of the limits."""
+    return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"
