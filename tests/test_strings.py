@@ -4,7 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from typer.core import TyperGroup
+from typer.main import get_command
 
+from fieldkit.cli.main import app
 from tests.vocabulary import known_words, unlisted
 from tools.strings import ROOT, catalog, listed, strings, template_strings
 
@@ -26,6 +29,14 @@ SHOWN = re.compile(r"<text[^>]*>([^<]*)</text>")
 )
 def test_help_screens_and_refusals_are_listed(file: str, text: str) -> None:
     assert text in [found for _, found in strings(ROOT / file)]
+
+
+def test_the_help_of_every_command_is_listed_and_no_other_docstring() -> None:
+    texts = {text for file in (ROOT / "fieldkit/cli").glob("*.py") for _, text in strings(file)}
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    assert [name for name, one in group.commands.items() if " ".join((one.help or "").split()) not in texts] == []
+    assert "Rockets of the ledger." not in texts
 
 
 def test_docstrings_types_and_style_sheets_are_not_listed() -> None:

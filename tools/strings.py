@@ -143,19 +143,19 @@ def _titles(tree: ast.Module) -> Iterator[ast.Constant]:
 
 def _docstrings(tree: ast.Module, keep_commands: bool) -> Iterator[ast.Constant]:
     """Docstrings of modules, classes, functions and constants; not of commands, if they are kept."""
+    registered = set(re.findall(r"\.command\([^()]*\)\((\w+)\)", ast.unparse(tree)))
     for node in ast.walk(tree):
         for statement in getattr(node, "body", []) if not isinstance(node, ast.Lambda | ast.IfExp) else []:
             is_text = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
-            is_command = keep_commands and isinstance(node, ast.FunctionDef) and _is_command(node)
+            is_command = keep_commands and isinstance(node, ast.FunctionDef) and _is_command(node, registered)
             if is_text and not is_command:
                 yield statement.value
 
 
-def _is_command(node: ast.FunctionDef) -> bool:
-    """Whether a docstring is help: a function with options that the library reads from its annotations."""
-    arguments = [*node.args.args, *node.args.kwonlyargs]
-    takes_context = any(one.arg == "context" for one in arguments)
-    return bool(node.decorator_list) or (takes_context and not node.name.startswith("_"))
+def _is_command(node: ast.FunctionDef, registered: set[str]) -> bool:
+    """Whether a docstring is help: that of a function that the command line registers."""
+    decorators = [ast.unparse(one) for one in node.decorator_list]
+    return node.name in registered or any(re.search(r"\.(command|callback)\b", one) for one in decorators)
 
 
 def template_strings(file: Path) -> Iterator[tuple[int, str]]:

@@ -90,11 +90,11 @@ def _speed(velocity: Array) -> Array:
     return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else length_of(velocity))
 
 
-def _along(velocity: Array, acceleration: Array) -> Array:
+def _along(velocity: Array, rate: Array) -> Array:
     """Rate of change of speed. [m/s^2]"""
     if len(velocity) == 1:
-        return np.asarray(acceleration[0])
-    return np.asarray((velocity * acceleration).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
+        return np.asarray(rate[0])
+    return np.asarray((velocity * rate).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
 
 
 def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
@@ -102,28 +102,28 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
 
     Without `highlights`, top speed, peak acceleration and rail exit speed are not computed.
     """
-    acceleration = EquationsOfMotion(setup, burning=True)
+    rate = EquationsOfMotion(setup, burning=True)
     zero = np.zeros(setup.draws)
     start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
     latest = start[np.isfinite(start)].max(initial=0.0)
-    at_rest = np.zeros((acceleration.axes, setup.draws))
+    at_rest = np.zeros((rate.axes, setup.draws))
     track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
-    first_acceleration: Array | None = None
+    first_rate: Array | None = None
     for step, (first, dt, thrust, mass) in enumerate(_steps(setup)):
         held = _with_stages(setup, step)
         if held is not setup:
-            acceleration, first_acceleration = EquationsOfMotion(held, burning=True), None
+            rate, first_rate = EquationsOfMotion(held, burning=True), None
         if waits := bool(first.min() < latest):
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
-        _advance(track, held, acceleration, dt, thrust, mass, first_acceleration)
+        _advance(track, held, rate, dt, thrust, mass, first_rate)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
-            ended = acceleration(track.position, track.velocity, thrust[2], mass[2])
-            slope, first_acceleration = (
+            ended = rate(track.position, track.velocity, thrust[2], mass[2])
+            slope, first_rate = (
                 _along(track.velocity, ended),
                 None if waits else ended,
             )  # the next step starts where this one ends
@@ -203,15 +203,15 @@ def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
 def _advance(
     track: AscentState,
     setup: Setup,
-    acceleration: EquationsOfMotion,
+    rate: EquationsOfMotion,
     dt: Array,
     thrust: Stages,
     mass: Stages,
-    first_acceleration: Array | None,
+    first_rate: Array | None,
 ) -> None:
     """Advance a step in as many substeps as each draw needs; if few draws need more, those continue separately.
 
-    `first_acceleration` is the acceleration at the start of the step, if known.
+    `first_rate` is the acceleration at the start of the step, if known.
     """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))
@@ -222,19 +222,12 @@ def _advance(
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
             setup = setup.part(kept)
-            acceleration = EquationsOfMotion(setup, burning=True)
+            rate = EquationsOfMotion(setup, burning=True)
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
-        _step(
-            moving,
-            acceleration,
-            dt * (end - start),
-            _between(thrust, start, end),
-            _between(mass, start, end),
-            first_acceleration,
-        )
-        first_acceleration = None
+        _step(moving, rate, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), first_rate)
+        first_rate = None
     _put_back(track, moving, rows)
 
 
@@ -254,22 +247,17 @@ def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
 
 
 def _step(
-    track: AscentState,
-    acceleration: EquationsOfMotion,
-    dt: Array,
-    thrust: Stages,
-    mass: Stages,
-    first_acceleration: Array | None,
+    track: AscentState, rate: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, first_rate: Array | None
 ) -> None:
-    """One classical Runge-Kutta step of position and velocity; `first_acceleration` as in `_advance`."""
+    """One classical Runge-Kutta step of position and velocity; `first_rate` as in `_advance`."""
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
-    a1 = acceleration(x, v, thrust[0], mass[0]) if first_acceleration is None else first_acceleration
+    a1 = rate(x, v, thrust[0], mass[0]) if first_rate is None else first_rate
     v2 = v + half * a1
-    a2 = acceleration(x + half * v, v2, thrust[1], mass[1])
+    a2 = rate(x + half * v, v2, thrust[1], mass[1])
     v3 = v + half * a2
-    a3 = acceleration(x + half * v2, v3, thrust[1], mass[1])
+    a3 = rate(x + half * v2, v3, thrust[1], mass[1])
     v4 = v + dt * a3
-    a4 = acceleration(x + dt * v3, v4, thrust[2], mass[2])
+    a4 = rate(x + dt * v3, v4, thrust[2], mass[2])
     a2 += a3
     track.position = x + dt * (v + sixth * (a1 + a2))
     a2 *= 2

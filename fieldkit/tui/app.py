@@ -270,16 +270,12 @@ class FieldkitApp(Surviving):
             yield SystemCommand(f"Colors: {theme}", "Change the colors", partial(self.choose, theme=theme))
         for units in UNITS:
             yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
-        described = set[str]()
+        seen = set[str]()
         for active in screen.active_bindings.values():
             binding = active.binding
             label, key = binding.tooltip or binding.description, self.get_key_display(binding)
-            if (
-                active.enabled
-                and label not in described
-                and (binding.tooltip or (binding.description and binding.show))
-            ):
-                described.add(label)
+            if active.enabled and label not in seen and (binding.tooltip or (binding.description and binding.show)):
+                seen.add(label)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
 
 

@@ -1,6 +1,7 @@
 """Sentences for one flight, for names with spaces, and for figures that do not exist."""
 
 import json
+import re
 from datetime import datetime
 from pathlib import Path
 
@@ -123,12 +124,16 @@ def test_a_suggested_command_can_be_pasted_into_a_shell(home: Path, capsys: pyte
     assert f"`fieldkit loop --rocket '{NAME}'`" in capsys.readouterr().out
 
 
-def test_forecasts_of_two_builds_differ_in_their_configuration(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_forecasts_of_two_builds_differ_in_their_configuration_and_no_date_is_cut(
+    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     for build in ("A", "heavy"):
         assert main(["predict", "--motor", "F24-4W", "--config", build, "--dry-mass", "322"]) == 0
     capsys.readouterr()
     assert main(["predictions"]) == 0
     printed = capsys.readouterr().out
+    assert len(re.findall(r" \d{4}-\d\d-\d\d ", printed)) == 2
     assert " heavy " in printed
 
 

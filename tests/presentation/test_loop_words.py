@@ -1,0 +1,46 @@
+"""Words of the loop's report: names in full, groups of flights, and the next forecast before its change."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from fieldkit.presentation.loop_text import candidate_row, in_next_flight
+from fieldkit.selection.candidates import EACH_GROUP, Place
+
+pytestmark = pytest.mark.fast
+CHECK_SHAPES = False
+
+
+@pytest.mark.parametrize("name", ["wear", "early_ejection_seconds of Quest E35W from flight 12 on"])
+def test_a_name_is_never_cut_and_its_figures_stay_in_their_columns(name: str) -> None:
+    lines = list(candidate_row(name, "+2.2"))
+    assert lines[0].split("+2.2")[0].strip() == name
+    assert lines[-1].index("+2.2") == 36
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (Place("motor_thrust", "AeroTech F39T"), "a weak or strong motor (AeroTech F39T)"),
+        (Place("motor_thrust", EACH_GROUP), "a weak or strong motor (each motor)"),
+        (Place("heavier_recovery", "", "9"), "heavier recovery gear from flight 9 on"),
+        (Place("", "every flight from 4 on"), "a change from flight 4 on"),
+    ],
+)
+def test_the_group_of_an_effect_is_in_parentheses(place: Place, words: str) -> None:
+    assert place.in_words == words
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "change"),
+    [
+        (200.0, 190.0, "10 m (5.0%) lower than with the plain model"),
+        (190.0, 190.2, "the same as with the plain model"),
+    ],
+)
+def test_the_next_forecast_stands_before_its_change(before: float, after: float, change: str) -> None:
+    flight: Any = SimpleNamespace(
+        flight=SimpleNamespace(motor="F39"), before=before, after=after, interval=(170.0, 230.0)
+    )
+    assert in_next_flight(flight) == f"next F39 in the same conditions: 190 m, 90% interval 170 to 230 m; {change}"
