@@ -42,7 +42,7 @@ _CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
 """Number of equal samples that indicate saturation, and their smallest ratio to the count of any other value. [1]"""
 _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
 """Smallest fraction of zeros in a zero-padded channel [1], and the smallest magnitude of real samples. [m, Pa]"""
-_STALE, _HARDEST, _FIX_NOISE = 2.0, 600.0, 20.0
+_REPEAT_TIME, _BOOST_ACCELERATION, _FIX_NOISE = 2.0, 600.0, 20.0
 """Shortest time for which a lost receiver repeats its last height [s], the acceleration of the hardest boosts
 [m/s^2], and how far two heights of a receiver in the open differ [m]."""
 _WINDOW = 0.5
@@ -195,9 +195,9 @@ def _without_stale(time: Float[Array, "_"], values: Float[Array, "_"]) -> Float[
         return values
     begins = np.concatenate(([0], changes[:-1] + 1))
     lasts, step = when[changes] - when[begins], np.maximum(when[changes + 1] - when[changes], 1e-3)
-    jumps = np.abs(height[changes + 1] - height[changes]) > _HARDEST * step**2 / 2 + _FIX_NOISE
+    jumps = np.abs(height[changes + 1] - height[changes]) > _BOOST_ACCELERATION * step**2 / 2 + _FIX_NOISE
     kept = values.copy()
-    for begin, end in zip(begins[(lasts > _STALE) & jumps], changes[(lasts > _STALE) & jumps], strict=True):
+    for begin, end in zip(begins[(lasts > _REPEAT_TIME) & jumps], changes[(lasts > _REPEAT_TIME) & jumps], strict=True):
         kept[known[begin + 1 : end + 1]] = np.nan
     return kept
 

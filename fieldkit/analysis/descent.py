@@ -27,7 +27,7 @@ are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fa
 speed plus this slack does not reveal when it was braked."""
 _STRAIGHT, _MIN_LINE_SAMPLES = 0.2, 6
 """Largest change of the speed in the last part of a descent that counts as straight, and its fewest samples. [1]"""
-_LEAST_REST, _SETTLED = 2.0, 0.5
+_MIN_REST_TIME, _REST_HEIGHT = 2.0, 0.5
 """Shortest rest after a landing [s], and how much above it smoothed heights may be at its beginning [m]."""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
@@ -122,10 +122,10 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     last_going = _last_fall(going, speed, typical)
     about = float(even[min(last_going + half_width, even.size - 1)])
-    if time[-1] - about < _LEAST_REST:
+    if time[-1] - about < _MIN_REST_TIME:
         about = _touchdown(even[last_going:], smooth[last_going:], track.noise)
     rest = (time > about + 0.5) & (time < about + 8)
-    if rest.sum() < 4 or time[-1] - about < _LEAST_REST:
+    if rest.sum() < 4 or time[-1] - about < _MIN_REST_TIME:
         return None, None
     level = float(np.median(height[rest]))
     last = (time > max(apogee, about - 8)) & (time < about - 0.5) & (height > level + 4 * track.noise)
@@ -140,8 +140,8 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
 
 def _touchdown(time: Float[Array, "_"], height: Float[Array, "_"], noise: float) -> float:
     """When smoothed heights that fall and then rest reach their last level, in a log that ends soon after. [s]"""
-    level = float(np.median(height[time > time[-1] - _LEAST_REST]))
-    return float(time[np.argmax(height < level + max(2 * noise, _SETTLED))])
+    level = float(np.median(height[time > time[-1] - _MIN_REST_TIME]))
+    return float(time[np.argmax(height < level + max(2 * noise, _REST_HEIGHT))])
 
 
 def _final_line(time: Float[Array, "time"], height: Float[Array, "time"]) -> tuple[float, float]:
