@@ -11,6 +11,7 @@ from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
+from fieldkit.analysis.hard_boost import hidden_lead
 from fieldkit.analysis.notes import (
     AFTER_END_NOTE,
     LOST_IN_BOOST,
@@ -151,6 +152,9 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
     if found is None or lift is None or found[0].time >= end - 0.2:
         return lift, _FlightPart(notes=notes)
     burnout, speed = found
+    if log.track.is_barometric and lift.source == log.track.source and burnout.time > lift.time:
+        lead = hidden_lead(speed.value, burnout.time - lift.time, log.track.noise, lift.sd)
+        lift = replace(lift, sd=max(lift.sd, lead))
     burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur))) if felt else burnout
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
     return lift, _FlightPart({"burnout": burnout}, figures, notes)

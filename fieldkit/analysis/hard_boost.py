@@ -39,6 +39,12 @@ _USUAL_CHANGE = np.array([1.0, 10.0, 0.3, 0.3, 0.3, STATIC_SD])
 _LIMITS = np.array([8.0, 1500.0, 2.0, 1.5, 4.0, 4 * STATIC_SD])
 """Limits of the change in time [s] and height [m] of apogee, logarithm of drag, times of burnout and lift-off [s], and
 error of ports [1]."""
+BURN_TIME, BURN_SPREAD = 2.14, 0.83
+"""Burn time of the motors of the catalog, each impulse class weighted equally: geometric mean [s] and standard
+deviation of the logarithm [1] (a test recomputes them)."""
+_LONGEST_LEAD, _LEAST_RISE, _NOISES = 3.0, 2.0, 4.0
+"""Longest time for which ports hide a boost [s]; smallest rise that shows, in meters and in standard deviations of a
+sample."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +71,30 @@ class _Climb:
         away = (way - static * fast * np.abs(fast) / (2 * GRAVITY) - self.height) / self.sd
         uneven = (height / max(speed * burn, 1.0) - _BOOST_SHAPE) / _BOOST_SHAPE_SD
         return np.append(away, (uneven, static / STATIC_SD, (burnout - self.fastest) / _BURNOUT_SD))
+
+
+def hidden_lead(speed: float, burn: float, noise: float, sd: float) -> float:
+    """Root mean square of the time by which a lift-off may precede the first rise of barometric heights. [s]
+
+    `speed` is that at burnout [m/s]; `burn` the time to it from the first rise, and `sd` the error of that moment [s];
+    `noise` the error of a sample [m].
+
+    Derivation: Bayes' theorem. If lift-off is earlier by t, the motor burns for burn + t, which has the spread of the
+    catalog as its prior, and the mean acceleration is a = speed / (burn + t). It is hidden if the rise that ports
+    leave, (1 - s a/g) a t²/2, does not show and is at most half of the rise; the probability of that is the prior of s
+    between the two limits. What hides the rise of an even thrust hides most of it: t is at least `burn`.
+    """
+    from scipy.special import ndtr
+
+    leads = burn + np.linspace(0.0, _LONGEST_LEAD, 301)
+    mean = speed / (burn + leads)
+    prior = np.exp(-((np.log((burn + leads) / BURN_TIME) / BURN_SPREAD) ** 2) / 2) / (burn + leads)
+    rise = max(_LEAST_RISE, _NOISES * noise) / np.maximum(mean * leads**2 / 2, 1e-9)
+    hides, width = GRAVITY / mean / STATIC_SD, np.minimum(rise, 0.5)
+    weight = prior * (ndtr(hides * (1 + width)) - ndtr(hides * (1 - width))) * (leads[1] - leads[0])
+    shown = float(np.exp(-((np.log(burn / BURN_TIME) / BURN_SPREAD) ** 2) / 2)) / burn
+    total = float(weight.sum()) + shown * sd * float(np.sqrt(2 * np.pi))
+    return float(np.sqrt(weight @ leads**2 / total)) if total > 0 else 0.0
 
 
 def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
