@@ -43,6 +43,7 @@ class FieldkitApp(Surviving):
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
+    DEFAULT_MODE = "home"  # shown first, without an empty screen before it
     COMMANDS = App.COMMANDS | {Finder}  # as in Textual
     CSS = """
     CommandPalette { background: $backdrop; }
@@ -82,14 +83,23 @@ class FieldkitApp(Surviving):
         self.animation_level = "none"
         for theme in THEMES.values():
             self.register_theme(theme)
-        self.theme = self.resources.settings.theme
-
-    def on_mount(self) -> None:
-        """The first page."""
+        self._start_in(self.resources.settings.theme)
         for name in pages():
             self.add_mode(name, partial(self._page, name))
-        self.switch_mode(self._back.page if self._back else next(iter(pages())))
+
+    def _start_in(self, theme: str) -> None:
+        """Start in a theme. Textual reads all styles three times more if it is changed before the app runs (10 ms of
+        220); a dark theme in true colors changes nothing else."""
+        if THEMES[theme].dark and not THEMES[theme].ansi:
+            self.set_reactive(App.theme, theme)
+            self.stylesheet.set_variables(self.get_css_variables())
+        else:
+            self.theme = theme
+
+    def on_mount(self) -> None:
+        """The page where an error ended the last app, and the timers."""
         if self._back:
+            self.switch_mode(self._back.page)
             self.show_notice(self._back.crash.line(), error=True)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(CHECK_INTERVAL, partial(self._leave_if_gone, held))
