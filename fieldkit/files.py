@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from itertools import count
 from os.path import isfile
 from pathlib import Path
-from secrets import token_hex
 from typing import Any
 
 from fieldkit.errors import FieldkitError
@@ -199,7 +198,7 @@ def _name(new: Path, target: Path) -> None:
 
 def _written_beside(file: Path, content: bytes) -> Path:
     """A new file in the folder of another one, with its content flushed to the disk."""
-    new = file.with_name(f".{file.name[:40]}.{token_hex(8)}.new")
+    new = file.with_name(f".{file.name[:40]}.{os.urandom(8).hex()}.new")
     try:
         with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as out:
             out.write(content)

@@ -33,7 +33,7 @@ from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.ledger import Ledger, models
 from fieldkit.planning.motor_guide import guide
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.page import PageScreen
 from tests.cached import once
 
 ROOT = Path(__file__).parents[1]
@@ -173,16 +173,16 @@ async def opened(
 ) -> AsyncIterator[Pilot[None]]:
     """The app on a ledger with its settings next to it, started on a page and idle; like a flyer's app if it
     `stays`."""
-    app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with (
         unchecked(),
         patch("textual.css.stylesheet.parse", parsed),
-        patch("fieldkit.tui.app.pages", lambda: {page: pages()[page]} | pages()),
+        patch.object(FieldkitApp, "DEFAULT_MODE", page),
         patch("textual.app.wait_for_idle", _no_wait),
         patch("textual.pilot.wait_for_idle", _no_wait),
         patch("textual._compositor.Compositor.render_update", _unpainted),
         patch("fieldkit.tui.add.estimate_line.PAUSE", 0.03),  # one estimate for a typed text, not for each letter
     ):
+        app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
         async with app.run_test(size=size) as pilot:
             await calm(pilot)
             yield pilot

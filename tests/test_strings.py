@@ -20,9 +20,9 @@ SHOWN = re.compile(r"<text[^>]*>([^<]*)</text>")
 @pytest.mark.parametrize(
     ("file", "text"),
     [
-        ("fieldkit/tui/screens/home.py", "No flights yet. a to add the first one"),
+        ("fieldkit/tui/home/home_page.py", "No flights yet. a to add the first one"),
         ("fieldkit/cli/motors.py", "Highest total impulse of a motor, in N s."),
-        ("fieldkit/tui/screens/loop.py", "Accept"),
+        ("fieldkit/tui/loop/loop_page.py", "Accept"),
         ("models/effects/wear.py", "wear"),
         ("fieldkit/services/sites.py", "{...}: found a {...} of {...} m, expected a length above zero"),
     ],
@@ -40,7 +40,7 @@ def test_the_help_of_every_command_is_listed_and_no_other_docstring() -> None:
 
 
 def test_docstrings_types_and_style_sheets_are_not_listed() -> None:
-    texts = [text for _, text in strings(ROOT / "fieldkit/tui/screens/home.py")]
+    texts = [text for _, text in strings(ROOT / "fieldkit/tui/home/home_page.py")]
     assert [text for text in texts if "{" in text and ":" in text and ";" in text] == []
     assert not any("first steps" in text and text.startswith("Home:") for text in texts)
 

@@ -152,6 +152,8 @@ LOGGED = (
 )
 """Quantities that are computed only from the samples of a log (`fieldkit.analysis.drag_and_impulse`)."""
 
+WEATHER = ("wind", "temperature", "pressure", "humidity")
+"""Conditions of the day, not of the rocket or the site."""
 COLUMNS = SETUP + CONDITIONS + READOUTS
 """The columns of the flight table that every flight has."""
 MEASURED = READOUTS + LOGGED

@@ -1,4 +1,5 @@
-"""The makers of motors. This module needs no thrust curves, so that the first rows of the app need none."""
+"""The makers of motors, and motor names without them. This module needs no thrust curves, so that the first rows of
+the app need none."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -32,3 +33,10 @@ MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """Makers as the catalog names them, and other names that flyers use."""
+
+
+def motor_name(name: str, width: int) -> str:
+    """A motor as typed, without its manufacturer if it has more characters than `width`: `F24W-4` for `AeroTech
+    F24W-4`."""
+    maker, _, rest = name.partition(" ")
+    return rest if rest and len(name) > width and maker in MAKERS else name

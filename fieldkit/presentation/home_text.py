@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.columns import WEATHER
 from fieldkit.quantities import counted, measure, number, spelled, unit_of
-from fieldkit.services.day_weather import WEATHER
 
 if TYPE_CHECKING:
     from fieldkit.services.launch_day import Overview

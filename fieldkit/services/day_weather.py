@@ -5,6 +5,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
+from fieldkit.flight.columns import WEATHER
 from fieldkit.importing.manual_entry import answer_text, read_answer
 
 if TYPE_CHECKING:
@@ -12,8 +13,6 @@ if TYPE_CHECKING:
 
 WEATHER_DRAFT = "weather of the day"
 """Name under which the ledger saves it."""
-WEATHER = ("wind", "temperature", "pressure", "humidity")
-"""Conditions of the day, not of the rocket or the site."""
 TYPED_AT = "at"
 """Key of the time at which the weather was entered, ISO 8601, local time."""
 

@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 from datetime import date
 
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.columns import WEATHER
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import answer_text, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.services.day_weather import WEATHER, WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
+from fieldkit.services.day_weather import WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
 from fieldkit.services.manual_entry import PLAN

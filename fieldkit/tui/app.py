@@ -6,26 +6,27 @@ from collections.abc import Iterable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
-from textual.command import CommandPalette
+from textual.command import CommandPalette, Provider
 from textual.screen import Screen
 from textual.widget import AwaitMount
 from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
-from fieldkit.tui.finder import Finder
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, never_outlive, terminal
 from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
-from fieldkit.tui.screens.flights import FlightsScreen
 from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
+
+if TYPE_CHECKING:
+    from fieldkit.tui.flights.flights_page import FlightsScreen
 
 PAUSE = 0.05
 """Pause between opening two pages off screen, so that keys are handled. [s]"""
@@ -37,6 +38,13 @@ MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """Maximum number of restarts after errors [1] within a time [s]."""
 
 
+def finder() -> type[Provider]:
+    """What the palette finds, imported when it is first opened."""
+    from fieldkit.tui.finder import Finder
+
+    return Finder
+
+
 class FieldkitApp(Surviving):
     """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. An app that
     `stays` has a process of its own, in which it prepares what keys would otherwise wait for."""
@@ -44,7 +52,7 @@ class FieldkitApp(Surviving):
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
     DEFAULT_MODE = "home"  # shown first, without an empty screen before it
-    COMMANDS = App.COMMANDS | {Finder}  # as in Textual
+    COMMANDS = App.COMMANDS | {finder}  # as in Textual
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }
@@ -254,15 +262,20 @@ class FieldkitApp(Surviving):
 
     async def open_flight(self, id: str) -> None:
         """Open a flight over the Flights page."""
-        await self.action_page("flights")
-        if isinstance(page := self.screen, FlightsScreen):
+        if (page := await self._flights_page()) is not None:
             page.open_flight(id)
 
     async def show_flights(self, words: str) -> None:
         """The flights that match all of some words."""
-        await self.action_page("flights")
-        if isinstance(page := self.screen, FlightsScreen):
+        if (page := await self._flights_page()) is not None:
             page.show_only(words)
+
+    async def _flights_page(self) -> "FlightsScreen | None":
+        """The Flights page, brought to the front."""
+        from fieldkit.tui.flights.flights_page import FlightsScreen
+
+        await self.action_page("flights")
+        return page if isinstance(page := self.screen, FlightsScreen) else None
 
     def get_key_display(self, binding: Binding) -> str:
         """A key as it is printed on keyboards: `Esc`, as notices have it."""

@@ -12,8 +12,8 @@ from fieldkit.flight import READOUTS
 from fieldkit.ledger import Ledger, models
 from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
+from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.add.add_sheet import SaveButton
-from fieldkit.tui.screens.add import AddScreen
 from tests.pressing import frozen, opened, press, season, shown, text_of, typed, words
 
 CHECK_SHAPES = False

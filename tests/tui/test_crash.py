@@ -13,7 +13,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.tui import app as module
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.crash import MAX_CRASH_FILES, record
-from fieldkit.tui.screens.flights import FlightsScreen
+from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, hurry, opened, press, shown, typed, words
 

@@ -13,7 +13,7 @@ from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
 from fieldkit.settings import change_settings
-from fieldkit.tui.screens.flights import FlightsScreen
+from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.plots import Plot

@@ -14,8 +14,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
-from fieldkit.tui.screens.add import AddScreen
-from fieldkit.tui.screens.home import HomeScreen
+from fieldkit.tui.add.add_page import AddScreen
+from fieldkit.tui.home.home_page import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
 from tests.pressing import ROOT, at_home, calm, opened, press, shown, text_of, typed, words

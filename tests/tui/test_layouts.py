@@ -156,12 +156,34 @@ def test_marks_and_values_stand_out_from_names() -> None:
     assert not marked("plain").spans
 
 
-def test_first_rows_name_motors_without_numpy() -> None:
-    code = (
-        "import sys; from fieldkit.tui.widgets.cards import motor_name\n"
-        "assert motor_name('AeroTech F24W-4', 10) == 'F24W-4'\nassert 'numpy' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "FIELDKIT_CHECK_SHAPES": ""})
+FIRST_ROWS = """
+import asyncio, os, sys
+from pathlib import Path
+from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.home.home_page import HomeScreen
+listed = HomeScreen._list
+def rows(page, flights):
+    listed(page, flights)
+    sys.stdout = sys.__stdout__
+    print(len(flights), *sys.modules, flush=True)
+    os._exit(0)
+HomeScreen._list = rows
+async def opened():
+    async with FieldkitApp({!r}, Path({!r})).run_test(size=(80, 24)):
+        await asyncio.sleep(60)
+asyncio.run(opened())
+"""
+"""The app until it has its first rows, and the modules imported by then."""
+
+
+def test_first_rows_are_listed_before_other_pages_and_libraries_are_imported(file: Path) -> None:
+    code = FIRST_ROWS.format(str(file), str(file.with_name("settings.json")))
+    env = {**os.environ, "FIELDKIT_CHECK_SHAPES": ""}
+    ran = subprocess.run([sys.executable, "-c", code], check=True, env=env, stdout=subprocess.PIPE, text=True)
+    count, *modules = ran.stdout.split()
+    assert int(count) > 5
+    assert not {"numpy", "pandas", "sqlalchemy", "typer", "scipy", "fieldkit.importing"}.intersection(modules)
+    assert [name for name in modules if name.endswith("_page")] == ["fieldkit.tui.home.home_page"]
 
 
 async def test_garbage_is_collected_again_once_the_app_has_started(

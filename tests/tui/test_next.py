@@ -353,7 +353,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
         wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
         certain = [{"probability": 1.0, "places": [wear]}]
         ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear], "averaged": certain})
-    with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: found):
+    with patch("fieldkit.tui.loop.loop_page.look", lambda resources, rocket, on_progress: found):
         async with opened(file) as pilot:
             await press(pilot, "5", "A")
             assert "Nothing to accept yet" in words(pilot)
@@ -632,7 +632,7 @@ async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
 
 async def test_what_is_shown_of_a_motor_is_what_is_saved(file: Path) -> None:
     async with opened(file) as pilot:
-        with patch("fieldkit.tui.screens.next_flight.REST", 0.01):
+        with patch("fieldkit.tui.next.next_page.REST", 0.01):
             await press(pilot, "4", "_", "down", "_")
             page, table = pilot.app.screen, pilot.app.screen.query_one(Table)
             while table.current not in page._motors.exact:  # type: ignore[attr-defined]  # of the page in front

@@ -66,7 +66,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (folder / "a season.csv").write_text("flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,1o4\n2,Comet,C6-5,210\n")
     monkeypatch.chdir(folder)
     monkeypatch.setattr("fieldkit.capture.ports", list)
-    monkeypatch.setattr("fieldkit.tui.screens.import_files.folder_text", lambda folder: folder.name)
+    monkeypatch.setattr("fieldkit.tui.imports.import_page.folder_text", lambda folder: folder.name)
     monkeypatch.setattr("fieldkit.tui.setup.setup_lists.motor_folder", lambda: Path("/home/flyer/motors"))
     monkeypatch.setattr("fieldkit.tui.setup.setup_lists.settings_file", lambda: Path("/home/flyer/settings.json"))
     monkeypatch.setattr("fieldkit.tui.resources.Resources.name", "/home/flyer/ledger.db")
@@ -77,7 +77,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def _first_forecasts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The finer forecast under the cursor, which comes when keys have rested a while, is not waited for; and the
     estimate of a flight as it is typed is a fixed one, since the last digit of the network depends on the processor."""
-    monkeypatch.setattr("fieldkit.tui.screens.next_flight.REST", 3600.0)
+    monkeypatch.setattr("fieldkit.tui.next.next_page.REST", 3600.0)
     monkeypatch.setattr("fieldkit.services.typed_flight.TypedFlight.estimate", lambda self, typed: ESTIMATE)
 
 
@@ -96,7 +96,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
     if scene == "log":
         with Ledger.open(file) as ledger:
             bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
-    with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: looked_at()):
+    with patch("fieldkit.tui.loop.loop_page.look", lambda resources, rocket, on_progress: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
             picture = pilot.app.export_screenshot(title="fieldkit")

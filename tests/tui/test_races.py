@@ -13,9 +13,9 @@ from fieldkit import capture
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services import close_loop
+from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
-from fieldkit.tui.screens.add import AddScreen
-from fieldkit.tui.screens.flights import FlightsScreen
+from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, hurry, looked_at, opened, press, text_of, typed, words
@@ -190,7 +190,7 @@ async def test_a_name_that_no_file_can_have_is_a_notice(file: Path, page: str, k
 
 
 async def test_drag_appears_for_flights_that_a_filter_finds_far_below_the_top(file: Path) -> None:
-    with patch("fieldkit.tui.screens.flights.MAX_INFERRED", 2):
+    with patch("fieldkit.tui.flights.flights_page.MAX_INFERRED", 2):
         async with opened(file) as pilot:
             screen = pilot.app.screen
             assert isinstance(screen, FlightsScreen)

@@ -45,7 +45,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 async def test_pages_show_no_metric_figures_to_a_user_of_us_units(file: Path) -> None:
     found = []
-    with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: looked_at()):
+    with patch("fieldkit.tui.loop.loop_page.look", lambda resources, rocket, on_progress: looked_at()):
         async with opened(file, (140, 60), page="home") as pilot:
             await press(pilot, "N")
             for page, keys in part([*PAGES.items()], 2):

@@ -7,6 +7,7 @@ from textual.containers import Container, Vertical, VerticalScroll
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
+from fieldkit.flight.makers import motor_name
 from fieldkit.importing.manual_entry import Question, read_answer
 from fieldkit.quantities import measure
 from fieldkit.tui.add.add_form import BODY, BY_NAME, MORE_FIELDS, READ, SETUP
@@ -14,7 +15,6 @@ from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
-from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.picker import Picker
 
 FORM_CSS = """

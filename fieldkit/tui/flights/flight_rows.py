@@ -6,6 +6,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import Flight
+from fieldkit.flight.makers import motor_name
 from fieldkit.quantities import number
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets import cards
@@ -88,7 +89,7 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
             lambda r: r.flight.rocket.lower(),
         ),
         Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
-        Shown("motor", motor, lambda r, _: cards.motor_name(r.flight.motor, motor), lambda r: r.flight.motor),
+        Shown("motor", motor, lambda r, _: motor_name(r.flight.motor, motor), lambda r: r.flight.motor),
         Shown(
             "apogee",
             9 if wide else 7,

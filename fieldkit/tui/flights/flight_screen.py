@@ -28,9 +28,9 @@ from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.resources import Resources
-from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_of
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.groups import Group
+from fieldkit.tui.widgets.groups import Group, rocket_of
 from fieldkit.tui.widgets.hanging import hanging, stacked
 from fieldkit.tui.widgets.plots import Plot, draw_density
 

@@ -9,15 +9,17 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.flight import BY_NAME
 from fieldkit.presentation import home_text
 from fieldkit.quantities import number
 from fieldkit.safe_text import printable
 from fieldkit.tui.next.intervals import Interval, bar
-from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 
 if TYPE_CHECKING:
     from fieldkit.services.launch_day import Overview
+
+APOGEE = BY_NAME["apogee"]
 
 
 class HomeCard(Vertical):
@@ -94,7 +96,7 @@ class NextCard(HomeCard):
             return
         low, middle, high = forecast.interval
         title, words = home_text.forecast_title(forecast), home_text.forecast_lines(forecast, system)
-        big = number(cards.APOGEE, middle, system)
+        big = number(APOGEE, middle, system)
         self.border_subtitle = "Flown? a to add it"
         self.figure(title, big, words, Interval("", low, middle, high), weather)
 
@@ -117,4 +119,4 @@ class LastCard(HomeCard):
         interval = Interval("", *forecast.interval, flown=apogee) if forecast is not None else None
         words: Sequence[str] = list(home_text.flown_lines(last, system))
         title, day = home_text.flown_title(last), home_text.day_line(view.on(today), system)
-        self.figure(title, number(cards.APOGEE, apogee, system), words, interval, day)
+        self.figure(title, number(APOGEE, apogee, system), words, interval, day)

@@ -1,8 +1,5 @@
-"""The first steps with an empty ledger: a rocket in four fields, the demo rocket, files, or a flight entered by
-hand."""
+"""Taking a first step with an empty ledger: a rocket in four fields, or the demo rocket."""
 
-from collections.abc import Sequence
-from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -12,6 +9,7 @@ from fieldkit.importing.manual_entry import Question, read_answer
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.add.fields import Form
+from fieldkit.tui.home.first_steps import Step
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 
@@ -20,16 +18,6 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 
-class Step(Enum):
-    """A first step: its name and what it does."""
-
-    ROCKET = ("Describe your rocket", "four fields, then its first forecast")
-    DEMO = ("Load the demo rocket", "twelve flights of Astra to explore")
-    FILES = ("Import a file", "a log of your altimeter, or a table of flights")
-    TYPE = ("Add a flight", "what the altimeter shows")
-
-
-FIRST_STEPS = tuple(Step)
 QUESTIONS = (
     Question("rocket", "Rocket", "Its name, as shown in lists."),
     Question("dry_mass", "Dry mass", "Ready to fly, with recovery and payload, without the motor: 330g or 11.6 oz."),
@@ -43,12 +31,6 @@ EXAMPLES = {
     "motor": "a motor such as F24-4W",
 }
 """The message about a missing answer; without a diameter a usual one is assumed."""
-
-
-def step_cells(step: Step) -> Sequence[str]:
-    """A row of the table."""
-    name, about = step.value
-    return (name, about)
 
 
 async def take(page: PageScreen, step: Step) -> None:

@@ -4,13 +4,13 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
+from fieldkit.flight.makers import motor_name
 from fieldkit.presentation.home_text import build_of, sparkline
 from fieldkit.quantities import number
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
-from fieldkit.tui.widgets.cards import motor_name
 from fieldkit.tui.widgets.table import Head
 
 if TYPE_CHECKING:

@@ -3,9 +3,10 @@
 from functools import partial
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.columns import WEATHER
 from fieldkit.importing.manual_entry import Question
 from fieldkit.quantities import measure, unit_of
-from fieldkit.services.day_weather import WEATHER, save_weather
+from fieldkit.services.day_weather import save_weather
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup.setup_lists import same

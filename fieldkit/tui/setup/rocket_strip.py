@@ -8,14 +8,12 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
-from fieldkit.tui.widgets.groups import Group, LedgerNames, grouped
 from fieldkit.tui.widgets.hanging import stacked
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
-    from fieldkit.ledger import Ledger
+    from fieldkit.tui.widgets.groups import Group
 
 HEIGHT = 16
 """Lines of the strip on a tall screen: a drawing, six facts and some motors. [cell]"""
@@ -56,16 +54,3 @@ class RocketStrip(Horizontal):
             plot.display = facts.draw is not None
             plot.show(facts.draw)
         self.border_title = Content(printable(facts.title)) if facts.draw is not None else ""
-
-
-def rocket_of(ledger: "Ledger", flight: Flight) -> "tuple[Group, Start | None] | None":
-    """The flights of a flight's rocket in the same configuration, and its design; None for a flight without a
-    rocket."""
-    if not flight.rocket:
-        return None
-    flights = [one for one in ledger.flights(rocket=flight.rocket) if one.config == flight.config]
-    found = grouped(ledger.ids(flights), flights, "rocket", "config")
-    if not found:
-        return None
-    names = LedgerNames((), (), tuple(ledger.starts(flight.rocket)))
-    return found[0], names.design(flight.rocket, flight.config)

@@ -6,7 +6,6 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
-from fieldkit.flight.makers import MAKERS
 from fieldkit.importing.manual_entry import answer_text
 from fieldkit.quantities import measure
 from fieldkit.safe_text import printable
@@ -54,12 +53,6 @@ def heading(flight: Flight, id: str) -> str:
 def tags(flight: Flight) -> list[tuple[str, str]]:
     """The tags of a flight and what each means."""
     return [(tag, KNOWN_TAGS.get(tag, "your own; the flight is still used in the model")) for tag in flight.tags]
-
-
-def motor_name(name: str, width: int) -> str:
-    """A motor as typed, without its manufacturer if it is too long: `F24W-4` for `AeroTech F24W-4`."""
-    maker, _, rest = name.partition(" ")
-    return rest if rest and len(name) > width and maker in MAKERS else name
 
 
 def apogee(flight: Flight, system: str) -> str:

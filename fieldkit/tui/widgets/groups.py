@@ -10,6 +10,7 @@ from fieldkit.flight.start import start_among
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
+    from fieldkit.ledger import Ledger
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 
@@ -78,3 +79,16 @@ def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[LaunchSite
         elevation = group.last.site_elevation if site.elevation is None else site.elevation
         found.append(LaunchSite(replace(site, elevation=elevation), group.ids, group.last, group.flights))
     return tuple(found)
+
+
+def rocket_of(ledger: "Ledger", flight: Flight) -> "tuple[Group, Start | None] | None":
+    """The flights of a flight's rocket in the same configuration, and its design; None for a flight without a
+    rocket."""
+    if not flight.rocket:
+        return None
+    flights = [one for one in ledger.flights(rocket=flight.rocket) if one.config == flight.config]
+    found = grouped(ledger.ids(flights), flights, "rocket", "config")
+    if not found:
+        return None
+    names = LedgerNames((), (), tuple(ledger.starts(flight.rocket)))
+    return found[0], names.design(flight.rocket, flight.config)

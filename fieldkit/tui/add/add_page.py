@@ -1,0 +1,296 @@
+"""Add: the ten readouts in the order of the altimeter; every key is saved, nothing is refused before saving."""
+
+from collections.abc import Iterable
+from concurrent.futures import Future, wait
+from functools import partial
+from typing import ClassVar
+
+from textual import events, on
+from textual.binding import Binding, BindingType
+from textual.widget import Widget
+from textual.widgets import Button, Input
+
+from fieldkit.flight import Flight
+from fieldkit.importing.manual_entry import Question
+from fieldkit.quantities import unit_of
+from fieldkit.tui.add.add_form import (
+    BY_NAME,
+    MORE_FIELDS,
+    READ,
+    Answered,
+    Draft,
+    FormStart,
+    answered,
+    beside,
+)
+from fieldkit.tui.add.add_hand import Hand
+from fieldkit.tui.add.add_help import ABOUT
+from fieldkit.tui.add.add_sheet import FORM_CSS, Sheet, field_of
+from fieldkit.tui.add.after_card import AfterCard
+from fieldkit.tui.add.draft_pen import DraftPen
+from fieldkit.tui.add.estimate_line import EstimateLine
+from fieldkit.tui.add.fields import Field
+from fieldkit.tui.add.saving import Saving
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.bars import KeyBar
+
+AT_MOST = 0.02
+"""Maximum time that the display of a key waits for its saving, which is enough for most disks. [s]"""
+
+
+class AddScreen(PageScreen):
+    """The form: set-up above, the current field large, the ten readouts, the rest below."""
+
+    NAME = "add"
+    AUTO_FOCUS = f"#in-{READ[0]}"  # accepts input while the ledger is still being read
+    TITLE = "Add a flight"
+    ABOUT = ABOUT
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark", "help", "Help", priority=True, show=False),
+        Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
+        Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
+        Binding("ctrl+s", "save", "Save", key_display="^S"),
+        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
+        Binding("up", "step(-1)", "Previous field", show=False, priority=True),
+        Binding("f1", "help", "Help", key_display="F1"),
+        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
+    ]
+    DEFAULT_CSS = FORM_CSS
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._sheet = Sheet(self)
+        self._units: dict[str, str] = {}
+        self._said = Answered(Flight(), {}, {})
+        self._usual: dict[str, float] = {}
+        self._pen = DraftPen(self)
+
+    def on_mount(self) -> None:
+        """The flight being entered."""
+        self._draft = Draft(self.resources)
+        self._saving = Saving(self, self._sheet, self._draft)
+
+    def on_unmount(self) -> None:
+        """Save the last key."""
+        self.finish()
+
+    def finish(self) -> None:
+        """Wait until the draft is written."""
+        self._pen.finish()
+
+    def body(self) -> Iterable[Widget]:
+        """The form, and the card that replaces it after saving."""
+        yield from self._sheet.body()
+        yield AfterCard()
+
+    def field(self, name: str) -> Field:
+        """The field of a question."""
+        return self._sheet.field(name)
+
+    def reload(self) -> None:
+        """Continue a draft, or offer defaults from the last flight; what is shown here changes its units."""
+        self.query_one(EstimateLine).forget()
+        self._saving.card.redraw(self.resources.settings.units)
+        if self._sheet.touched:
+            self._ask_usual()
+        else:
+            self.ask(self._draft.begin, self._take_up, "start")
+
+    def _take_up(self, start: FormStart) -> None:
+        """Fill the lines that are still empty, and go to the first empty question."""
+        self._units = dict(start.units) | self._units
+        ahead = self.field(READ[0]).typed
+        self._sheet.fill(start.draft)
+        self._sheet.touched |= start.draft.keys() & BY_NAME.keys()
+        self._sheet.fill(start.offers, self.resources.settings.units)
+        self._sheet.picker.sources = start.names.sources()
+        if start.draft and not self._draft.shown:
+            self.show_notice("Unfinished flight: continue here, or ^N to start over")
+        self._draft.shown = True
+        if start.draft and isinstance(self.focused, AfterCard):  # its flight was undone
+            self._saving.leave_card()
+            self.set_focus(self._sheet.button)
+        first = self.field(READ[0]).line
+        if self.focused is first and not ahead:
+            self._to_first()
+        self._look()
+        self._ask_usual()
+
+    def came(self) -> None:
+        """Focus the field where typing continues."""
+        if not isinstance(self.focused, Input):
+            self._to_first()
+
+    @property
+    def typed(self) -> bool:
+        """Whether anything was typed that is not saved."""
+        return bool(self._sheet.touched)
+
+    def _to_first(self) -> None:
+        self._saving.leave_card()
+        self.set_focus(self._sheet.first_empty())
+
+    def unit(self, question: Question) -> str:
+        """The unit of a number typed without one: that when it was typed, the last typed, else that of the settings."""
+        from fieldkit.services.manual_entry import kind
+
+        column = question.column
+        if column is None:
+            return ""
+        known = self._sheet.typed_in.get(question.name) or self._units.get(kind(column))
+        return known or unit_of(column, self.resources.settings.units)
+
+    @on(Input.Changed)
+    def _typed(self, event: Input.Changed) -> None:
+        """Read the current answers, note what is implausible, and save them."""
+        field = field_of(event.input)
+        if field is not None:
+            self._sheet.touch(field, self.unit(field.question))
+            kept: Future[None] = self._pen.keep(self._draft, self._answers(), dict(self._units))
+            self._look()
+            self._sheet.picker.follow(event.input, field.question.name)
+            wait([kept], AT_MOST)
+
+    def _look(self) -> None:
+        """Read all answers into a flight, and note unreadable or implausible ones."""
+        self._said = self._read()
+        system = self.resources.settings.units
+        for name, question in BY_NAME.items():
+            self.field(name).note(beside(question, self._said, self._unit_of_answer(question), system))
+        self._in_hand()
+        self.query_one(EstimateLine).follow(self._said.flight, self._said.lift_off)
+
+    def _unit_of_answer(self, question: Question) -> str:
+        """The unit that was typed with an answer, else that of a number without one."""
+        from fieldkit.services.manual_entry import typed_unit
+
+        known = question.column is not None and self._said.number(question) is not None
+        return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
+
+    def _read(self) -> Answered:
+        units = {name: self.unit(question) for name, question in BY_NAME.items()}
+        return answered(self._sheet.answers(), units, self._usual)
+
+    def _ask_usual(self) -> None:
+        """Look up this rocket's readouts on this motor, to detect mistakes."""
+        self.ask(partial(self._draft.usual, self._said.flight), self._know_usual, "usual")
+
+    def _know_usual(self, usual: dict[str, float]) -> None:
+        self._usual = usual
+        self._look()
+
+    def _in_hand(self) -> None:
+        """Show the current field in large digits, with its meaning and the consistency of the readouts."""
+        field, hand = self._sheet.take_in_hand(self.focused), self.query_one(Hand)
+        system = self.resources.settings.units
+        if field is not None:
+            hand.show(field, self._said, self.unit(field.question), system)
+        else:
+            hand.rest(self._said, system)
+            self.query_one(KeyBar).follow()  # the action of Enter depends on the answers
+
+    def _answers(self) -> dict[str, str]:
+        """The typed answers with their units."""
+        from fieldkit.services.manual_entry import with_unit
+
+        texts = {name: text for name, text in self._sheet.answers().items() if name in self._sheet.touched}
+        return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
+
+    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+        """The current field is shown large, once the cursor is in it."""
+        self.soon(self._in_hand)
+        event.widget.scroll_visible(animate=False, immediate=True)
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Without input, Enter starts the next flight and there is none to save; arrows scroll the card."""
+        if action == "save" and isinstance(self.focused, Button | AfterCard) and not self.typed:
+            return False
+        if action in ("step", "start_again") and isinstance(self.focused, AfterCard):
+            return False
+        return super().check_action(action, parameters)
+
+    async def action_go_on(self) -> None:
+        """Move to the next field; after the tenth readout, past a known mass and diameter to the button that saves and
+        starts the next flight. A chosen answer from the list is accepted first."""
+        self._sheet.picker.take()
+        if isinstance(self.focused, AfterCard) or (isinstance(self.focused, Button) and not self.typed):
+            self._to_first()
+        elif isinstance(self.focused, Button):
+            await self.action_save()
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
+            self.set_focus(self._sheet.button)
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{READ[-1]}":
+            self.set_focus(self._sheet.after_readouts())
+        else:
+            self.focus_next()
+
+    def action_step(self, by: int) -> None:
+        """Move to the next or previous field, or in the open list."""
+        if self._sheet.picker.open:
+            self._sheet.picker.move(by)
+        elif by > 0:
+            self.focus_next()
+        else:
+            self.focus_previous()
+
+    def action_back(self) -> None:
+        """Close the open list, or else act as on every page."""
+        if self._sheet.picker.open:
+            self._sheet.picker.close()
+        else:
+            super().action_back()
+
+    @on(Input.Blurred)
+    def _left(self, event: Input.Blurred) -> None:
+        """After leaving a field: its unit becomes the default of the next, and another rocket changes the defaults."""
+        from fieldkit.services.manual_entry import kind, typed_unit
+
+        field = field_of(event.input)
+        self._sheet.picker.close()
+        if field is None or field.question.name not in self._sheet.touched:
+            return
+        question, column = field.question, field.question.column
+        unit = typed_unit(event.value)
+        if column is not None and unit and self._said.number(question) is not None:
+            self._units[kind(column)] = unit
+            self._look()
+        if question.name in ("rocket", "config"):
+            self._offer_again()
+        if question.name == "motor":
+            self._ask_usual()
+            self.ask(partial(self._draft.motor_trouble, event.value), self._saving.object_to, "motor")
+
+    def _offer_again(self) -> None:
+        """Change the defaults after another rocket or configuration if nothing was typed."""
+        self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
+
+    def _offered(self, offers: dict[str, str]) -> None:
+        self._sheet.fill(offers, self.resources.settings.units)
+        self._look()
+        self._ask_usual()
+
+    @on(Button.Pressed, "#save")
+    async def action_save(self) -> None:
+        """Save the flight in the ledger."""
+        await self._saving.save_once(self._read())
+
+    def action_start_again(self) -> None:
+        """Discard the draft; undo restores it."""
+        self._sheet.clear()
+        self.set_focus(self.field(READ[0]).line)
+        self.change(self._draft.forget, self._forgotten)
+
+    def _forgotten(self, any_was: bool) -> None:
+        if any_was:
+            self.show_notice("Started over. ^Z to undo")
+        self.reload()
+
+    def resting_place(self) -> Widget | None:
+        """The button, or the card of the saved flight; the keys of the app work there."""
+        return self._saving.card if self._saving.card.display else self._sheet.button
+
+    def copied(self) -> str:
+        """The form as text, or the card of the saved flight."""
+        if self._saving.card.display:
+            return self._saving.card.text
+        return "\n".join(f"{BY_NAME[n].title}  {t}" for n, t in self._answers().items() if t)

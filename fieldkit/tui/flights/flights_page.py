@@ -1,0 +1,293 @@
+"""Flights: the ledger as a table, newest first; filter as you type, sort by any column, open one with Enter."""
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import events, on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.timer import Timer
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from fieldkit.quantities import spelled, unit_of
+from fieldkit.tui.asking import or_why
+from fieldkit.tui.flights.flight_card import FlightCard
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows, scale_of
+from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
+from fieldkit.tui.flights.log_plot import Drawn, drawn
+from fieldkit.tui.flights.removal import REMOVE, remove
+from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.next.intervals import HeightScale
+from fieldkit.tui.page import LEAVE_LINE, PageScreen
+from fieldkit.tui.report import ask_report
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.line import Line
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.flights import Inferred
+    from fieldkit.services.inferred import FlightInference
+    from fieldkit.tui.flights.flight_screen import FlightScreen
+
+FLIGHTS_PER_BATCH = 40
+"""Number of flights whose drag and thrust are computed together, in about a second, so that others do not wait. [1]"""
+MAX_INFERRED = 400
+"""Number of top flights whose drag and thrust are computed automatically. [1]"""
+REST = 0.15
+"""Time that the cursor has to rest on a flight before its log is read. [s]"""
+NOT_FOUND = "no flight matches all of these words; / changes them"
+
+
+class FlightsScreen(PageScreen):
+    """The table, a filter, and, if there is room, the flight under the cursor."""
+
+    NAME = "flights"
+    TITLE = "Flights"
+    ABOUT = FLIGHTS_HELP
+    BINDINGS: ClassVar[list[BindingType]] = [
+        LEAVE_LINE,
+        Binding("slash", "filter", "Filter", key_display="/"),
+        Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
+        Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
+        Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
+        Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
+        Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
+        REMOVE,
+    ]
+    DEFAULT_CSS = """
+    FlightsScreen #filter { height: 1; }
+    FlightsScreen #filter Static { width: auto; padding: 0 1; }
+    FlightsScreen #filter Input { width: 1fr; height: 1; }
+    FlightsScreen #beside { width: 30%; min-width: 43; display: none; padding: 0 1;
+        border-left: solid $border-blurred; }
+    FlightsScreen.-wide #beside { display: block; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._rows: dict[str, Row] = {}
+        self._hay: dict[str, str] = {}
+        self._asked: set[str] = set()
+        self._inference: FlightInference | None = None
+        self._sort, self._down = 1, True
+        self._scale = HeightScale(0.0, 1.0)
+        self._rest: Timer | None = None
+
+    def body(self) -> Iterable[Widget]:
+        """The filter, the table, and the flight next to it."""
+        with Horizontal(id="filter"):
+            yield Static("/", classes="slash")
+            yield Line(placeholder="filter: rocket, motor, tag, month ...", compact=True)
+            yield Static("", id="count")
+        with Horizontal():
+            yield Table(empty="reading the ledger ...", id="table")
+            yield FlightCard(id="beside")
+
+    def on_mount(self) -> None:
+        """Keys go to the table."""
+        self.set_focus(self.query_one(Table))
+
+    def reload(self) -> None:
+        """Read the flights; drag and thrust of each follow."""
+        self.ask(lambda: read_rows(self.resources.ledger, self.resources.motors), self._have)
+
+    def redraw(self) -> None:
+        """The same rows in other units."""
+        self._refill()
+
+    def _have(self, rows: list[Row]) -> None:
+        self._inference = None  # messages of other rockets may have changed
+        known = {row.id: row for row in self._rows.values() if row.drag is not None}
+        for row in rows:
+            if (before := known.get(row.id)) and before.flight == row.flight:
+                row.drag, row.thrust = before.drag, before.thrust
+        self._rows = {row.id: row for row in rows}
+        self._hay = {row.id: haystack(row) for row in rows}
+        self._asked = {row.id for row in rows if row.drag is not None}
+        self._refill()
+        self._infer()
+        self.field_app.settled()
+
+    def _infer(self) -> bool:
+        """Compute missing drag and thrust for some flights at a time, the top ones of the table first; False if none is
+        missing."""
+        top = (self._rows[id] for id in self.query_one(Table).keys[:MAX_INFERRED])
+        waiting = [row for row in top if row.id not in self._asked][:FLIGHTS_PER_BATCH]
+        if waiting:
+            self._asked |= {row.id for row in waiting}
+            self.ask(partial(self._inferred, waiting), self._have_drag, "drag", in_turn=True)
+        return bool(waiting)
+
+    def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
+        from fieldkit.services.inferred import FlightInference
+
+        if self._inference is None:
+            self._inference = FlightInference(self.resources.ledger, self.resources.motors)
+        owners = {id(row.flight): row for row in rows}
+        found = self._inference.infer([row.flight for row in rows]).inferred
+        return [(owners[id(one.flight)], one) for one in found]
+
+    def _have_drag(self, found: "list[tuple[Row, Inferred]]") -> None:
+        for row, one in found:
+            row.drag, row.thrust = one.cd, one.alpha
+        self.query_one(Table).refresh()
+        self._beside()
+        if not self._infer():
+            self.field_app.settled()
+
+    def _shown(self) -> list[Shown]:
+        """The columns, as wide as the table has room for."""
+        beside = self.has_class("-wide")
+        shown = columns(self.query_one(Table).size.width, self._scale, self.resources.settings.units, beside=beside)
+        self._sort = min(self._sort, len(shown) - 1)
+        return shown
+
+    def _sorted(self, rows: Iterable[Row]) -> list[Row]:
+        return sorted(rows, key=self._shown()[self._sort].order, reverse=self._down)
+
+    @on(Input.Changed)
+    def _filtered(self) -> None:
+        self._refill()
+        self._infer()
+
+    def _refill(self) -> None:
+        """The rows that match all words of the filter, in order."""
+        words = self.query_one(Input).value.lower().split()
+        self._scale = scale_of(self._rows.values(), self.resources.settings.target)
+        rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
+        system = self.resources.settings.units
+        shown = self._shown()
+        arrow = "▼" if self._down else "▲"
+        heads = [
+            Head(c.title + (arrow if n == self._sort else ""), c.width, c.right, tail=c.title == "id")
+            for n, c in enumerate(shown)
+        ]
+        self.query_one(Table).empty = NOT_FOUND if words else NO_FLIGHTS
+        self.query_one(Table).show(
+            heads,
+            [row.id for row in self._sorted(rows)],
+            lambda id: [column.text(self._rows[id], system) for column in shown],
+        )
+        unit = spelled(unit_of(cards.APOGEE, system))
+        self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · {unit}"))
+        self._beside()
+
+    def _row(self) -> Row | None:
+        """The flight under the cursor; None if there is none, or if the page is being closed and its table is gone."""
+        tables = self.query(Table)
+        return self._rows.get(tables.first().current) if tables else None
+
+    @on(Table.Moved)
+    def _moved(self) -> None:
+        """Show the cursor first, then the card."""
+        self.soon(self._beside)
+
+    def _beside(self) -> None:
+        """Show the card of the flight under the cursor, if there is room, and its log after the cursor rests."""
+        if self._rest is not None:
+            self._rest.stop()
+        if not self.has_class("-wide"):
+            return
+        row, tall = self._row(), self.has_class("-tall")
+        build = self._build(row) if row is not None and tall else []
+        self.query_one(FlightCard).show(row, build, self.resources.settings.units)
+        if row is not None and tall:
+            self._rest = self.set_timer(REST, partial(self._read_log, row.id))
+
+    def _build(self, row: Row) -> list[Row]:
+        """The flights of the same rocket in the same configuration, in the order flown."""
+        name = (row.flight.rocket, row.flight.config)
+        return [one for one in self._rows.values() if (one.flight.rocket, one.flight.config) == name]
+
+    def _read_log(self, id: str) -> None:
+        system = self.resources.settings.units
+        self.ask(or_why(partial(drawn, self.resources.ledger, id, system)), partial(self._have_log, id), "log")
+
+    def _have_log(self, id: str, log: Drawn | str) -> None:
+        row = self._row()
+        if row is not None and row.id == id:
+            self.query_one(FlightCard).show_climb(log if isinstance(log, Drawn) else None)
+
+    @on(Table.HeadClicked)
+    def _head(self, message: Table.HeadClicked) -> None:
+        self._down = not self._down if message.column == self._sort else self._shown()[message.column].falls
+        self._sort = message.column
+        self._refill()
+
+    @on(Table.Chosen)
+    def _open(self, message: Table.Chosen) -> None:
+        self.open_flight(message.key)
+
+    def open_flight(self, id: str) -> None:
+        """Open a flight once, even if Enter is pressed twice."""
+        if self._flight not in self.app.screen_stack:
+            self._flight.turn_to(id)
+            self.app.push_screen(self._flight)
+
+    def show_only(self, words: str) -> None:
+        """The flights that match all of some words."""
+        self.query_one(Input).value = words
+        self.set_focus(self.query_one(Table))
+
+    @cached_property
+    def _flight(self) -> "FlightScreen":
+        """The screen of a flight, reused for all flights, because building it is slow."""
+        from fieldkit.tui.flights.flight_screen import FlightScreen
+
+        screen = FlightScreen()
+        self.app.install_screen(screen, "flight")
+        return screen
+
+    def above(self) -> Iterable[PageScreen]:
+        """The screen of one flight."""
+        return (self._flight,)
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """Choose the columns and the card by the width."""
+        if self._rows:
+            self.call_later(self._refill)  # after the new width has taken effect
+
+    def action_filter(self) -> None:
+        """Focus the filter."""
+        self.set_focus(self.query_one(Input))
+
+    def action_sort(self) -> None:
+        """Sort by the next column."""
+        self._sort = (self._sort + 1) % len(self._shown())
+        self._down = self._shown()[self._sort].falls
+        self._refill()
+        self._infer()
+
+    def action_turn(self) -> None:
+        """Reverse the order."""
+        self._down = not self._down
+        self._refill()
+        self._infer()
+
+    def action_tag(self) -> None:
+        """Choose tags for the flight under the cursor."""
+        row = self._row()
+        if row is not None:
+            from fieldkit.tui.flights.tag_screen import TagScreen
+
+            self.app.push_screen(TagScreen(row.id, row.flight))
+
+    def action_remove(self) -> None:
+        """Remove the flight under the cursor."""
+        row = self._row()
+        if row is not None:
+            remove(self, row.id)
+
+    def action_report(self) -> None:
+        """Write the report of the day of the flight under the cursor, or of the flight if no day is known."""
+        row = self._row()
+        if row is not None:
+            day = row.flight.date_time
+            ask_report(self, f"{day:%Y-%m-%d}" if day else row.id)
+
+    def copied(self) -> str:
+        """The row under the cursor."""
+        return self.query_one(Table).current_text()

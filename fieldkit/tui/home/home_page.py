@@ -1,0 +1,227 @@
+"""Home: the next rocket, the weather of the day, the open forecast, the last flight, the latest flights.
+
+It is the first page: what only a key opens is imported by that key, because forms with their choices take 14 ms, and
+the screen of a flight more."""
+
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from functools import cached_property, partial
+from threading import Event
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import events, on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.widget import Widget
+
+from fieldkit.flight import Flight
+from fieldkit.services.listed_flights import listed_at_once
+from fieldkit.tui.help import Help
+from fieldkit.tui.home.cards import LastCard, NextCard
+from fieldkit.tui.home.choices import Choices
+from fieldkit.tui.home.first_steps import FIRST_STEPS, Step, step_cells
+from fieldkit.tui.home.home_rows import listed, logs_of
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
+from fieldkit.tui.setup.rocket_strip import RocketStrip
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.flight.start import Start
+    from fieldkit.services.launch_day import Overview
+    from fieldkit.services.listed_flights import ListedFlight
+    from fieldkit.tui.flights.flight_screen import FlightScreen
+    from fieldkit.tui.widgets.groups import Group
+
+
+MAX_PAINT = 1.0
+"""Longest wait for the first rows to be painted. [s]"""
+
+
+class HomeScreen(PageScreen):
+    """Three choices, two cards, and the latest flights; with an empty ledger, the first steps."""
+
+    NAME = "home"
+    TITLE = "Home"
+    ABOUT = Help(
+        "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
+        "its forecast; below, the latest flights, today's first, and on a tall screen the rocket of the selected "
+        "one. Press f to choose a motor and Enter there to save its forecast; a to add a flight, with rocket, motor "
+        "and weather filled in from that forecast; p to edit the plan: rocket, mass and weather. Weather entered once "
+        "(e) is used in every plan and flight of the day.",
+        (
+            ("miss", "Flown minus forecast, for the forecast saved before the flight."),
+            ("profile", "Height against time, from the log of the flight. Empty without a log."),
+            ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
+            ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
+        ),
+        ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
+        Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
+        Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
+        Binding("e", "day_weather", "Edit", tooltip="Enter today's weather, for every plan and flight of the day"),
+    ]
+    DEFAULT_CSS = """
+    HomeScreen #cards { height: 8; }
+    HomeScreen.-narrow #cards { height: 14; layout: vertical; }
+    HomeScreen.-tall #cards { height: 10; }
+    HomeScreen.-narrow.-tall #cards { height: 16; }
+    HomeScreen #cards.-empty { height: 5; }
+    HomeScreen.-tall RocketStrip.-shown { display: block; }
+    HomeScreen Table { height: 1fr; margin: 0 1; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._view: Overview | None = None
+        self._profiles: dict[str, tuple[Flight, str]] = {}
+        self._have_read = False
+        self._painted = Event()
+
+    def body(self) -> Iterable[Widget]:
+        """The choices, the cards, the latest flights."""
+        yield Choices()
+        with Horizontal(id="cards"):
+            yield NextCard(id="next")
+            yield LastCard(id="last")
+        yield Table(empty="reading the ledger ...")
+        yield RocketStrip()
+
+    def on_mount(self) -> None:
+        """Keys go to the table."""
+        self.set_focus(self.query_one(Table))
+
+    def reload(self) -> None:
+        """Read the launch day; when the app opens, the flights appear before their forecasts."""
+        if self._have_read:
+            self.ask(self._read, self._have, engine=LEDGER_ENGINE)
+        else:
+            self.ask(self._read_first, self._have_first, engine=FIRST_ROWS_ENGINE)
+
+    def redraw(self) -> None:
+        """The same in other units."""
+        self._show()
+
+    def _read_first(self) -> "list[ListedFlight]":
+        return listed_at_once(self.resources.where)
+
+    def _have_first(self, latest: "list[ListedFlight]") -> None:
+        if latest:
+            self._list(latest)
+        self.call_after_refresh(self._painted.set)
+        self.ask(self._read_when_painted, self._have, "overview", engine=())
+
+    def _read_when_painted(self) -> "Overview | None":
+        """Read the launch day after the first rows are painted, which importing the engine would delay."""
+        self._painted.wait(MAX_PAINT)
+        self.resources.import_engine(LEDGER_ENGINE)
+        return self._read()
+
+    def _read(self) -> "Overview | None":
+        from fieldkit.services.launch_day import overview
+
+        return overview(self.resources.ledger, self.resources.motors)
+
+    def _have(self, view: "Overview | None") -> None:
+        self._view, self._have_read = view, True
+        self._show()
+        flights = view.flights if view is not None else ()
+        wanted = [one for one in flights if one.flight.has_log and self._profile(one) is None]
+        self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
+
+    def _profile(self, one: "ListedFlight") -> str | None:
+        """The profile of a flight; None until it was read, and for another flight that had its id."""
+        flight, profile = self._profiles.get(one.id, (None, None))
+        return profile if flight == one.flight else None
+
+    def _have_profiles(self, read: "Sequence[ListedFlight]", found: dict[str, str]) -> None:
+        self._profiles |= {one.id: (one.flight, found[one.id]) for one in read}
+        self.query_one(Table).refresh()
+        self.field_app.settled()
+
+    @on(Table.Sized)
+    def _show(self) -> None:
+        """Show the launch day in the columns that fit."""
+        if not self._have_read:
+            return  # the text of the cards needs the engine, which a worker imports
+
+        system, table = self.resources.settings.units, self.query_one(Table)
+        steps = self._view is None or not (self._view.flights or self._view.forecast)
+        self.query_one("#cards").set_class(self._view is None, "-empty")
+        self.query_one(NextCard).show(self._view, system)
+        self.query_one(LastCard).show(self._view, system, datetime.now().date())
+        table.enter = "Choose" if steps else "Open"
+        if steps:
+            table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)
+        elif self._view is not None:
+            table.empty = "No flights yet. a to add the first one"
+            self._list(self._view.flights)
+        self._moved()
+        self.query_one(KeyBar).follow()
+
+    def _list(self, flights: "Sequence[ListedFlight]") -> None:
+        """The rows of the table."""
+        table = self.query_one(Table)
+        rows, width = {one.id: one for one in flights}, table.size.width
+        heads, cells = listed(flights, self.resources.settings, width)
+        table.show(heads, list(rows), lambda id: cells(rows[id], self._profile(rows[id]) or ""))
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """Show the rocket if the new height has room for it."""
+        self.call_after_refresh(self._moved)  # when the height has taken effect
+
+    @on(Table.Moved)
+    def _moved(self) -> None:
+        """On a tall screen, the rocket of the flight under the cursor."""
+        key = self.query_one(Table).current
+        listed = self._view.flights if self._view is not None and self.has_class("-tall") else ()
+        flight = next((one.flight for one in listed if one.id == key), None)
+        if flight is None:
+            self.query_one(RocketStrip).show(None, "")
+        else:
+            from fieldkit.tui.widgets.groups import rocket_of
+
+            self.ask(partial(rocket_of, self.resources.ledger, flight), self._have_rocket, "rocket")
+
+    def _have_rocket(self, rocket: "tuple[Group, Start | None] | None") -> None:
+        self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
+
+    @on(Table.Chosen)
+    async def _chosen(self, message: Table.Chosen) -> None:
+        if isinstance(message.key, Step):
+            from fieldkit.tui.home.first_run import take
+
+            await take(self, message.key)
+        elif self._flight not in self.app.screen_stack:
+            self._flight.turn_to(message.key)
+            self.app.push_screen(self._flight)
+
+    @cached_property
+    def _flight(self) -> "FlightScreen":
+        """The screen of a flight that is opened here; the Flights page has its own."""
+        from fieldkit.tui.flights.flight_screen import FlightScreen
+
+        screen = FlightScreen()
+        self.app.install_screen(screen, "flight from home")
+        return screen
+
+    async def action_plan(self) -> None:
+        """Change the plan: rocket, mass, weather."""
+        await self.settled("change", "ask", "overview")
+        from fieldkit.tui.next.plan_form import ask_plan, keep_plan
+
+        ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
+
+    async def action_day_weather(self) -> None:
+        """Type the weather of the day."""
+        await self.settled("change", "ask", "overview")
+        from fieldkit.tui.home.weather_form import ask_weather
+
+        ask_weather(self, self._view.weather if self._view is not None else Flight())
+
+    def copied(self) -> str:
+        """The row under the cursor."""
+        return self.query_one(Table).current_text()

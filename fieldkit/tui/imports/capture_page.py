@@ -1,0 +1,297 @@
+"""Capture: a logger on a serial port, downloaded or recorded; every byte is saved before it is interpreted."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from threading import Event as Flag
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.message import Message
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.errors import CaptureTrouble, FieldkitError
+from fieldkit.flight import BY_NAME
+from fieldkit.paths import capture_folder
+from fieldkit.quantities import counted, measure, number, spelled, unit_of
+from fieldkit.safe_text import printable
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.bars import shortened
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.dialogs import AskText, AskYes
+from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.capture import Ended, Port, Progress
+    from fieldkit.services.imports import Receipt
+
+MAX_DRAWN_ALTITUDES = 600
+"""Number of drawn altitudes of a telemetry stream."""
+MAX_LOG_LINES = 50
+"""Number of lines in the event log, of which the last few are visible."""
+
+
+class CaptureScreen(PageScreen):
+    """The ports above, the capture below."""
+
+    NAME = "serial"
+    TITLE = "Capture"
+    ABOUT = Help(
+        "Plug in the logger or its adapter; press r to reload the list and Enter to capture from the port under the "
+        "cursor. The device is recognized by its USB numbers or by listening; if it only answers commands, choose it "
+        "with h first. Every byte is saved to disk before it is decoded, so a pulled cable loses nothing: press "
+        "C to continue, k to end the capture. Nothing on a logger is ever changed or erased. At the end you "
+        "are asked whether to import its flights.",
+        (
+            ("port", "The port's name in the operating system."),
+            ("description", "The maker of the chip, and the logger if the USB numbers identify it."),
+            ("device", "The protocol to use; empty: recognized by listening."),
+            ("altitude", "The current altitude of a telemetry stream, and the highest so far."),
+        ),
+        ("fieldkit capture --list", "fieldkit capture [PORT] [--device NAME]", "fieldkit capture --resume"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("k", "stop", "Stop", tooltip="End the capture"),
+        Binding("h", "device", "Device", tooltip="Choose the device on the port"),
+        Binding("C", "resume", "Continue", tooltip="Continue the newest unfinished capture"),
+        Binding("r", "look", "Reload", tooltip="List the ports again"),
+    ]
+    DEFAULT_CSS = """
+    CaptureScreen #ports { height: 8; }
+    CaptureScreen #live { height: 1fr; padding: 0 1; border-top: solid $border-blurred; }
+    CaptureScreen #happened { height: auto; max-height: 4; scrollbar-size-vertical: 1; }
+    CaptureScreen.-tall #happened { max-height: 8; }
+    CaptureScreen #said { height: auto; }
+    CaptureScreen #count { height: 1; text-style: bold; }
+    CaptureScreen #now { height: 3; }
+    CaptureScreen #big { width: 34; color: $accent; }
+    CaptureScreen #state { width: 1fr; }
+    CaptureScreen #heights { height: 1fr; }
+    CaptureScreen.-tall #ports { height: 12; }
+    """
+
+    @dataclass
+    class Happened(Message):
+        """An event that a capture reports."""
+
+        event: Any
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._device: str | None = None
+        self._stop = Flag()
+        self._capturing = False
+        self._said: list[str] = []
+        self._heights: list[float] = []
+
+    def body(self) -> Iterable[Widget]:
+        """The ports and the capture."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter="Capture")
+        with Vertical(id="live"):
+            with VerticalScroll(id="happened", can_focus=False):
+                yield Static("", id="said")
+            yield Static("", id="count")
+            with Horizontal(id="now"):
+                yield Big(id="big")
+                yield Static("", id="state")
+            yield Plot(id="heights")
+
+    def on_mount(self) -> None:
+        """Keys go to the ports."""
+        self.set_focus(self.query_one(Table))
+        self._say("Enter to capture; every byte is saved before it is decoded")
+
+    def on_unmount(self) -> None:
+        """A capture ends with the app."""
+        self._stop.set()
+
+    def reload(self) -> None:
+        """List the ports."""
+        self.action_look()
+
+    def action_look(self) -> None:
+        """List the ports again."""
+
+        def look() -> "list[Port]":
+            from fieldkit.capture import ports
+
+            return ports()
+
+        self.ask(look, self._listed, "ports")
+
+    def _listed(self, ports: "list[Port]") -> None:
+        def cells(port: "Port") -> list[str]:
+            numbers = "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"
+            return [port.name, numbers, port.about or port.described, self._device or port.device]
+
+        heads = [Head("port", 16), Head("numbers", 9), Head("description", 0), Head("device", 14)]
+        self.query_one(Table).show(heads, ports, cells)
+
+    @on(Table.Chosen)
+    def _capture(self, message: Table.Chosen) -> None:
+        self._begin(message.key)
+
+    def action_resume(self) -> None:
+        """Continue the newest unfinished capture."""
+        self._begin(None)
+
+    def _begin(self, port: "Port | None") -> None:
+        """Start capturing from a port, or continue an unfinished capture."""
+        if self._capturing:
+            self.complain("a capture is running; k ends it")
+            return
+        self._capturing, self._heights = True, []
+        self._stop.clear()
+        self._nothing_yet()
+        self.ask(partial(self._follow, port, self._device), self._ended, "capture")
+
+    def _nothing_yet(self) -> None:
+        """Clear the previous capture."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        self.query_one(Big).show("")
+        for place in ("#count", "#state"):
+            self.query_one(place, Static).update("")
+        self.query_one(Plot).display = False
+
+    def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
+        """All events of a capture, each reported to the screen; the last one is returned."""
+        from fieldkit import capture
+
+        try:
+            if port is not None:
+                events = capture.capture(port, device, folder=capture_folder(), stop=self._stop.is_set)
+            elif (file := capture.unfinished(capture_folder())) is not None:
+                events = capture.resume(file, device=device, stop=self._stop.is_set)
+            else:
+                raise CaptureTrouble("no unfinished capture to continue")
+            for event in events:
+                self.post_message(self.Happened(event))
+        except Exception:
+            self.post_message(self.Happened(None))
+            raise
+        return event  # type: ignore[return-value]  # a capture ends with it or raises
+
+    @on(Happened)
+    def _happened(self, message: Happened) -> None:
+        """Show one event."""
+        from fieldkit import capture
+        from fieldkit.presentation.capture_text import event_line
+
+        if message.event is None:
+            self._capturing = False
+        elif isinstance(message.event, capture.Progress):
+            self._progress(message.event)
+        elif line := event_line(message.event):
+            self._say(f"! {line}" if isinstance(message.event, capture.Lost) else line)
+
+    def _say(self, text: str) -> None:
+        self._said = [*self._said, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
+        self.query_one("#said", Static).update(hanging(map(shortened, self._said)))
+        self.query_one("#happened").scroll_end(animate=False)
+
+    def _progress(self, progress: "Progress") -> None:
+        """Counts, the fraction done, and the altitude if a stream contains it."""
+        from fieldkit.presentation.capture_text import counts
+        from fieldkit.tui.widgets.plots import Plot
+
+        parts = counts(progress)
+        if progress.fraction is not None:
+            bar = "█" * round(progress.fraction * 20)
+            parts.append(f"[{bar:20}] {progress.fraction:.0%}")
+        self.query_one("#count", Static).update(Content("   ".join(parts)))
+        sample, system = progress.sample, self.resources.settings.units
+        if sample is None:
+            return
+        self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
+        self.query_one(Big).show(number(cards.APOGEE, sample.altitude, system))
+        highest = measure(cards.APOGEE, max(self._heights), system)
+        speed = measure(BY_NAME["top_speed"], sample.speed, system)
+        lines = [f"{spelled(unit_of(cards.APOGEE, system))} now, highest {highest}", speed, printable(sample.state)]
+        self.query_one("#state", Static).update(Content("\n".join(line for line in lines if line)))
+        heights = [float(number(cards.APOGEE, one, system)) for one in self._heights]
+        self.query_one(Plot).display = True
+        self.query_one(Plot).show(partial(_draw_heights, heights))
+
+    def _ended(self, end: "Ended | None") -> None:
+        """Show how it ended, and ask whether to import its flights."""
+        self._capturing = False
+        if end is None or not end.bytes:
+            self._say("nothing received")
+            return
+        whole = "complete" if end.whole else "INCOMPLETE; C to continue"
+        size = f"{counted(end.samples, 'sample')}, {counted(end.bytes, 'byte')}, {whole}"
+        self._say(f"{end.why}: {size}; saved in {end.file}")
+        question = f"{end.file.name}: {size}.\nImport its flights?"
+        ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
+        self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
+
+    def _answered(self, end: "Ended", yes: bool | None) -> None:
+        """Ask for values that the logger lacks, with defaults from the open forecast."""
+        from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
+
+        def store(given: dict[str, object]) -> None:
+            self.ask(partial(self._store, end, given), self._stored, "store")
+
+        if yes:
+            self.ask(partial(setup_of_day, self.resources), lambda known: ask_setup(self, known, store), "setup")
+
+    def _store(self, end: "Ended", given: dict[str, object]) -> "Receipt":
+        from fieldkit.services.imports import bring_in
+
+        motors = self.resources.motors
+        return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
+
+    def _stored(self, receipt: "Receipt") -> None:
+        self.show_notice(f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}. u to undo")
+        for row in receipt.rejected:
+            self.complain(f"{row.file}: {row.error}")
+        for line in receipt.implausible:
+            self.complain(line)
+        self.field_app.changed()
+
+    def action_stop(self) -> None:
+        """End the capture."""
+        self._stop.set()
+
+    def action_device(self) -> None:
+        """Choose the device on the port."""
+        from fieldkit.capture import known_devices
+        from fieldkit.services.pickers import OfferedAnswer
+
+        picks = [OfferedAnswer(name, device.title) for name, device in known_devices().items()]
+        about = "The device on the port; ↓ chooses one. Empty: recognize it."
+        self.app.push_screen(AskText("Device", self._device or "", about, picks), self._named)
+
+    def _named(self, text: str | None) -> None:
+        if text is None:
+            return
+        from fieldkit.capture.protocol import known_device
+
+        try:
+            if text.strip():
+                known_device(text)
+        except FieldkitError as error:
+            self.complain(str(error))
+            return
+        self._device = text.strip() or None
+        self.action_look()
+
+    def copied(self) -> str:
+        """The events so far."""
+        return "\n".join(self._said)
+
+
+def _draw_heights(heights: list[float], plt: Any, ink: Any) -> None:
+    """The received altitudes, the newest on the right."""
+    plt.plot(heights, marker="braille", color=ink.line)
+    plt.xfrequency(0)

@@ -1,0 +1,294 @@
+"""Import: choose a file, see its recognized format and rejected rows, then store it."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import partial
+from os.path import abspath, exists, isdir
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.errors import FieldkitError
+from fieldkit.paths import expanded, working_folder
+from fieldkit.quantities import counted
+from fieldkit.safe_text import printable
+from fieldkit.tui.imports.import_help import IMPORT_HELP
+from fieldkit.tui.imports.import_look import (
+    UP,
+    Look,
+    ReadOptions,
+    by_keys,
+    folder_text,
+    left_out,
+    listed,
+    look_at,
+    name_and_size,
+    store,
+    what_it_brings,
+    what_it_holds,
+)
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.hanging import stacked
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.services.imports import Receipt
+
+
+class ImportScreen(PageScreen):
+    """The files on the left, the preview of the one under the cursor on the right."""
+
+    NAME = "import_files"
+    TITLE = "Import"
+    ABOUT = IMPORT_HELP
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("backspace", "up", "Folder up", key_display="⌫"),
+        Binding("F", "format", "Format", tooltip="Choose the parser"),
+        Binding("e", "set", "Edit", tooltip="Values that the file lacks: rocket, motor, mass"),
+        Binding("l", "look", "Look", tooltip="The log as a plot, with its columns, readouts and events"),
+        Binding("m", "columns", "Columns", tooltip="Map the columns of a table"),
+        Binding("M", "mappings", "Mappings", tooltip="Saved mappings: change or delete them", show=False),
+        Binding("space", "mark", "Mark", tooltip="Mark files to read together", show=False),
+        Binding("r", "reload", "Reload", tooltip="Reload the folder and the file", show=False),
+        Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
+    ]
+    DEFAULT_CSS = """
+    ImportScreen #where { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
+    ImportScreen #files { width: 34; }
+    ImportScreen.-wide #files { width: 60; }
+    ImportScreen #look { width: 1fr; padding: 0 1; border-left: solid $border-blurred; }
+    ImportScreen #said { height: auto; margin-bottom: 1; }
+    ImportScreen #more { height: auto; }
+    ImportScreen.-narrow #split { layout: vertical; }
+    ImportScreen.-narrow #files { width: 1fr; height: 7; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._folder = working_folder()
+        self._reading = ReadOptions()
+        self._look: Look | None = None
+        self._answered: dict[str, str] = {}  # what was last entered on storing a file
+
+    def body(self) -> Iterable[Widget]:
+        """The folder, the files, and the preview."""
+        yield Static("", id="where")
+        with Horizontal(id="split"):
+            yield Table(id="files", empty="empty", enter="Import")
+            with VerticalScroll(id="look"):
+                yield Static("", id="said")
+                yield Static("", id="more")
+
+    def on_mount(self) -> None:
+        """Keys go to the files."""
+        self.set_focus(self.query_one("#files", Table))
+
+    def resting_place(self) -> Widget:
+        """The files."""
+        return self.query_one("#files", Table)
+
+    def reload(self) -> None:
+        """List the folder again."""
+        self.go(self._folder)
+
+    def go(self, folder: Path, mark: Path | None = None) -> None:
+        """Show a folder, the cursor on one of its files."""
+        self.ask(partial(listed, folder), partial(self._listed, folder, mark), "list")
+
+    def _listed(self, folder: Path, mark: Path | None, paths: list[Path]) -> None:
+        self._folder = folder
+        self.query_one("#where", Static).update(Content(printable(folder_text(folder))))
+        rows = {path: name_and_size(path) for path in paths}
+        self._reading = replace(self._reading, marked=tuple(path for path in self._reading.marked if path in rows))
+        table = self.query_one("#files", Table)
+
+        def cells(path: Path) -> tuple[str, str]:
+            name, size = rows[path]
+            return ("+ " if path in self._reading.marked else "") + name, size
+
+        table.show([Head("file", 0), Head("size", 7, True)], paths, cells)
+        if mark is not None:
+            table.move_to(mark)
+        self._examine()
+
+    @on(Table.Moved, "#files")
+    def _examine(self) -> None:
+        """Read the file under the cursor without storing anything."""
+        table = self.query_one("#files", Table)
+        path = table.current
+        is_folder = path is None or path == UP or isdir(path)
+        table.enter = "Open" if is_folder else "Import"
+        self.query_one(KeyBar).follow()
+        self._look = None
+        self.query_one("#more", Static).update("")
+        if is_folder:
+            self.query_one("#said", Static).update("Enter to open the folder")
+            return
+        self.query_one("#said", Static).update("reading ...")
+        self.ask(partial(look_at, self.resources, path, self._reading), self._examined, "look")
+
+    def _examined(self, look: Look) -> None:
+        self._look = look
+        system = self.resources.settings.units
+        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given, system))
+        parts = (left_out(look), what_it_holds(look, system))
+        self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
+
+    @on(Table.Chosen, "#files")
+    async def _chosen(self) -> None:
+        """Open the folder, or store the file."""
+        path = self.query_one("#files", Table).current
+        if path == UP:
+            self.action_up()
+        elif path is not None and isdir(path):
+            self.go(path)
+        elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
+            self.change(lambda: self.resources.ledger.keep_start(start), self._kept)
+        elif self._look is not None and self._look.path == path and self._look.receipt is not None:
+            await self._store(path, self._look)
+        elif self._look is not None:
+            self.complain(self._look.trouble)
+        else:
+            self.show_notice("Still reading the file; Enter again imports it")
+
+    async def _store(self, path: Path, look: Look) -> None:
+        """Store a file; if it lacks a rocket or a motor, ask first, with those of an open forecast filled in."""
+        from fieldkit.tui.imports.day_setup import is_open, waiting_setup
+
+        if self._reading.given or not is_open(look.flights):
+            self._store_with(path, self._reading)
+        else:
+            self.ask(partial(waiting_setup, self.resources), partial(self._ask_setup, path), "setup")
+            await self.settled("setup")
+
+    def _ask_setup(self, path: Path, known: dict[str, str]) -> None:
+        from fieldkit.tui.imports.given_form import ask_given
+
+        def answered(given: dict[str, str]) -> None:
+            self._answered = given
+            self._store_with(path, replace(self._reading, given=given))
+
+        ask_given(self, known or self._answered, answered)
+
+    def _store_with(self, path: Path, reading: ReadOptions) -> None:
+        self.change(partial(store, self.resources, path, reading), self._stored)
+
+    def action_mark(self) -> None:
+        """Mark or unmark the file under the cursor for reading together with others."""
+        path, marked = self.query_one("#files", Table).current, self._reading.marked
+        if path is None or path == UP or isdir(path):
+            return
+        marked = tuple(one for one in marked if one != path) if path in marked else (*marked, path)
+        self._reading = replace(self._reading, marked=marked)
+        self.query_one("#files", Table).refresh()
+        self._examine()
+
+    def _stored(self, receipt: "Receipt") -> None:
+        self._reading = replace(self._reading, marked=())
+        counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
+        undo = ". u to undo" if receipt.ids else ""
+        self.show_notice(f"Imported {len(receipt.ids)}, {counts}{undo}")
+        self.field_app.changed()
+
+    def _kept(self, new: bool) -> None:
+        self.show_notice("Saved as this rocket's starting point. u to undo" if new else "Saved already")
+        self.field_app.changed()
+
+    def action_reload(self) -> None:
+        """List new and changed files; the cursor stays on its file."""
+        self.go(self._folder, self.query_one("#files", Table).current)
+
+    def action_up(self) -> None:
+        """The folder above."""
+        self.go(self._folder.parent, self._folder)
+
+    def action_look(self) -> None:
+        """Show the file under the cursor as it was read: plots with a cursor, columns, readouts, events."""
+        look = self._look
+        if look is None or look.receipt is None or not look.receipt.files:
+            self.complain(look.trouble if look is not None and look.trouble else "No file under the cursor")
+            return
+        from fieldkit.tui.flights.log_view import LogView, looks_at
+
+        system = self.resources.settings.units
+        self.app.push_screen(LogView([one for file in look.receipt.files for one in looks_at(file, system)], system))
+
+    def action_format(self) -> None:
+        """Name a parser."""
+        from fieldkit.importing.recognize import parsers
+        from fieldkit.services.pickers import OfferedAnswer
+
+        picks = [OfferedAnswer(name, parser.title) for name, parser in parsers().items()]
+        about = "The format; ↓ chooses one. Empty: by its content."
+        self.app.push_screen(AskText("Read it as", self._reading.format or "", about, picks), self._named)
+
+    def _named(self, text: str | None) -> None:
+        if text is not None:
+            self._read_as(replace(self._reading, format=text.strip() or None))
+
+    def _read_as(self, reading: ReadOptions) -> None:
+        """Read the file under the cursor with these options, and later ones too; show why if it fails."""
+        try:
+            reading.defaults()
+            reading.named()
+        except FieldkitError as error:
+            self.complain(by_keys(str(error)))
+            return
+        self._reading = reading
+        self._examine()
+
+    def action_set(self) -> None:
+        """Enter values that the file lacks."""
+        from fieldkit.tui.imports.given_form import ask_given
+
+        ask_given(self, self._reading.given, self._set)
+
+    def _set(self, given: dict[str, str]) -> None:
+        self._read_as(replace(self._reading, given=given))
+
+    async def action_columns(self) -> None:
+        """Map the columns of a table."""
+        path = self.query_one("#files", Table).current
+        if path is None or path == UP or isdir(path):
+            self.complain("No table under the cursor")
+            return
+        from fieldkit.tui.imports.ask_columns import ask_columns
+
+        ask_columns(self, path, self._columns_named)
+        await self.settled("columns")
+
+    def _columns_named(self, columns: Sequence[str]) -> None:
+        self._read_as(replace(self._reading, columns=tuple(columns)))
+
+    def action_mappings(self) -> None:
+        """The saved column mappings."""
+        from fieldkit.tui.imports.mapping_form import MappingList
+
+        self.app.push_screen(MappingList(self.complain), lambda _: self._examine())
+
+    def action_folder(self) -> None:
+        """Type a path."""
+        self.app.push_screen(AskText("Go to", str(self._folder), "A folder, or a file."), self._went)
+
+    def _went(self, text: str | None) -> None:
+        if not text:
+            return
+        path = Path(abspath(expanded(text.strip())))
+        if isdir(path):
+            self.go(path)
+        elif exists(path):
+            self.go(path.parent, path)
+        else:
+            self.complain(f"{path}: no such file or folder")
+
+    def copied(self) -> str:
+        """The preview as text."""
+        return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#more"))

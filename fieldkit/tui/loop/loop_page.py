@@ -1,0 +1,275 @@
+"""Loop: errors of a rocket's model, possible missing effects, the model with them, and earlier versions."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar, cast
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.message import Message
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.safe_text import printable
+from fieldkit.tui.asking import go_on, or_why
+from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.loop.loop_help import LOOP_HELP
+from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.report import ask_report
+from fieldkit.tui.widgets.table import Table
+from fieldkit.tui.widgets.tabs import TabLine
+
+if TYPE_CHECKING:
+    from fieldkit.services.findings import Findings
+    from fieldkit.tui.loop.loop_panels import Panels
+
+
+class LoopScreen(PageScreen):
+    """Five panels: one at a time, or all at once if there is room."""
+
+    NAME = "loop"
+    TITLE = "Loop"
+    ABOUT = LOOP_HELP
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("S", "search", "Search", tooltip="Search for missing effects"),
+        Binding("A", "accept", "Accept", tooltip="Use the effects that were found"),
+        Binding("D", "decline", "Decline", tooltip="Leave the model unchanged"),
+        Binding("v", "covariate", "Against", tooltip="Residuals against the next column"),
+        Binding("n", "effect", "Effect", tooltip="Fingerprint of the next effect"),
+        Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
+        Binding("w", "report", "Report", tooltip="Write the report of this rocket", show=False),
+        Binding("left", "turn(-1)", "Previous panel", show=False, priority=True),
+        Binding("right", "turn(1)", "Panels", key_display="←→", priority=True),
+    ]
+    DEFAULT_CSS = """
+    LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
+    LoopScreen #panels { height: 1fr; }
+    LoopScreen.-wide #tabs { display: none; }
+    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 1fr 1fr 1fr; }
+    LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
+    LoopScreen.-wide #p-Verdict { row-span: 2; }
+    """
+
+    @dataclass
+    class TrialProgress(Message):
+        """The current step of a search on a rocket, and the fraction done."""
+
+        rocket: str
+        text: str
+        share: float
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._standing: Standing | None = None
+        self._rocket: str | None = None
+        self._panel, self._against, self._effect = 0, 0, 0
+        self._accepted_version: int | None = None
+        self._search = ""
+        """The rocket of the search that is running; empty if none is."""
+
+    def body(self) -> Iterable[Widget]:
+        """The rocket, the names of the panels, the panels."""
+        from fieldkit.tui.loop.loop_panels import Panels
+
+        yield Static("reading the ledger ...", id="what")
+        yield TabLine(PANELS, "screen.panel", id="tabs")
+        yield Panels()
+
+    @property
+    def panels(self) -> "Panels":
+        """The findings, if there are any."""
+        return cast("Panels", self.query_one("#panels"))
+
+    def on_mount(self) -> None:
+        """The first panel."""
+        self._front()
+
+    def reload(self) -> None:
+        """Read the models of the rocket; findings from older flights are cleared."""
+        self.ask(partial(standing_of, self.resources, self._rocket), self._have)
+
+    def redraw(self) -> None:
+        """The same in other units."""
+        if self._standing is not None:
+            self._show_versions(self._standing)
+
+    def _have(self, standing: Standing | None) -> None:
+        if standing is None:
+            self._standing = None
+            self.query_one("#what", Static).update("No rocket yet")
+            self._drop_search(NO_FLIGHTS)
+            return
+        before = self._standing
+        if before is not None and before.flights != standing.flights and (self._search or self.panels.found):
+            self._drop_search("The flights have changed. S to search again")
+        self._show_versions(standing)
+
+    def _show_versions(self, standing: Standing) -> None:
+        """The models of the rocket, and which is in use."""
+        self._standing, self._rocket = standing, standing.rocket
+        more = " · b next rocket" if len(standing.rockets) > 1 else ""
+        model = f"version {standing.used}" if standing.used else "the plain model"
+        self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · forecasts with {model}{more}")))
+        self.panels.show_versions(standing, self.resources.settings.units)
+        accepted = self._accepted_version is not None and self._accepted_version == standing.used
+        self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
+
+    async def action_search(self) -> None:
+        """Search for missing effects with progress; nothing changes."""
+        await self.settled("ask")
+        if self._standing is None:
+            return
+        rocket = self._standing.rocket
+        self.action_panel(PANELS.index("Verdict"))
+        self.panels.share("reading flights", 0.0)
+        self._search = rocket
+        report = partial(self._looking, rocket)
+        self.ask(or_why(partial(look, self.resources, rocket, report)), self._looked, "look", alone=True)
+
+    def _looking(self, rocket: str, text: str, share: float) -> None:
+        """Show the progress, unless another search was started or the app is closed."""
+        go_on()
+        self.post_message(self.TrialProgress(rocket, text, share))
+
+    @on(TrialProgress)
+    def _progress(self, message: TrialProgress) -> None:
+        """Show the progress, unless the search was dropped."""
+        if message.rocket == self._search:
+            self.panels.share(message.text, message.share)
+
+    def _drop_search(self, why: str = "") -> None:
+        """Clear the findings, and cancel a search that would bring others."""
+        self._search = ""
+        self.workers.cancel_group(self, "look")
+        self.panels.forget(why)
+
+    def _looked(self, found: "Findings | str") -> None:
+        """Show the findings, or the reason for their absence."""
+        self._search = ""
+        if isinstance(found, str):
+            self.panels.forget()
+            self.complain(found)
+            return
+        self._effect = self._panel = 0
+        self._accepted_version = None
+        self.panels.show(found, self.resources.settings.units)
+        self.panels.show_residuals(self._against, self.resources.settings.units)
+        self._front()
+
+    def _front(self) -> None:
+        """The panel in front, and the focus in it."""
+        self.query_one(TabLine).front(self._panel)
+        self.set_focus(self.panels.front(self._panel))
+
+    def action_panel(self, panel: int) -> None:
+        """Show another panel."""
+        self._panel = panel
+        self._front()
+
+    def action_turn(self, by: int) -> None:
+        """The next or previous panel."""
+        self.action_panel((self._panel + by) % len(PANELS))
+
+    def action_covariate(self) -> None:
+        """Residuals against the next column."""
+        self._against += 1
+        self.panels.show_residuals(self._against, self.resources.settings.units)
+        self.action_panel(PANELS.index("Residuals"))
+
+    def action_effect(self) -> None:
+        """The fingerprint of the next effect."""
+        self._effect += 1
+        self._show_effect()
+
+    @on(Table.Chosen, "#ranking")
+    def _effect_chosen(self, message: Table.Chosen) -> None:
+        """The fingerprint of the effect under the cursor."""
+        found = self.panels.found
+        drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints] if found is not None else []
+        if message.key not in drawn:
+            self.complain("no fingerprint: only the most probable effects have one")
+            return
+        self._effect = drawn.index(message.key)
+        self._show_effect()
+
+    def _show_effect(self) -> None:
+        self.panels.show_marks(self._effect)
+        self.action_panel(PANELS.index("Fingerprint"))
+
+    async def action_rocket(self) -> None:
+        """The next rocket."""
+        await self.settled("ask")
+        if self._standing is not None and len(self._standing.rockets) > 1:
+            rockets = self._standing.rockets
+            self._rocket = rockets[(rockets.index(self._standing.rocket) + 1) % len(rockets)]
+            self._drop_search()
+            self.reload()
+
+    def action_accept(self) -> None:
+        """Accept the found effects."""
+        found = self.panels.found
+        if found is None:
+            self.complain("Nothing to accept yet. S to search for missing effects; Verdict shows the progress")
+            return
+        from fieldkit.services.close_loop import adopt
+        from fieldkit.services.forecasts import used_version
+
+        plain = self._standing is None or self._standing.plain
+        if plain and all(not places for _, places in found.diagnosis.averaged):
+            self.show_notice("Nothing to accept: the plain model is in use")
+            return
+        if self._accepted_version is not None and self._standing and self._standing.used == self._accepted_version:
+            self.show_notice("Already accepted: forecasts use it")
+            return
+
+        def work() -> int:
+            adopt(self.resources.ledger, found.rocket, found.diagnosis)
+            return used_version(self.resources.ledger, found.rocket)
+
+        self.change(work, self._accepted)
+
+    def _accepted(self, version: int) -> None:
+        self._accepted_version = version
+        self.show_notice("Accepted: forecasts use it from now on. u to undo")
+        self.field_app.changed()
+
+    def action_decline(self) -> None:
+        """Leave the model unchanged."""
+        found = self.panels.found is not None
+        self.show_notice(
+            "Declined: the model is unchanged" if found else "Nothing to decline yet. S to search for missing effects"
+        )
+
+    @on(Table.Chosen, "#versions")
+    def _use(self, message: Table.Chosen) -> None:
+        if self._standing is None:
+            return
+        rocket, number = self._standing.rocket, message.key
+        named = f"version {number}" if number else "the plain model"
+        if number == self._standing.used:
+            self.show_notice(f"{rocket} already uses {named}")
+            return
+        work = partial(self.resources.ledger.activate, rocket, number or None)
+        self.change(work, partial(self._used, f"{rocket} forecasts with {named}"))
+
+    def _used(self, said: str, _: None) -> None:
+        self.show_notice(f"{said}. u to undo")
+        self.field_app.changed()
+
+    def action_report(self) -> None:
+        """Write the report of this rocket with the loop's findings."""
+        if self._standing is not None:
+            ask_report(self, self._standing.rocket)
+
+    def copied(self) -> str:
+        """The report of `fieldkit loop` as text, or the version under the cursor."""
+        found = self.panels.found
+        if found is None or PANELS[self._panel] == "Versions":
+            return self.query_one("#versions", Table).current_text()
+        from fieldkit.presentation.loop_text import report
+
+        return "\n".join(report(found, self.resources.settings.units))

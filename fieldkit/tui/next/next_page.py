@@ -1,0 +1,294 @@
+"""Next flight: every motor that fits with its apogee, and the forecast of the one under the cursor."""
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar, cast
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.timer import Timer
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from fieldkit.flight import Flight
+from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.next.next_help import NEXT_HELP
+from fieldkit.tui.next.next_plan import Plan, read_plan
+from fieldkit.tui.page import LEAVE_LINE, PageScreen
+from fieldkit.tui.widgets.line import Line
+from fieldkit.tui.widgets.table import Table
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.motors import Motor
+    from fieldkit.planning.motor_guide import MotorChoice
+    from fieldkit.tui.next.forecast_card import ForecastCard
+
+WIDE_SCREEN = 150
+"""Minimum width with room for every figure and the card. [cell]"""
+REST = 0.15
+"""Time that the cursor has to rest on a motor before its forecast is computed with all draws. [s]"""
+DRAWS = 400
+"""Number of simulations for each motor in the list, from which densities are drawn. [1]"""
+
+
+class NextScreen(PageScreen):
+    """On the left the motors, on the right the forecast of the one under the cursor."""
+
+    NAME = "next_flight"
+    TITLE = "Next flight"
+    ABOUT = NEXT_HELP
+    BINDINGS: ClassVar[list[BindingType]] = [
+        LEAVE_LINE,
+        Binding("slash", "search", "Motor", key_display="/", tooltip="Search motors"),
+        Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
+        Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
+        Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
+        Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
+        Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
+        Binding(
+            "asterisk",
+            "toggle_fit",
+            "All",
+            key_display="*",
+            show=False,
+            tooltip="Motors that fit, or the whole catalog",
+        ),
+    ]
+    DEFAULT_CSS = """
+    NextScreen #plan { height: auto; padding: 0 1; background: $panel; }
+    NextScreen #search { height: 1; }
+    NextScreen #search Static { width: auto; padding: 0 1; }
+    NextScreen #search Input, NextScreen #search Input:focus { width: 1fr; height: 1; border: none; padding: 0; }
+    NextScreen #motors { width: 5fr; }
+    NextScreen #card { width: 38; padding: 0 1; border-left: solid $border-blurred; scrollbar-size-vertical: 1; }
+    NextScreen.-wide #card { width: 40%; min-width: 60; }
+    NextScreen.-narrow #split { layout: vertical; }
+    NextScreen.-narrow #motors { height: 7; width: 1fr; }
+    NextScreen.-narrow #card { width: 1fr; height: 1fr; border-left: none; border-top: solid $border-blurred; }
+    NextScreen.-narrow.-comparing #motors { height: 1fr; }
+    NextScreen.-comparing #card, NextScreen.-blank #card { display: none; }
+    NextScreen.-tall #hill { height: 11; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._motors = MotorList()
+        self._rest: Timer | None = None
+
+    def body(self) -> Iterable[Widget]:
+        """The plan in a line, a search, the motors, the forecast."""
+        from fieldkit.tui.next.forecast_card import ForecastCard
+
+        yield Static("p to plan a flight: rocket, mass, conditions", id="plan")
+        with Horizontal(id="search"):
+            yield Static("/")
+            yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
+            yield Static("", id="count")
+        with Horizontal(id="split"):
+            yield Table(id="motors", enter="Save")
+            yield ForecastCard(id="card")
+
+    @property
+    def card(self) -> "ForecastCard":
+        """The forecast of the motor under the cursor."""
+        return cast("ForecastCard", self.query_one("#card"))
+
+    def on_mount(self) -> None:
+        """Keys go to the motors."""
+        self.set_focus(self.query_one(Table))
+
+    def reload(self) -> None:
+        """Read the plan, and forecast every motor again."""
+        self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
+
+    def redraw(self) -> None:
+        """Other units or another target do not change the forecasts, which are sorted and shown again immediately."""
+        if self._motors.plan is None:
+            self.reload()
+            return
+        self._show_plan(self._motors.plan)
+        self._refill()
+
+    def _have_plan(self, plan: Plan | None) -> None:
+        self._motors.turn_to(plan)
+        self.set_class(plan is None, "-blank")
+        if plan is None:
+            self.query_one("#plan", Static).update("No plan yet. p to enter one")
+            self.query_one(Table).empty = NO_FLIGHTS
+            self.query_one(Table).show((), (), lambda _: ())
+            return
+        self.query_one(Table).empty = "no motor fits; * shows them all"
+        self._show_plan(plan)
+        self._search_now()
+
+    def _show_plan(self, plan: Plan) -> None:
+        self.query_one("#plan", Static).update(Content(plan.line(self.resources.settings)))
+
+    @on(Input.Changed)
+    def _search_anew(self) -> None:
+        """A new search starts at its first motor."""
+        self.query_one(Table).by_hand = False
+        self._search_now()
+
+    def _search_now(self) -> None:
+        """Look up the motors and compute missing forecasts."""
+        text = self.query_one(Input).value
+        self.ask(lambda: self._motors.find(self.resources.motors, text), self._found, "find")
+
+    def _found(self, motors: "list[Motor]") -> None:
+        self._motors.found = motors
+        self._refill()
+        self._forecast()
+
+    def _forecast(self) -> None:
+        """The next few motors without a forecast."""
+        plan, waiting = self._motors.plan, self._motors.waiting(self.query_one(Table).current)
+        if plan is None or not waiting:
+            return
+
+        def work() -> "list[MotorChoice]":
+            from fieldkit.planning.motor_guide import guide
+
+            return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
+
+        self.ask(work, partial(self._have, plan), "forecast", alone=True)
+
+    def _have(self, plan: Plan, found: "Sequence[MotorChoice]") -> None:
+        self._motors.put(plan, found)
+        self._refill()
+        self._forecast()
+
+    def _refill(self) -> None:
+        """The motors in order, those without a forecast last."""
+        from fieldkit.tui.next.motor_rows import listed
+
+        settings, table = self.resources.settings, self.query_one(Table)
+        brief = not self.has_class("-comparing") and self.size.width < WIDE_SCREEN
+        heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
+        table.show(heads, self._motors.ordered(settings.target), cells)
+        self.query_one("#count", Static).update(Content(self._motors.counted(settings.units)))
+        self.soon(self._show_card)
+
+    @on(Table.Moved)
+    def _moved(self) -> None:
+        """First the cursor, then the card beside it."""
+        self.soon(self._show_card)
+
+    def _show_card(self) -> None:
+        """Show the available forecast of the motor under the cursor."""
+        if self._rest is not None:
+            self._rest.stop()
+        one, card = self._motors.known.get(self.query_one(Table).current), self.card
+        if one is None or self._motors.plan is None:
+            card.clear()
+            if not any(one.group == "forecast" and one.node is self and not one.is_finished for one in self.workers):
+                self._forecast()
+        else:
+            card.show(self._motors.plan, one, self.resources.settings)
+            if one.motor not in self._motors.exact:
+                self._rest = self.set_timer(REST, partial(self._forecast_exactly, one))
+
+    def _forecast_exactly(self, one: "MotorChoice") -> None:
+        """Compute the full forecast of the motor under the cursor, as it would be saved; the list uses fewer draws."""
+
+        def work() -> "list[Prediction]":
+            from fieldkit.services.forecasts import predict_plans
+
+            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], keep=False)
+
+        self.ask(work, partial(self._have_exact, one), "exact", alone=True)
+
+    def _have_exact(self, one: "MotorChoice", made: "list[Prediction]") -> None:
+        """Show it unless the plan has changed."""
+        if self._motors.known.get(one.motor) is one:
+            self._motors.put_exact(one.motor, made[0])
+            self._refill()
+
+    def action_search(self) -> None:
+        """Type a motor's name."""
+        self.set_focus(self.query_one(Input))
+
+    def action_toggle_fit(self) -> None:
+        """Show only motors that fit, or all."""
+        self._motors.fitting = not self._motors.fitting
+        self._search_anew()
+
+    def action_compare(self) -> None:
+        """All figures instead of the card, and back."""
+        self.toggle_class("-comparing")
+        self._refill()
+
+    @on(Table.Sized)
+    def _resized(self) -> None:
+        """A wide screen has room for everything."""
+        if self._motors.plan is not None:
+            self._refill()
+
+    async def action_build(self) -> None:
+        """The next rocket and configuration that have flown."""
+        await self.settled("change", "plan")
+        build = self._motors.plan.next_build() if self._motors.plan is not None else None
+        if build is not None:
+            self._keep_plan(build)
+
+    async def action_decide(self) -> None:
+        """Open the decisions for the motor under the cursor."""
+        from fieldkit.planning.motor_guide import label
+        from fieldkit.tui.next.decisions import Decision
+        from fieldkit.tui.next.plan_screen import PlanScreen
+
+        await self.settled("change", "plan")
+        plan, motor = self._motors.plan, self.query_one(Table).current
+        if plan is not None and motor is not None:
+            one = self._motors.known.get(motor)
+            full = plan.full.with_changes(motor=label(motor), delay=one.delay if one else None)
+            self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor)))
+
+    async def action_plan(self) -> None:
+        """Change the plan."""
+        from fieldkit.tui.next.plan_form import ask_plan
+
+        await self.settled("change", "plan")
+        ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
+
+    def _keep_plan(self, plan: Flight) -> None:
+        from fieldkit.tui.next.plan_form import keep_plan
+
+        keep_plan(self, plan)
+
+    @on(Table.Chosen)
+    def _keep_forecast(self) -> None:
+        """Save the full forecast of the motor under the cursor."""
+        motor = self.query_one(Table).current
+        one = self._motors.known.get(motor)
+        if one is None:
+            if motor is not None and self._motors.plan is not None:
+                self.show_notice("This motor is still being computed; Enter again saves its forecast")
+            return
+
+        def work() -> "list[Prediction]":
+            from fieldkit.services.forecasts import predict_plans
+
+            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], decided=True)
+
+        self.change(work, partial(self._kept, motor))
+
+    def _kept(self, motor: "Motor", made: "list[Prediction]") -> None:
+        """Show a notice and the saved figures."""
+        from fieldkit.tui.next.next_words import saved_in_words
+
+        self.show_notice(saved_in_words(made[0], self.resources.settings.units))
+        self.changed_for_others()
+        self._motors.put_exact(motor, made[0])
+        self._refill()
+
+    def copied(self) -> str:
+        """The forecast as text, or the row under the cursor if all are compared."""
+        if self.has_class("-comparing"):
+            return self.query_one(Table).current_text()
+        self._show_card()
+        return self.card.text

@@ -1,0 +1,288 @@
+"""Setup: motors, rockets, sites, kits and settings, edited in place."""
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, cast
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Container, Horizontal
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from fieldkit.settings import THEMES, UNITS
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import LEAVE_LINE, PageScreen
+from fieldkit.tui.setup.setup_help import SETUP_HELP
+from fieldkit.tui.setup.setup_lists import (
+    MEANS,
+    ListContents,
+    builds_listed,
+    kits_listed,
+    motors_listed,
+    settings_listed,
+    sites_listed,
+)
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import HelpScreen
+from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
+from fieldkit.tui.widgets.line import Line
+from fieldkit.tui.widgets.table import Table
+from fieldkit.tui.widgets.tabs import TabLine
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+    from fieldkit.planning.kits import Kit
+    from fieldkit.tui.setup.setup_card import Facts, SetupCard
+
+KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
+
+EMPTY = (
+    "No matching motor; / changes the search",
+    "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
+    "No sites yet.\n\n2 Add enter a flight with its site",
+    "No kits yet.\n\ni Add   save the mass, diameter and motor mount of a kit",
+    "",
+)
+"""Texts of empty lists."""
+
+
+class SetupScreen(PageScreen):
+    """Five lists in one table; left and right switch between them."""
+
+    NAME = "setup"
+    TITLE = "Setup"
+    ABOUT = SETUP_HELP
+    BINDINGS: ClassVar[list[BindingType]] = [
+        LEAVE_LINE,
+        Binding("left", "turn(-1)", "Previous list", show=False),
+        Binding("right", "turn(1)", "Lists", key_display="←→"),
+        Binding("slash", "search", "Search", key_display="/"),
+        Binding("i", "add_one", "Add", tooltip="Add a kit to the kits, else the motors of a .eng or .rse file"),
+        Binding("x,delete", "delete_kit", "Remove", key_display="x", tooltip="Remove this kit"),
+    ]
+    DEFAULT_CSS = """
+    SetupScreen #search { height: 1; }
+    SetupScreen #search Static { width: auto; padding: 0 1; }
+    SetupScreen #search Input { width: 1fr; }
+    SetupScreen #split { layout: vertical; }
+    SetupScreen SetupCard { height: 2fr; border-top: solid $border-blurred; }
+    SetupScreen SetupCard.-motors { display: none; }
+    SetupScreen Table.-settings { height: 8; }
+    SetupScreen.-short.-normal SetupCard Plot, SetupScreen.-short.-narrow SetupCard Plot { height: 8; }
+    SetupScreen.-wide #split { layout: horizontal; }
+    SetupScreen.-wide Table { height: 1fr; }
+    SetupScreen.-wide SetupCard { display: block; width: 40%; min-width: 62; height: 1fr; border-top: none;
+        border-left: solid $border-blurred; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kind = 0
+        self._names = LedgerNames((), ())
+        self._found: Sequence[Motor] = ()
+        self._kits: Sequence[Kit] = ()
+        self._in_hand: Facts
+
+    def body(self) -> Iterable[Widget]:
+        """The names of the lists, a search, the list, and the card of its current row."""
+        from fieldkit.tui.setup.setup_card import SetupCard
+
+        yield TabLine(KINDS, "screen.kind")
+        with Horizontal(id="search"):
+            yield Static("/")
+            yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
+        with Container(id="split"):
+            yield Table(empty="nothing yet", enter="Change")
+            yield SetupCard(id="card")
+
+    def on_mount(self) -> None:
+        """Keys go to the table."""
+        self.set_focus(self.query_one(Table))
+
+    def reload(self) -> None:
+        """Read the rockets and sites of the flights."""
+        self._show()
+        from fieldkit.services.kits import kits
+
+        self.ask(self._read, self._have)
+        self.ask(kits, self._have_kits, "kits")
+        self._search_now()
+
+    def redraw(self) -> None:
+        """Show the current list in other units."""
+        self._show()
+
+    def _read(self) -> LedgerNames:
+        from fieldkit.services.sites import sites
+
+        flights = self.resources.ledger.flights()
+        ids = self.resources.ledger.ids(flights)
+        places = placed(grouped(ids, flights, "site"), sites(self.resources.ledger))
+        rockets = dict.fromkeys(flight.rocket for flight in flights if flight.rocket)
+        designs = [start for rocket in rockets for start in self.resources.ledger.starts(rocket)]
+        return LedgerNames(grouped(ids, flights, "rocket", "config"), places, tuple(designs))
+
+    def _have(self, names: LedgerNames) -> None:
+        self._names = names
+        self._show()
+
+    def _have_kits(self, kits: "Sequence[Kit]") -> None:
+        self._kits = kits
+        self._show()
+
+    @on(Input.Changed)
+    def _search_now(self) -> None:
+        text = self.query_one(Input).value
+        self.ask(lambda: self.resources.motors.search(text), self._have_motors, "motors")
+
+    def _have_motors(self, motors: "list[Motor]") -> None:
+        self._found = motors
+        for error in self.resources.complaints:
+            self.complain(str(error))
+        self.resources.complaints.clear()
+        self._show()
+
+    @on(Table.Sized)
+    def _show(self) -> None:
+        """Show the current list with the columns that fit."""
+        self.query_one(TabLine).front(self._kind)
+        self.query_one("#search").display = self._kind == 0
+        self.query_one("#card").set_class(self._kind == 0, "-motors")
+        self.query_one(Table).set_class(KINDS[self._kind] == "Settings", "-settings")
+        heads, keys, cells = self._list()
+        table = self.query_one(Table)
+        table.enter, table.empty = "Change" if self._kind else "Details", EMPTY[self._kind]
+        table.show(heads, keys, cells)
+        self.query_one(KeyBar).follow()
+        self._beside()
+
+    @on(Table.Moved)
+    def _beside(self) -> None:
+        """The card of the row under the cursor, if there is room."""
+        if self._kind == 0 and not self.has_class("-wide"):
+            return
+        kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units
+        self.ask(partial(self._facts, kind, key, system), self._have_facts, "card")
+
+    def _have_facts(self, facts: "Facts") -> None:
+        """Show the list first, then the card."""
+        self._in_hand = facts
+        self.soon(self._show_facts)
+
+    def _show_facts(self) -> None:
+        cast("SetupCard", self.query_one("#card")).show(self._in_hand)
+
+    def _facts(self, kind: str, key: Any, system: str) -> "Facts":
+        from fieldkit.tui.setup import setup_card
+
+        if key is None:
+            return setup_card.Facts(())
+        match kind:
+            case "Motors":
+                return setup_card.of_motor(key, system)
+            case "Rockets":
+                return setup_card.of_build(key, system, self._names.design(*key.names))
+            case "Sites":
+                return setup_card.of_site(key, system)
+            case "Kits":
+                return setup_card.of_kit(key, system)
+            case _:
+                return setup_card.of_setting(key, MEANS[key])
+
+    def _list(self) -> ListContents:
+        """Show the current list with the columns that fit."""
+        resources, width = self.resources, self.query_one(Table).size.width
+        match KINDS[self._kind]:
+            case "Motors":
+                return motors_listed(self._found, resources.settings.units, width)
+            case "Rockets":
+                return builds_listed(self._names, resources.settings.units, width)
+            case "Sites":
+                return sites_listed(self._names, resources.settings.units, width)
+            case "Kits":
+                return kits_listed(self._kits, resources.settings.units)
+            case _:
+                return settings_listed(resources.settings, resources.name)
+
+    def action_kind(self, kind: int) -> None:
+        """Show another list."""
+        self._kind = kind
+        self.query_one(Table).by_hand = False
+        self._show()
+        self.set_focus(self.query_one(Table))
+
+    def action_turn(self, by: int) -> None:
+        """The next or previous list."""
+        self.action_kind((self._kind + by) % len(KINDS))
+
+    def action_search(self) -> None:
+        """Type a motor's name."""
+        self.action_kind(0)
+        self.set_focus(self.query_one(Input))
+
+    @on(Table.Chosen)
+    def _change(self, message: Table.Chosen) -> None:
+        from fieldkit.tui.setup import kit_form, setup_forms
+
+        match KINDS[self._kind]:
+            case "Motors":
+                self._about_motor(message.key)
+            case "Rockets":
+                setup_forms.change_build(self, message.key)
+            case "Sites":
+                setup_forms.change_site(self, message.key)
+            case "Kits":
+                kit_form.ask_kit(self, message.key)
+            case _:
+                self._change_setting(message.key)
+
+    def _about_motor(self, motor: "Motor") -> None:
+        from fieldkit.tui.next import motor_facts
+
+        text = f"{motor.maker} {motor.designation}"
+        facts = motor_facts.facts(motor, self.resources.settings.units)
+        about = Help("The catalog data of this motor.", facts, (f"fieldkit motors {text} --json",))
+        self.app.push_screen(HelpScreen(text, about, (), "Catalog data"))
+
+    def _change_setting(self, name: str) -> None:
+        settings = self.resources.settings
+        if name == "units":
+            self.field_app.choose(units=UNITS[(UNITS.index(settings.units) + 1) % len(UNITS)])
+        elif name == "theme":
+            self.field_app.choose(theme=THEMES[(THEMES.index(settings.theme) + 1) % len(THEMES)])
+        elif name == "target":
+            self.field_app.ask_target()
+        elif name == "rail":
+            from fieldkit.tui.setup.setup_forms import ask_rail
+
+            ask_rail(self)
+        else:
+            self.complain(f"{name} cannot be changed here; ? explains how")
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Only kits are deleted here, and only kits and motors are added."""
+        if action in ("delete_kit", "add_one"):
+            return KINDS[self._kind] == "Kits" or (KINDS[self._kind] == "Motors" and action == "add_one")
+        return super().check_action(action, parameters)
+
+    def action_add_one(self) -> None:
+        """Add a kit, or the motors of a file."""
+        from fieldkit.tui.setup import kit_form, setup_forms
+
+        if KINDS[self._kind] == "Kits":
+            kit_form.ask_kit(self, None)
+        else:
+            setup_forms.ask_motors(self)
+
+    def action_delete_kit(self) -> None:
+        """Delete the kit under the cursor."""
+        from fieldkit.tui.setup.kit_form import ask_delete
+
+        kit = self.query_one(Table).current
+        if kit is not None:
+            ask_delete(self, kit)
+
+    def copied(self) -> str:
+        """The row under the cursor."""
+        return self.query_one(Table).current_text()
