@@ -34,7 +34,8 @@ SLANTED_PATH_DRAWS = 40
 """The same if wind or rail angle make the paths slanted, which take several times as long: accurate to a third."""
 RAIL_CHECK = "rail exit speed"
 EJECTION_CHECK = "ejection speed"
-FIT_CHECKS = (RAIL_CHECK, "thrust to weight", EJECTION_CHECK, "ceiling", "field size")
+THRUST_CHECK = "thrust to weight"
+FIT_CHECKS = (RAIL_CHECK, THRUST_CHECK, EJECTION_CHECK, "ceiling", "field size")
 """Checks that a motor must pass to fit a rocket."""
 LEAST_THRUST = 2.0
 """Thrust-to-weight ratio below which a motor is not offered at all: the rocket would not leave the rod. [1]"""
@@ -132,6 +133,11 @@ class MotorChoice:
     def fits(self) -> bool:
         """Whether a motor is safe and sensible for this rocket, and allowed in the season, as far as known."""
         return not self.why_not
+
+    @property
+    def weak(self) -> bool:
+        """Whether its thrust for this weight asks for caution, whatever the rail and the delay."""
+        return any(line.name == THRUST_CHECK and line.failed for line in self.lines)
 
     @property
     def not_judged(self) -> list[str]:

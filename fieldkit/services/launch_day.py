@@ -13,7 +13,6 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.day_weather import WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
-from fieldkit.services.manual_entry import PLAN
 from fieldkit.services.planning import completed_plan
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, list_forecasts
 from fieldkit.settings import Settings
@@ -95,7 +94,7 @@ def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
         return None
     forecasts = list_forecasts(ledger, motors)
     of_flights = by_flight(forecasts)
-    waiting = [one for one in forecasts if PLAN in one.made.payload and one.state in ("open", "stale")]
+    waiting = [one for one in forecasts if one.waits]
     listed = [
         replace(one, forecast=of_flights.get((one.flight.rocket, one.flight.flight_id)))
         for one in latest_flights(ledger, flights)

@@ -56,6 +56,11 @@ class SavedForecast:
         return self.over or ("stale" if self.stale else "open")
 
     @property
+    def waits(self) -> bool:
+        """Whether it was saved for a planned flight that has not flown yet."""
+        return PLAN in self.made.payload and self.state in ("open", "stale")
+
+    @property
     def interval(self) -> tuple[float, float, float]:
         """The forecast apogee, at 5, 50 and 95%. [m]"""
         at = self.made.payload["apogee_m"]

@@ -254,6 +254,23 @@ async def test_motors_that_are_not_safe_and_sensible_come_last_and_say_why(file:
         assert any(marks)
 
 
+async def test_without_a_target_the_motor_of_the_open_forecast_is_first_and_weak_ones_are_last(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)  # signed in a frozen past
+    async with opened(file, page="next_flight") as pilot:
+        flown = told(pilot, "#title")
+        await press(pilot, "slash", *typed("e18"), "enter", "_", "enter", "_")
+        assert "Saved forecast" in words(pilot)
+    async with opened(file, page="next_flight") as pilot:
+        assert "E18" in told(pilot, "#title") != flown
+        motors = pilot.app.screen._motors  # type: ignore[attr-defined]  # of the page in front
+        known = [motors.known[one] for one in pilot.app.screen.query_one(Table).keys if motors.fits(one)]
+        weak = [one.weak for one in known if one.motor not in motors.plan.preferred]
+        assert weak == sorted(weak)
+        assert any(weak)
+
+
 async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path) -> None:
     async with opened(file, (160, 40)) as pilot:
         await press(pilot, "4", "g", *typed("800ft"), "enter")

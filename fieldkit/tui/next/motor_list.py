@@ -42,8 +42,10 @@ class MotorList:
         return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
 
     def waiting(self, current: "Motor | None") -> "list[Motor]":
-        """The next few motors without a forecast: the current one if there is one, then in the order found."""
-        wanted = dict.fromkeys([*([current] if current else []), *self.found[:MAX_FORECAST_MOTORS]])
+        """The next few motors without a forecast: the current one if there is one, then those preferred, then in the
+        order found."""
+        preferred = [motor for motor in (self.plan.preferred if self.plan else ()) if motor in self.found]
+        wanted = dict.fromkeys([*([current] if current else []), *preferred, *self.found[:MAX_FORECAST_MOTORS]])
         return [motor for motor in wanted if motor not in self.known][:AT_ONCE]
 
     def turn_to(self, plan: "Plan | None") -> None:
@@ -67,12 +69,18 @@ class MotorList:
         return (one is None or one.fits) and (self.plan is None or self.plan.wanted.fits(motor))
 
     def ordered(self, target: float | None) -> "list[Motor]":
-        """Those that fit first, by distance from the target [m], or by last use without a target."""
+        """Those that fit first, by distance from the target [m]. Without a target those with an open forecast and those
+        flown first, then those whose thrust asks for no caution."""
         if target is not None:
             places = {motor: abs(one.apogee - target) for motor, one in self.known.items()}
         else:
-            places = {motor: place for place, motor in enumerate(self.plan.flown if self.plan else ())}
-        return sorted(self.found, key=lambda motor: (not self.fits(motor), places.get(motor, inf)))
+            places = {motor: place for place, motor in enumerate(self.plan.preferred if self.plan else ())}
+
+        def order(motor: "Motor") -> tuple[bool, float, float]:
+            one = self.known.get(motor)
+            return not self.fits(motor), places.get(motor, inf), inf if one is None else one.weak
+
+        return sorted(self.found, key=order)
 
     def counted(self, system: str) -> str:
         """The numbers of motors, of those that fit, and of forecasts still to come: `12 of 57 fit · m`."""

@@ -1,10 +1,11 @@
 """The plan of the next flight: its questions, its form in the ledger, and the inputs of its forecasts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fieldkit.errors import ImpossibleFlight
+from fieldkit.errors import ImpossibleFlight, UnknownMotor
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
 from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.paths import data_file
@@ -54,11 +55,14 @@ class Plan:
     builds: tuple[Flight, ...]
     wanted: "Wanted"
     rests_on: str
+    saved: "tuple[Motor, ...]" = ()
+    """Motors with an open forecast of this rocket, the latest first."""
 
     @property
-    def flown(self) -> list["Motor"]:
-        """The motors that the rocket has flown on, the latest first, without duplicates."""
-        return list(dict.fromkeys(found.motor for found in reversed(self.rocket.motors)))
+    def preferred(self) -> list["Motor"]:
+        """The motors with an open forecast and those that the rocket has flown on, the latest first, without
+        duplicates."""
+        return list(dict.fromkeys([*self.saved, *(found.motor for found in reversed(self.rocket.motors))]))
 
     def misfit(self, motor: "Motor") -> str:
         """Why the rocket cannot fly on a motor, empty if it can."""
@@ -125,7 +129,17 @@ def read_plan(resources: "Resources") -> Plan | None:
         tuple(builds.values()),
         Wanted(widest_motor(rocket, full), adapter=True, dry_mass=full.dry_mass),
         rests_on(ledger, plan.rocket, rocket.flights),
+        tuple(_saved(resources, plan)),
     )
+
+
+def _saved(resources: "Resources", plan: Flight) -> "Iterator[Motor]":
+    from fieldkit.services.saved_forecasts import list_forecasts
+
+    for one in reversed(list_forecasts(resources.ledger, resources.motors, plan.rocket)):
+        if one.waits and one.made.payload.get("config", "") == plan.config:
+            with suppress(UnknownMotor):  # it was in another catalog
+                yield resources.motors.resolve(str(one.made.payload.get("motor", ""))).motor
 
 
 def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
