@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fieldkit.tui.screens import loop
+from fieldkit.tui.loop import loop_page
 from tests.pressing import opened, press, season
 
 PATIENCE = 20.0
@@ -36,7 +36,7 @@ async def test_a_look_is_given_up_for_the_next_and_when_the_app_is_left(
             with lock:
                 running.pop()
 
-    monkeypatch.setattr(loop, "look", looks_for_ever)
+    monkeypatch.setattr(loop_page, "look", looks_for_ever)
     season(tmp_path / "ledger.db")
     began = time.monotonic()
     async with opened(tmp_path / "ledger.db") as pilot:

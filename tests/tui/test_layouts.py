@@ -21,7 +21,7 @@ from fieldkit.tui.widgets.bars import NoticeBar
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import answered, marked
 from fieldkit.tui.widgets.picker import Picker
-from fieldkit.tui.widgets.plots import Plot
+from fieldkit.tui.widgets.plots import Plot, round_ticks
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed
 
 CHECK_SHAPES = False
@@ -143,6 +143,20 @@ def test_a_scale_shows_its_ends_if_there_is_room() -> None:
     assert heading(60, scale, "US").endswith(" 977 ft")
     assert "131.1" not in heading(30, scale, "SI")
     assert "0.0" not in heading(60, HeightScale.of([], None), "SI")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "most", "ticks"),
+    [
+        (169.8, 198.1, 4, [170, 180, 190]),
+        (120.0, 290.0, 4, [150, 200, 250]),
+        (0.21, 0.29, 5, [0.22, 0.24, 0.26, 0.28]),
+        (-3.0, 11.0, 3, [0, 5, 10]),
+        (5.0, 5.0, 4, [5]),
+    ],
+)
+def test_ticks_are_round_and_few(low: float, high: float, most: int, ticks: list[float]) -> None:
+    assert round_ticks(low, high, most) == ticks
 
 
 def test_marks_and_values_stand_out_from_names() -> None:

@@ -15,20 +15,17 @@ if TYPE_CHECKING:
     from fieldkit.flight.start import Start
     from fieldkit.tui.widgets.groups import Group
 
-HEIGHT = 16
-"""Lines of the strip on a tall screen: a drawing, six facts and some motors. [cell]"""
-
 
 class RocketStrip(Horizontal):
     """Facts on the left, apogees on the right; shown by pages with room for it if there is a rocket (`-shown`). The
     plot is mounted when there is something to draw, so that the first paint does not need its library."""
 
-    DEFAULT_CSS = f"""
-    RocketStrip {{ height: {HEIGHT}; display: none; margin: 0 1; border-top: solid $border-blurred;
-        border-title-color: $foreground; border-title-align: right; }}
-    RocketStrip VerticalScroll {{ width: 62; padding: 0 1; }}
-    RocketStrip Static {{ height: auto; }}
-    RocketStrip Plot {{ width: 1fr; height: 1fr; }}
+    DEFAULT_CSS = """
+    RocketStrip { height: 40vh; max-height: 24; display: none; margin: 0 1; border-top: solid $border-blurred;
+        border-title-color: $foreground; border-title-align: right; }
+    RocketStrip VerticalScroll { width: 62; padding: 0 1; }
+    RocketStrip Static { height: auto; }
+    RocketStrip Plot { width: 1fr; height: 1fr; }
     """
 
     def compose(self) -> Iterable[Widget]:

@@ -23,7 +23,7 @@ from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
-from fieldkit.tui.widgets.plots import Plot, spaced
+from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
 from fieldkit.tui.widgets.rocket_drawing import caption, centers, drawing
 
 DRAWING_WIDTH = 56
@@ -80,7 +80,7 @@ def of_build(group: Group, system: str, design: Start | None = None) -> Facts:
     """A configuration of a rocket, with its design if known: drawing, mass, stability, motors, apogees."""
     flights, length = group.flights, design.length if design is not None else None
     pairs = [
-        ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them used in the model"),
+        ("flights", _used(flights)),
         *_dates(flights),
         ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter to set it"),
         ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter to set it"),
@@ -96,6 +96,12 @@ def of_build(group: Group, system: str, design: Start | None = None) -> Facts:
     draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
     drawn = (_side_view(group.last.diameter, design),) if group.last.diameter else ()
     return Facts((cards.lines(" ".join(group.names), pairs), *drawn, flown), title, draw)
+
+
+def _used(flights: Sequence[Flight]) -> str:
+    """How many flights there are, and how many of them the model uses."""
+    clean = sum(one.clean for one in flights)
+    return f"{len(flights)}, {'all' if clean == len(flights) else f'{clean} of them'} used in the model"
 
 
 def _stability(design: Start) -> str:
@@ -180,7 +186,7 @@ def _highest(flights: Sequence[Flight], system: str) -> str:
 
 
 def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
-    """The apogees in order, and the ceiling, with the first and the last id below."""
+    """The apogees in order, and the ceiling, with round heights beside them and the ids below."""
     heights = [float(number(cards.APOGEE, one.apogee or 0.0, system)) for one in flights]
     for clean, marker, colour in ((True, "●", ink.line), (False, "✗", ink.mark)):
         places = [place for place, one in enumerate(flights) if one.clean is clean]
@@ -189,8 +195,13 @@ def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str,
     if ceiling is not None:
         plt.hline(float(number(cards.APOGEE, ceiling, system)), color=ink.mark)
     last = len(flights) - 1
-    ends = [(float(place), printable(flights[place].flight_id)) for place in (last, 0)]
-    labels = spaced(ends, 0.0, float(last), ink.width)
+    ids = [(float(place), printable(flights[place].flight_id)) for place in (last, *range(last))]
+    labels = spaced(ids, 0.0, float(last), ink.width)
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(-0.5, last + 0.5)
-    plt.yfrequency(4)
+    drawn = [*heights, *([float(number(cards.APOGEE, ceiling, system))] if ceiling is not None else [])]
+    low, high = min(drawn), max(drawn)
+    margin = 0.08 * (high - low) or 1.0
+    plt.ylim(low - margin, high + margin)
+    ticks = round_ticks(low - margin, high + margin, max(2, ink.height // 3))
+    plt.yticks(ticks, [f"{tick:g}" for tick in ticks])

@@ -1,5 +1,6 @@
 """Plots in the colors of the app, by textual-plotext."""
 
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -107,6 +108,19 @@ def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: i
         if all(abs(place - other) * column >= least for other, least in zip(kept, room, strict=True)):
             kept[place] = text
     return kept
+
+
+def round_ticks(low: float, high: float, most: int) -> list[float]:
+    """At most `most` round values between two values: multiples of 1, 2 or 5 times a power of ten."""
+    span = high - low
+    if span <= 0 or most < 2:
+        return [low]
+    steps = (factor * 10.0 ** (math.floor(math.log10(span)) + power) for power in (-1, 0, 1) for factor in (1, 2, 5))
+    for step in steps:
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        if last - first < most:
+            return [round(step * n, 12) for n in range(first, last + 1)]
+    return [low]
 
 
 def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
