@@ -50,7 +50,8 @@ class SetupCard(VerticalScroll):
     DEFAULT_CSS = """
     SetupCard { padding: 0 1; }
     SetupCard Static { height: auto; }
-    SetupCard Plot { height: 14; margin-top: 1; border-top: solid $border-blurred; border-title-color: $foreground; }
+    SetupCard Plot { height: 1fr; min-height: 14; max-height: 30; margin-top: 1; border-top: solid $border-blurred;
+        border-title-color: $foreground; }
     """
 
     def compose(self) -> Iterable[Widget]:
