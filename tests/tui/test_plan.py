@@ -50,7 +50,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "contest mass: ok" in screen_text(pilot)
         await press(pilot, "comma")
         assert "season 2026" in words(pilot)
-        await press(pilot, "escape", "g", *typed("800ft"), "enter", "d", "right")
+        await press(pilot, "left", "g", *typed("800ft"), "enter")
         assert "target 244 m" in screen_text(pilot)
         assert "the range safety officer decides" in screen_text(pilot)
 

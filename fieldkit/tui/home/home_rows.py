@@ -27,12 +27,15 @@ APOGEE = BY_NAME["apogee"]
 def listed(
     flights: "Sequence[ListedFlight]", settings: Settings, width: int
 ) -> "tuple[list[Head], Callable[[ListedFlight, str], Sequence[str]]]":
-    """The columns that fit in a width, profiles only if a flight has a log, and the cells of a flight and its profile,
-    all intervals on one scale."""
+    """The columns that fit in a width, without those that are empty for all flights, and the cells of a flight and its
+    profile, all intervals on one scale."""
     scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
     profiles = PROFILE_CELLS if width >= NORMAL_TABLE and any(one.flight.has_log for one in flights) else 0
     bars = max(20, width - 64 - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
-    return _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
+    heads, cells = _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
+    dated, missed = (any(has(one) for one in flights) for has in (lambda one: one.flight.date_time, _miss))
+    shown = [n for n, head in enumerate(heads) if {"when": dated, "miss": missed}.get(head.title, True)]
+    return [heads[n] for n in shown], lambda one, profile: [cells(one, profile)[n] for n in shown]
 
 
 def _heads(profiles: int, bars: int, scale: HeightScale, system: str) -> list[Head]:
@@ -55,6 +58,10 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> "Callable
         return [*texts, scale.line(_bounds(one), flight.apogee, bars)] if bars else texts
 
     return cells
+
+
+def _miss(one: "ListedFlight") -> bool:
+    return one.forecast is not None and one.forecast.miss is not None
 
 
 def signed(height: float, system: str) -> str:

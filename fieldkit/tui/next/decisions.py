@@ -76,7 +76,7 @@ class Decision:
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
-            return Answer(("No target yet. Press g on the Next page to set one.",))
+            return Answer(("No target yet. g to set one",))
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         prediction = best.advised

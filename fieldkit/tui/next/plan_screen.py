@@ -46,7 +46,7 @@ class PlanScreen(PageScreen):
     ABOUT = Help(
         "What to decide once the motor is chosen, from the flights of this rocket and the weather of the plan. Delay: "
         "when each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. Ballast: "
-        "the mass to add or remove to meet the target (g on the Next page). Contest: the expected points by a "
+        "the mass to add or remove to meet the target (g). Contest: the expected points by a "
         "season's rule. Landing: where it lands relative to the field, and the best rail angle. Saved: your saved "
         "forecasts. Score: how good they were. Forecasts are advice: the range safety officer decides.",
         (
@@ -87,6 +87,7 @@ class PlanScreen(PageScreen):
         Binding("escape", "back", "Back", priority=True),
         Binding("left", "turn(-1)", "Previous view", show=False, priority=True),
         Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
+        Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
         Binding("e", "day", "Edit", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
         Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
         Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),
