@@ -88,7 +88,7 @@ def _setup(row: Row, system: str) -> Iterable[Hanging]:
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
     """Cd of each flight in order, with a vertical line at the current one and their ids below."""
-    from fieldkit.tui.widgets.plots import spaced
+    from fieldkit.tui.widgets.plots import round_ticks, spaced
 
     drags = [one.drag or 0.0 for one in known]
     plt.scatter(list(range(len(known))), drags, marker="●", color=ink.line)
@@ -101,4 +101,5 @@ def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
     labels = spaced([(float(place), printable(known[place].id)) for place in places], 0.0, len(known) - 1.0, ink.width)
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(-0.5, len(known) - 0.5)
-    plt.yfrequency(3)
+    at = round_ticks(min(drags), max(drags), max(3, ink.height // 2))
+    plt.yticks(at, [f"{drag:g}" for drag in at])

@@ -97,8 +97,9 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
 
 
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
-    """A channel against the time of the whole log, with a line at each event and its name below."""
-    from fieldkit.tui.widgets.plots import spaced
+    """A channel against the time of the whole log, with a line at each event and its name below, and round times where
+    there is room."""
+    from fieldkit.tui.widgets.plots import round_ticks, spaced
 
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
     first, last = span
@@ -108,8 +109,9 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
         plt.plot([time, time], [low, high], marker="│", color=ink.mark)
     ends = {f"T+{last:.0f} s": last}
     named = sorted((time, name) for name, time in {**inside, **ends}.items())
-    labels = spaced(named, first, last, ink.width)
+    seconds = [(time, f"{time:g}") for time in round_ticks(first, last, ink.width // 12)]
+    labels = spaced([*named, *seconds], first, last, ink.width)
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(first, last)
-    at = (low, (low + high) / 2, high)
-    plt.yticks(at, [f"{value:7.1f}" for value in at])  # equal widths, so that times are aligned
+    at = round_ticks(low, high, max(3, ink.height // 2))
+    plt.yticks(at, [f"{value:7g}" for value in at])  # equal widths, so that times are aligned
