@@ -196,7 +196,7 @@ class FieldkitApp(Surviving):
 
     def look_round(self) -> None:
         """Reload pages if another program has changed the ledger: a second app, a command."""
-        if isinstance(self.screen, PageScreen):
+        if self.screen_stack and isinstance(self.screen, PageScreen):  # none while the app closes
             self.screen.ask(self._journal_length, self._seen_round, "others")
 
     def _journal_length(self) -> int | None:

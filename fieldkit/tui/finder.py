@@ -46,6 +46,8 @@ class Finder(Provider):
             kept = await asyncio.to_thread(self._read)
         except FieldkitError:
             kept = []  # without a ledger, the other results are still listed
+        screens = [page.name.partition(":")[0] for page in pages().values()]
+        await asyncio.to_thread(self._host.resources.import_engine, screens)
         self._entries = [*self._settings(), *kept, *self._help()]
 
     async def search(self, query: str) -> AsyncIterator[Hit]:

@@ -35,8 +35,9 @@ from tests.benchmarks.timing import FLYER, beside, of_children
 from tests.pressing import opened, season
 
 MANY = 5000
-PAINT, FIRST_ROWS = 2.5, 2.2
-"""Maximum ratio to an empty app of the first paint, and of the first page with rows. [1]"""
+PAINT, FIRST_ROWS = 1.7, 1.8
+"""Maximum ratio to an empty app of the first paint, and of the first page with rows; the aim is 1.5, which a busy
+machine exceeds. [1]"""
 SHARES = (0.5, 0.95, 0.99, 1)
 """Reported quantiles of the response times. [1]"""
 AHEAD = "ready"

@@ -7,11 +7,20 @@ from typing import Any
 
 import pytest
 
+from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.loop import loop_page
 from tests.pressing import opened, press, season
 
 PATIENCE = 20.0
 """How long a look may take to be given up on a machine that does ten other things. [s]"""
+
+
+async def test_a_look_at_the_ledger_that_is_due_while_the_app_closes_is_left_out(tmp_path: Path) -> None:
+    app = FieldkitApp(tmp_path / "ledger.db", tmp_path / "settings.json")
+    async with app.run_test():
+        pass
+    assert not app.screen_stack
+    app.look_round()
 
 
 async def test_a_look_is_given_up_for_the_next_and_when_the_app_is_left(

@@ -14,9 +14,12 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit import capture
+from fieldkit.capture.protocol import known_device
 from fieldkit.errors import CaptureTrouble, FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.paths import capture_folder
+from fieldkit.presentation.capture_text import counts, event_line
 from fieldkit.quantities import counted, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
@@ -26,6 +29,7 @@ from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
 from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
@@ -93,8 +97,6 @@ class CaptureScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The ports and the capture."""
-        from fieldkit.tui.widgets.plots import Plot
-
         yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter="Capture")
         with Vertical(id="live"):
             with VerticalScroll(id="happened", can_focus=False):
@@ -122,9 +124,7 @@ class CaptureScreen(PageScreen):
         """List the ports again."""
 
         def look() -> "list[Port]":
-            from fieldkit.capture import ports
-
-            return ports()
+            return capture.ports()
 
         self.ask(look, self._listed, "ports")
 
@@ -156,8 +156,6 @@ class CaptureScreen(PageScreen):
 
     def _nothing_yet(self) -> None:
         """Clear the previous capture."""
-        from fieldkit.tui.widgets.plots import Plot
-
         self.query_one(Big).show("")
         for place in ("#count", "#state"):
             self.query_one(place, Static).update("")
@@ -165,8 +163,6 @@ class CaptureScreen(PageScreen):
 
     def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
         """All events of a capture, each reported to the screen; the last one is returned."""
-        from fieldkit import capture
-
         try:
             if port is not None:
                 events = capture.capture(port, device, folder=capture_folder(), stop=self._stop.is_set)
@@ -184,9 +180,6 @@ class CaptureScreen(PageScreen):
     @on(Happened)
     def _happened(self, message: Happened) -> None:
         """Show one event."""
-        from fieldkit import capture
-        from fieldkit.presentation.capture_text import event_line
-
         if message.event is None:
             self._capturing = False
         elif isinstance(message.event, capture.Progress):
@@ -201,9 +194,6 @@ class CaptureScreen(PageScreen):
 
     def _progress(self, progress: "Progress") -> None:
         """Counts, the fraction done, and the altitude if a stream contains it."""
-        from fieldkit.presentation.capture_text import counts
-        from fieldkit.tui.widgets.plots import Plot
-
         parts = counts(progress)
         if progress.fraction is not None:
             bar = "█" * round(progress.fraction * 20)
@@ -265,18 +255,15 @@ class CaptureScreen(PageScreen):
 
     def action_device(self) -> None:
         """Choose the device on the port."""
-        from fieldkit.capture import known_devices
         from fieldkit.services.pickers import OfferedAnswer
 
-        picks = [OfferedAnswer(name, device.title) for name, device in known_devices().items()]
+        picks = [OfferedAnswer(name, device.title) for name, device in capture.known_devices().items()]
         about = "The device on the port; ↓ chooses one. Empty: recognize it."
         self.app.push_screen(AskText("Device", self._device or "", about, picks), self._named)
 
     def _named(self, text: str | None) -> None:
         if text is None:
             return
-        from fieldkit.capture.protocol import known_device
-
         try:
             if text.strip():
                 known_device(text)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -17,6 +17,7 @@ from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.loop.loop_help import LOOP_HELP
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
+from fieldkit.tui.loop.loop_panels import Panels
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
@@ -24,7 +25,6 @@ from fieldkit.tui.widgets.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.services.findings import Findings
-    from fieldkit.tui.loop.loop_panels import Panels
 
 
 class LoopScreen(PageScreen):
@@ -72,16 +72,14 @@ class LoopScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The rocket, the names of the panels, the panels."""
-        from fieldkit.tui.loop.loop_panels import Panels
-
         yield Static("reading the ledger ...", id="what")
         yield TabLine(PANELS, "screen.panel", id="tabs")
         yield Panels()
 
     @property
-    def panels(self) -> "Panels":
+    def panels(self) -> Panels:
         """The findings, if there are any."""
-        return cast("Panels", self.query_one("#panels"))
+        return self.query_one(Panels)
 
     def on_mount(self) -> None:
         """The first panel."""

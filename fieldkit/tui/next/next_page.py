@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -14,7 +14,9 @@ from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
 from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.next.motor_rows import listed
 from fieldkit.tui.next.next_help import NEXT_HELP
 from fieldkit.tui.next.next_plan import Plan, read_plan
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.motors import Motor
     from fieldkit.planning.motor_guide import MotorChoice
-    from fieldkit.tui.next.forecast_card import ForecastCard
 
 WIDE_SCREEN = 150
 """Minimum width with room for every figure and the card. [cell]"""
@@ -81,8 +82,6 @@ class NextScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The plan in a line, a search, the motors, the forecast."""
-        from fieldkit.tui.next.forecast_card import ForecastCard
-
         yield Static("p to plan a flight: rocket, mass, conditions", id="plan")
         with Horizontal(id="search"):
             yield Static("/")
@@ -93,9 +92,9 @@ class NextScreen(PageScreen):
             yield ForecastCard(id="card")
 
     @property
-    def card(self) -> "ForecastCard":
+    def card(self) -> ForecastCard:
         """The forecast of the motor under the cursor."""
-        return cast("ForecastCard", self.query_one("#card"))
+        return self.query_one(ForecastCard)
 
     def on_mount(self) -> None:
         """Keys go to the motors."""
@@ -164,8 +163,6 @@ class NextScreen(PageScreen):
 
     def _refill(self) -> None:
         """The motors in order, those without a forecast last."""
-        from fieldkit.tui.next.motor_rows import listed
-
         settings, table = self.resources.settings, self.query_one(Table)
         brief = not self.has_class("-comparing") and self.size.width < WIDE_SCREEN
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)

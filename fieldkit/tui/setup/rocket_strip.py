@@ -1,11 +1,9 @@
 """The rocket of a flight in a strip across the page: what it looks like, what it flew on, and how high."""
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
-from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
@@ -17,8 +15,8 @@ if TYPE_CHECKING:
 
 
 class RocketStrip(Horizontal):
-    """Facts on the left, apogees on the right; shown by pages with room for it if there is a rocket (`-shown`). The
-    plot is mounted when there is something to draw, so that the first paint does not need its library."""
+    """Facts on the left, apogees on the right; shown by pages with room for it if there is a rocket (`-shown`). What
+    it shows is mounted when there is something to show, so that the first paint does not wait for it."""
 
     DEFAULT_CSS = """
     RocketStrip { height: 40vh; max-height: 24; display: none; margin: 0 1; border-top: solid $border-blurred;
@@ -27,11 +25,6 @@ class RocketStrip(Horizontal):
     RocketStrip Static { height: auto; }
     RocketStrip Plot { width: 1fr; height: 1fr; }
     """
-
-    def compose(self) -> Iterable[Widget]:
-        """The facts; the plot is added next to them."""
-        with VerticalScroll(can_focus=False):
-            yield Static()
 
     def show(self, rocket: "tuple[Group, Start | None] | None", system: str) -> None:
         """The flights of a rocket, and its design if known; None to hide the strip."""
@@ -42,7 +35,11 @@ class RocketStrip(Horizontal):
         from fieldkit.tui.widgets.plots import Plot
 
         facts = of_build(rocket[0], system, rocket[1])
-        self.query_one(Static).update(stacked(facts.blocks))
+        text = next(iter(self.query(Static)), None)
+        if text is None:
+            text = Static()
+            self.mount(VerticalScroll(text, can_focus=False))
+        text.update(stacked(facts.blocks))
         plot = next(iter(self.query(Plot)), None)
         if plot is None and facts.draw is not None:
             plot = Plot()

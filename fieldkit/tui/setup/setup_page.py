@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -13,6 +13,8 @@ from textual.widgets import Input, Static
 from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
+from fieldkit.tui.setup import setup_card
+from fieldkit.tui.setup.setup_card import Facts, SetupCard
 from fieldkit.tui.setup.setup_help import SETUP_HELP
 from fieldkit.tui.setup.setup_lists import (
     MEANS,
@@ -33,7 +35,6 @@ from fieldkit.tui.widgets.tabs import TabLine
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
     from fieldkit.planning.kits import Kit
-    from fieldkit.tui.setup.setup_card import Facts, SetupCard
 
 KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 
@@ -86,8 +87,6 @@ class SetupScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The names of the lists, a search, the list, and the card of its current row."""
-        from fieldkit.tui.setup.setup_card import SetupCard
-
         yield TabLine(KINDS, "screen.kind")
         with Horizontal(id="search"):
             yield Static("/")
@@ -165,17 +164,15 @@ class SetupScreen(PageScreen):
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units
         self.ask(partial(self._facts, kind, key, system), self._have_facts, "card")
 
-    def _have_facts(self, facts: "Facts") -> None:
+    def _have_facts(self, facts: Facts) -> None:
         """Show the list first, then the card."""
         self._in_hand = facts
         self.soon(self._show_facts)
 
     def _show_facts(self) -> None:
-        cast("SetupCard", self.query_one("#card")).show(self._in_hand)
+        self.query_one(SetupCard).show(self._in_hand)
 
-    def _facts(self, kind: str, key: Any, system: str) -> "Facts":
-        from fieldkit.tui.setup import setup_card
-
+    def _facts(self, kind: str, key: Any, system: str) -> Facts:
         if key is None:
             return setup_card.Facts(())
         match kind:

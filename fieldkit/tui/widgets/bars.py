@@ -103,14 +103,24 @@ class KeyBar(Static):
     def __init__(self) -> None:
         super().__init__()
         self._most = (0, 0)
+        self._due = False
 
     def on_mount(self) -> None:
         """Follow the focus, which determines the available keys."""
         self.follow()  # so that the first layout has room for it and is the last
-        self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
+        self.screen.bindings_updated_signal.subscribe(self, lambda _: self._follow_soon())
 
     def on_resize(self) -> None:
         """Break the lines again for the new width."""
+        self.follow()
+
+    def _follow_soon(self) -> None:
+        """Follow once for several changes of the focus together, of which a page that opens has three."""
+        if not self._due:
+            self._due = self.call_later(self._follow_now)
+
+    def _follow_now(self) -> None:
+        self._due = False
         self.follow()
 
     def follow(self) -> None:
