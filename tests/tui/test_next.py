@@ -259,11 +259,11 @@ async def test_without_a_target_the_motor_of_the_open_forecast_is_first_and_weak
 ) -> None:
     monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)  # signed in a frozen past
     async with opened(file, page="next_flight") as pilot:
-        flown = told(pilot, "#title")
+        flown = text_of(pilot, "#title")
         await press(pilot, "slash", *typed("e18"), "enter", "_", "enter", "_")
         assert "Saved forecast" in words(pilot)
     async with opened(file, page="next_flight") as pilot:
-        assert "E18" in told(pilot, "#title") != flown
+        assert "E18" in text_of(pilot, "#title") != flown
         motors = pilot.app.screen._motors  # type: ignore[attr-defined]  # of the page in front
         known = [motors.known[one] for one in pilot.app.screen.query_one(Table).keys if motors.fits(one)]
         weak = [one.weak for one in known if one.motor not in motors.plan.preferred]
