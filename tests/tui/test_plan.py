@@ -108,7 +108,7 @@ async def test_flights_timed_by_a_stopwatch_or_without_a_score_are_named_as_such
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
         await front(pilot, "Contest")
-        seen = said(pilot)
+        seen = screen_text(pilot)
         assert "fitted to 2 flights" in seen
         assert "no score, count as attempts: 14 (eggs: cracked)" in seen
         alone = seen.partition("altitude only, no duration:")[2].split()
