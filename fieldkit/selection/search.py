@@ -4,7 +4,7 @@ The search only decides which sets are tried (Occam's window: Madigan and Rafter
 Association 89, 1994). Sets that are not tried get no probability; the others get theirs from their evidence.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from math import log
 
@@ -71,16 +71,18 @@ def explore(
         others = {name: families[name] for name in names if (name or UNEXPLAINED) not in parent}
         _add(sets, _expanded(sets[parent], data, others, _weight(sets[_best(sets)])))
 
-    for single, partners in _hidden(sets, couples).items() if pairs else ():
-        extend(single, partners)
+    def extend_probable() -> None:
+        while len(done) < MAX_EXPANSIONS and (parent := _next(sets, done)) is not None:
+            on_progress(f"{'+'.join(sorted(parent))} and others", 0.5 + 0.3 * len(done) / MAX_EXPANSIONS)
+            done.add(parent)
+            extend(parent, families)
+
     done: set[Members] = set()
-    for number in range(MAX_EXPANSIONS if pairs else 0):
-        parent = _next(sets, done)
-        if parent is None:
-            break
-        done.add(parent)
-        on_progress(f"{'+'.join(sorted(parent))} and others", 0.5 + 0.3 * number / MAX_EXPANSIONS)
-        extend(parent, families)
+    if pairs:
+        extend_probable()
+        for single, partners in _hidden(sets, couples, done).items():
+            extend(single, partners)
+        extend_probable()
     every = SetPosterior(tuple(one for some in sets.values() for one in some))
     return checked(every, part(on_progress, 0.8, 0.2))
 
@@ -157,16 +159,18 @@ def _singles(
     return plain, trials, couples
 
 
-def _hidden(sets: Mapping[Members, Sequence[Hypothesis]], couples: Mapping[Members, float]) -> dict[Members, list[str]]:
-    """The partners of effects that the search would not extend, in pairs that are probable according to their
-    screening: two effects may hide each other."""
+def _hidden(
+    sets: Mapping[Members, Sequence[Hypothesis]], couples: Mapping[Members, float], done: Set[Members]
+) -> dict[Members, list[str]]:
+    """The partners of effects that were not extended, in pairs that are probable according to their screening: two
+    effects may hide each other."""
     least = _weight(sets[_best(sets)]) - SIMPLER_WINDOW - SCREENING_ERROR
     found: dict[Members, list[str]] = {}
     for pair, weight in couples.items():
         alone = sorted(
             (one for name in pair if (one := frozenset({name})) in sets), key=lambda one: -_weight(sets[one])
         )
-        if weight > least and alone and not any(_is_open(one, sets) for one in alone):
+        if weight > least and alone and done.isdisjoint(alone):
             found.setdefault(alone[0], []).extend(pair - alone[0])
     return found
 
@@ -188,15 +192,15 @@ def _best(sets: Mapping[Members, Sequence[Hypothesis]]) -> Members:
 
 def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> Members | None:
     """The most probable set that is not yet extended; None if none is probable enough."""
-    found = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and _is_open(one, sets)]
-    return max(found, key=lambda one: _weight(sets[one]), default=None)
+    weight = {members: _weight(some) for members, some in sets.items()}
+    least = max(weight.values()) - WINDOW
 
+    def open_to_more(one: Members) -> bool:
+        simpler = max(own for other, own in weight.items() if other < one)
+        return weight[one] > max(least, simpler - SIMPLER_WINDOW)
 
-def _is_open(one: Members, sets: Mapping[Members, Sequence[Hypothesis]]) -> bool:
-    """Whether a set is probable enough to be extended."""
-    least = _weight(sets[_best(sets)]) - WINDOW
-    simpler = max(_weight(own) for other, own in sets.items() if other < one)
-    return _weight(sets[one]) > max(least, simpler - SIMPLER_WINDOW)
+    found = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and open_to_more(one)]
+    return max(found, key=lambda one: weight[one], default=None)
 
 
 def _expanded(

@@ -116,8 +116,29 @@ def test_a_pair_is_tried_for_itself_only_if_its_screening_is_probable_and_neithe
         ("wind", "tip_off"): -2.0,
         ("wear", "flutter"): -9.0,
     }
-    found = search._hidden(sets, {frozenset(pair): weight for pair, weight in couples.items()})
+    extended = {frozenset({"motor_thrust"})}
+    found = search._hidden(sets, {frozenset(pair): weight for pair, weight in couples.items()}, extended)
     assert found == {frozenset({"wear"}): ["wind"], frozenset({"wind"}): ["tip_off"]}
+
+
+def test_a_pair_for_itself_is_tried_last_and_closes_no_other_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair that is better than every effect alone, but not than the sets that the best effect leads to."""
+    alone = {"mach_drag": 30.0, "flutter": 20.0, "air_density": 19.0}
+    trials = [Trial(candidate(name), fitted(evidence)) for name, evidence in alone.items()]
+    couples = {frozenset({"flutter", "air_density"}): 40.0}
+    pair = Hypothesis((candidate("mach_drag"), candidate("air_density")), fitted(60.0))
+    parents = []
+
+    def expanded(some: Any, data: Any, others: Any, best: float) -> Any:
+        parents.append(some[0].members)
+        return {pair.members: [pair]} if some[0].members == {"mach_drag"} else {}
+
+    monkeypatch.setattr(search, "_singles", lambda *given: (fitted(0.0), trials, couples))
+    monkeypatch.setattr(search, "_expanded", expanded)
+    monkeypatch.setattr(search, "checked", lambda posterior, on_progress: posterior)
+    found = explore(SimpleNamespace(), SimpleNamespace(), {name: [candidate(name)] for name in alone})
+    assert parents == [{"mach_drag"}, {"mach_drag", "air_density"}]
+    assert found.sets[pair.members] > 0.99
 
 
 @pytest.mark.parametrize("effect", ["wear", "launch_angle", "early_ejection_seconds", "motor_thrust"])
