@@ -155,7 +155,9 @@ def _singles(
         plain = fitted_again(model, data, near, trials)
         if plain.log_evidence < near.log_evidence + SETTLED_CHANGE:
             break
-    couples = {pair: near.log_evidence + odds for pair, odds in pair_weights(families, worthy.columns, near).items()}
+    couples = {
+        pair: near.log_evidence + odds for pair, odds in pair_weights(worthy.families, worthy.columns, near).items()
+    }
     return plain, trials, couples
 
 
