@@ -18,6 +18,8 @@ from fieldkit.selection import search
 from fieldkit.selection.candidates import Candidate, Place, effect_candidates, effect_terms
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
+from fieldkit.selection.pair_screen import pair_weights
+from fieldkit.selection.screen import MAX_PLACES
 from fieldkit.selection.search import checked, explore
 from fieldkit.selection.trial import Trial, by_effect, strength_moments
 from tests.seasons import season
@@ -91,18 +93,29 @@ def test_a_set_far_from_the_flights_lends_its_correction_to_no_other(monkeypatch
     assert [one.correction for one in found.hypotheses] == [15.0, 4.0, 1.0, 1.0, 1.0, 1.0]
 
 
-def test_two_effects_that_hide_each_other_are_found() -> None:
-    """A rocket wears while its days become calmer: neither effect alone improves the model."""
+def test_two_effects_that_hide_each_other_are_found_without_all_places_of_long_histories(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A rocket wears while its days become calmer: neither effect alone improves the model. Pairs of all places would
+    be the square of the number of flights."""
+    places: list[int] = []
+
+    def paired(families: Any, columns: Any, near: Any) -> Any:
+        places.extend(len(family) for family in families.values())
+        return pair_weights(families, columns, near)
+
+    monkeypatch.setattr(search, "pair_weights", paired)
     calmer = two_configurations(wind=[8.0 - 0.5 * number for number in range(16)])
     true = (("wear", 0.02), ("wind", 0.5))
     terms = (replace(effect_terms(Place(name), calmer)[0], mean=strength) for name, strength in true)
     flown = measured(calmer.with_terms(*terms), seed=4)
     model, every = replace(rocket_model(flown.flights, flown.found), coarse=True), np.ones(16, bool)
     known = by_effect(list(effect_candidates(model, every)))
-    tried = {name: known[name] for name in ("wear", "wind", "mass_offset")}
+    tried = {name: known[name] for name in ("wear", "wind", "motor_thrust")}
     found = explore(model, observe(flown.flights, every), tried)
     assert found.sets[frozenset({"wear"})] < found.nothing > found.sets[frozenset({"wind"})]
     assert found.sets[frozenset({"wear", "wind"})] > 0.8
+    assert max(places) <= MAX_PLACES < max(len(family) for family in tried.values())
 
 
 def test_a_pair_is_tried_for_itself_only_if_its_screening_is_probable_and_neither_effect_is_extended() -> None:
