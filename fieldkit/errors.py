@@ -65,7 +65,7 @@ class LedgerError(FieldkitError):
 
 
 class UnusableLedger(LedgerError):
-    """The ledger as a whole cannot be read or written: no other entry of it will do better."""
+    """The ledger as a whole cannot be read or written, so trying its other entries is pointless."""
 
 
 class NoFlights(FieldkitError):

@@ -1,4 +1,5 @@
-"""One program at a time changes a file of fieldkit: a lock that ends with its process, even if that is killed."""
+"""A lock that lets only one program at a time change a file of fieldkit; it ends with its process, even a killed
+one."""
 
 import os
 import sys
@@ -19,10 +20,11 @@ POLL = 0.01
 
 @contextmanager
 def changing(file: Path) -> Iterator[None]:
-    """Lock a file, and all in its folder, from reading it to replacing it, so that no other program's change is lost.
+    """Lock a file, and all others in its folder, while it is read and replaced, so that no other program's change is
+    lost.
 
-    Every change of a file that fieldkit manages is in such a block, and no block is in another. A disk without locks is
-    written without one. Raises FieldkitError if the folder cannot be written or stays locked.
+    Every change to a file that fieldkit manages is in such a block; blocks are never nested. On a disk without locks,
+    files are written without one. Raises FieldkitError if the folder cannot be written or stays locked.
     """
     number = _opened(file)
     try:

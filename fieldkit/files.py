@@ -30,11 +30,11 @@ BACKUPS = "-backups"
 
 _DATABASE = b"SQLite format 3\0"
 _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83")
-"""First bytes of SQLite's rollback journal, and of its write-ahead log in both orders of bytes."""
+"""First bytes of SQLite's rollback journal, and of its write-ahead log in both byte orders."""
 COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
 """Suffixes of the files that SQLite and fieldkit store next to a ledger."""
 _BINARY = getattr(os, "O_BINARY", 0)
-"""Windows would change line endings."""
+"""Keeps Windows from changing line endings."""
 _STREAM = re.compile(r"(/dev/stdin)|(/dev/stdout|-)|(/dev/stderr)|/(?:dev|proc/self)/fd/([0-9]{1,6})")
 """Names of the open streams of this process; `-` is its output, as for most commands."""
 

@@ -30,7 +30,8 @@ DATA_FILES: tuple[DataFile, ...] = get_args(DataFile)
 
 
 def expanded(text: str | Path) -> Path:
-    """A path with `~` replaced; that of a user who is unknown stays, which `Path.expanduser` refuses with an error."""
+    """A path with `~` replaced; that of an unknown user is left as it is, for which `Path.expanduser` raises an
+    error."""
     return Path(os.path.expanduser(text))
 
 
@@ -122,12 +123,12 @@ def _holds(folder: Path, file: Path) -> bool:
 
 
 def _identities(folder: Path) -> Iterator[tuple[int, int]]:
-    """The device and inode of a folder and of all that is in it, what links lead to included."""
+    """The device and inode of a folder and of everything in it, including the targets of links."""
     seen: set[tuple[int, int]] = set()
     left = [folder]
     while left:
         place = left.pop()
-        with suppress(OSError):  # it is not there, or a link leads nowhere
+        with suppress(OSError):  # it is missing, or a link is broken
             identity = _identity(place)
             if identity not in seen:
                 seen.add(identity)

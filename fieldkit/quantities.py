@@ -81,7 +81,7 @@ GRAMS = {"g": 1e-3, "kg": 1.0}
 """Units of mass in notes. [kg]"""
 _OF_SI = {"m": ("ft", 1 / units.FOOT), "m/s": ("mph", 1 / units.MILE * 3600), "m/s^2": ("ft/s^2", 1 / units.FOOT)}
 _OF_SI["K"] = ("°F", 1.8)
-"""Feet-based units of estimates with a standard deviation, and their number in one SI unit; kelvins are differences."""
+"""Feet-based units of estimates with a standard deviation, and how many make one SI unit; kelvins are differences."""
 
 
 def in_system(note: str, system: str) -> str:

@@ -35,7 +35,7 @@ def printable(text: str) -> str:
 def whole_number(text: str) -> int | None:
     """The number that a few ASCII digits spell, None for any other text.
 
-    `str.isdigit` also accepts superscripts, which `int` does not read, and digits beyond the number that `int` reads.
+    `str.isdigit` also accepts superscripts, which `int` does not read, and more digits than `int` reads.
     """
     return int(text) if re.fullmatch("[0-9]{1,18}", text) else None
 

@@ -172,7 +172,7 @@ def spelled(unit: str) -> str:
 
 
 def parse_difference(text: str, quantity: str, default: str) -> float:
-    """As `parse`, for a difference such as a standard deviation: the zero of its unit does not count."""
+    """As `parse`, for a difference such as a standard deviation: the offset of its unit is ignored. Raises BadValue."""
     number, scale = _typed(text, quantity, default)
     return _bounded(scale.difference_to_si(number), text)
 
@@ -187,7 +187,7 @@ def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
 
 
 def _bounded(value: float, text: str) -> float:
-    """The value. Raises BadValue if it is absurdly large."""
+    """The value. Raises BadValue if it is too large."""
     if not abs(value) < MAX_TYPED_VALUE:
         raise BadValue(f"found {text.strip()[:20]!r}, expected a plausible number")
     return value

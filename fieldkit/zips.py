@@ -7,7 +7,7 @@ MAX_ENTRIES = 1000
 """Largest number of files in an archive; a design or a spreadsheet with pictures has a few dozen. [1]"""
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 """The only compression of designs and spreadsheets. Python unpacks the others without a limit on memory, and a few
-hundred bytes of them stand for any size."""
+hundred bytes can expand to any size."""
 
 _ENTRY = b"PK\x01\x02"
 

@@ -131,7 +131,7 @@ class Link:
                 quiet_since = now
             elif over:
                 return None
-            over = now - quiet_since >= silence  # one more look: this computer may have slept, and not the unit
+            over = now - quiet_since >= silence  # look once more: this computer may have slept, but not the unit
             if mark not in self._pending and now - began >= NOISE * silence:
                 return None
 

@@ -44,7 +44,8 @@ class Column:
         return f"stated_{self.header}"
 
     def parse(self, text: str, unit: str | None = None) -> float:
-        """Parse a text to an SI value; a number without a unit is in `unit`, or in this column's own unit."""
+        """Parse a text to an SI value; a number without a unit is in `unit`, or else the column's own. Raises
+        BadValue."""
         return units.parse(text, self.quantity, unit or self.unit)
 
     def render(self, value: float) -> str:

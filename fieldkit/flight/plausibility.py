@@ -126,8 +126,8 @@ def best_apogee(dry_mass: float, motor: Burning) -> float:
 
 
 def _impossible(flight: Flight) -> str:
-    """A phrase for the first value that is not a number or beyond its limits: in a text of a recovery column that a fit
-    uses, or in the ledger of an older program."""
+    """A phrase for the first value that is not a number or is beyond its limits: in a recovery column that a fit uses,
+    or in the ledger of an older version."""
     for column in COLUMNS:
         value = flight.number(column.name)
         if value is not None and not math.isfinite(value):
@@ -189,7 +189,7 @@ def _too_far(flight: Flight, motor: Burning) -> str:
 
 
 def _mass(mass: float) -> str:
-    """A dry mass [kg] in the words of which notes convert the unit."""
+    """A dry mass [kg] as text in a form that `quantities.in_system` converts."""
     return f"a dry mass of {figure(BY_NAME['dry_mass'], mass)}"
 
 

@@ -39,7 +39,8 @@ class Readout:
 
 @dataclass(frozen=True, slots=True)
 class ReadoutColumn:
-    """A column with a readout's standard deviation, with a unit (empty if cells have their own), or its source."""
+    """The column for a readout's standard deviation, with its unit (empty if cells have their own), or for its
+    source."""
 
     readout: str
     part: Literal["sd", "source"]

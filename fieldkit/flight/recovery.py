@@ -51,7 +51,7 @@ LIMITS = {
 IN_EVERY_FIT = ("opening_time", "wind_aloft", "wind_aloft_height", "wind_aloft_turn")
 """Recovery columns that change the simulated apogee of a past flight."""
 MAX_STABILITY = 100.0
-"""A static margin is shorter than a rocket, and this is many times as long as the longest. [body diameters]"""
+"""Upper limit on a static margin: many times the length of the longest rocket. [body diameters]"""
 STABILITY = "stability_cal"
 """The column for a rocket's static margin, as a design program states it. [body diameters]"""
 RECOVERY_TEXTS = {
@@ -149,7 +149,7 @@ def recovery_of(flight: Flight) -> Recovery:
 
 
 def can_be_read(flight: Flight) -> bool:
-    """Whether the recovery of a past flight is known or not recorded, rather than a text that is something else."""
+    """Whether the recovery of a past flight can be read: each text is valid, or was not recorded."""
     try:
         recovery_of(flight)
         check_recovery(flight)

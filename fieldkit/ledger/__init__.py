@@ -2,7 +2,7 @@
 
 It uses SQLAlchemy Core instead of the ORM: records are frozen dataclasses without identity to track, and importing only
 Core saves about 0.1 s per command. Its modules are imported when one of their names is first used, so that the app can
-list flights by `first_rows` before.
+list flights by `first_rows` before that.
 """
 
 from importlib import import_module

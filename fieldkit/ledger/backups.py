@@ -175,7 +175,7 @@ def _claim(file: Path) -> tuple[int, Path]:
             continue
         if number > _last(file):
             return number, new
-        new.unlink()  # another process claimed, made and named it after we listed the folder
+        new.unlink()  # another process claimed and completed it after we listed the folder
 
 
 def _last(file: Path) -> int:

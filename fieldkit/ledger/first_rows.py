@@ -16,14 +16,15 @@ NEWEST = """SELECT flight_id, rocket, config, motor, apogee, date_time, log FROM
 ORDER BY date_time DESC, entry DESC LIMIT ?"""
 UNUSUAL = """SELECT EXISTS (SELECT 1 FROM flights WHERE date_time IS NULL OR flight_id LIKE '%/%')
 OR EXISTS (SELECT 1 FROM flights GROUP BY flight_id HAVING count(*) > 1)"""
-"""Whether the order flown or the ids of flights need more than their dates and their own ids."""
+"""Whether flights without a date, or with ids that are not unique or contain a slash, make a list more than a sort by
+date."""
 
 
 def first_rows(where: str | Path | None, most: int) -> list[tuple[str, Flight]]:
-    """The latest flights of a ledger with their ids, newest first, with the fields of a list and without checks.
+    """The latest flights of a ledger with their ids, newest first, with only the fields that a list shows, unchecked.
 
-    Empty if the ledger is not a SQLite file, cannot be read at once, or has flights that are not simple to list; then
-    `Ledger` reads them or says why not.
+    Empty if the ledger is not a SQLite file, cannot be read immediately, or has flights that are not simple to list;
+    then `Ledger` reads them or reports why it cannot.
     """
     where = where or os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
     if "://" in str(where):

@@ -199,7 +199,7 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
 
 
 def _exists(connection: Connection, table: Table, row: Row) -> bool:
-    """Whether a row exists: the journal stores only the keys of drafts, and the last saved text stays."""
+    """Whether a row exists already, such as a draft that was saved again in the meantime."""
     return connection.scalar(select(func.count()).select_from(table).where(_at(table, row))) == 1
 
 

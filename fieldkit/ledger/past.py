@@ -52,7 +52,7 @@ def _changes(connection: Connection) -> Iterator[tuple[int, list[Image], int | N
 
 
 def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dict[int, int]:
-    """The change that last added each flight, by entry number; to undo a removal adds nothing."""
+    """The change that last added each flight, by entry number; undoing a removal does not count."""
     changes_by_entry: dict[int, int] = {}
     removed: dict[tuple[int, int], int] = {}
     for number, images, undoes in changes:

@@ -83,7 +83,8 @@ def merged(now: Flight, was: Flight, new: Flight) -> Flight:
 
 
 def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
-    """Whether a record has the given values, by field; it may have more extra columns and readout accompaniments."""
+    """Whether a record has the given values, by field; it may have further extra columns, standard deviations and
+    sources."""
     return all(_holds(getattr(flight, name), value) for name, value in given.items())
 
 

@@ -69,8 +69,8 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Inter
 
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
-    """A flight of the ledger compared with its forecast, None if none can be made, as for a setup that no motor
-    lifts."""
+    """A flight of the ledger compared with its forecast, None if none can be made, for example for a rocket too heavy
+    for its motor."""
     before = _forecast(ledger, motors, flight)
     if before is None or not plausible([flight], motors):
         return None

@@ -1,4 +1,4 @@
-"""Forecasts from a ledger: rockets by name, forecast from their flights."""
+"""Forecasts for the rockets of a ledger, from their flights."""
 
 import hashlib
 import json
@@ -81,8 +81,8 @@ def accepted_average(
 
 
 def _started(place: Place, before: Sequence[str], now: Sequence[str]) -> Place | None:
-    """An effect in its place among the flights there are now, with its version's flights `before`: it starts after the
-    last earlier flight that is still there; None if no flight is left."""
+    """A saved effect placed among the flights `now`, given those of its model version `before`: it starts after the
+    last earlier flight that still exists; None if no flight is left."""
     if place.start not in before or place.start in now:
         return place
     known = [now.index(one) for one in before[: before.index(place.start)] if one in now]
@@ -133,7 +133,7 @@ def predict_plans(
     decided: bool = False,
     on_progress: ReportProgress = no_op,
 ) -> list[Prediction]:
-    """Predictions of planned flights of any rockets, in the order given, and saved in the ledger.
+    """Predictions of planned flights of any rockets, in the order given, saved in the ledger unless `keep` is False.
 
     With `decided`, the flyer intends to fly them: saving is a change that can be undone, and the next flight to be
     entered starts from the plan. `on_progress` also reports the fits of other rockets. Raises UnknownMotor, NoFlights

@@ -86,7 +86,8 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
 def learn(
     flyers: Sequence[Flyer], *, from_start: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
-    """The hyperprior fitted to the flights of some flyers, from the one in use, or `from_start` from `START`."""
+    """The hyperprior fitted to the flights of some flyers, starting from the one in use, or from `START` if
+    `from_start`."""
 
     start = START if from_start else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]

@@ -56,7 +56,7 @@ def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
 
 
 def _usable(flight: Flight, motors: Catalogue) -> DesignForecast | None:
-    """What a row says, or None if it lacks something."""
+    """The flight and its forecasts in a row, or None if it lacks something or cannot be used."""
     begin, end = FORECAST_COLUMN
     apogees = [_positive(text) for name, text in flight.extra.items() if name.startswith(begin) and name.endswith(end)]
     mach, known = _positive(flight.extra.get(MACH_COLUMN, "")), tuple(apogee for apogee in apogees if apogee)
@@ -74,7 +74,7 @@ def _usable(flight: Flight, motors: Catalogue) -> DesignForecast | None:
 
 
 def _positive(text: str) -> float:
-    """A positive number, or 0 if the text is none."""
+    """A positive number, or 0 for any other text."""
     try:
         number = float(text)
     except ValueError:

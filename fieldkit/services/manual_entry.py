@@ -35,7 +35,8 @@ CONFIGURATION = ("motor", "dry_mass", "diameter")
 
 
 def kind(column: Column) -> str:
-    """Columns that are likely typed in one unit: two heights are, a height and a diameter are not."""
+    """Name of the group of columns that are probably typed in the same unit: all heights, but not a height and a
+    diameter."""
     return f"{column.quantity} {column.unit}"
 
 
@@ -95,7 +96,7 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
 
 
 def _of_last_build(ledger: Ledger, flight: Flight, name: str) -> str:
-    """A figure of the last flight of the rocket that has it, for the dry mass of the same configuration; empty if there
+    """A figure from the rocket's last flight that has it (for the dry mass, in the same configuration); empty if there
     is none."""
     same = (one for one in reversed(ledger.flights(flight.rocket)) if one.number(name) is not None)
     last = next((one for one in same if name != "dry_mass" or one.config == flight.config), None)
@@ -164,7 +165,7 @@ def weighed(motors: Catalogue, flight: Flight, lift_off: float | None) -> Flight
     """A flight with the dry mass that follows from its mass on the pad with its motor or cluster [kg]; unchanged
     without one.
 
-    Raises BadValue for a mass of no rocket, and for one without a motor; UnknownMotor.
+    Raises BadValue for an impossible mass, and for one without a motor; UnknownMotor.
     """
     if lift_off is None:
         return flight
@@ -174,12 +175,12 @@ def weighed(motors: Catalogue, flight: Flight, lift_off: float | None) -> Flight
 
 
 def dry_mass_under(lift_off: float, motor: Motor) -> float:
-    """The dry mass from the mass on the pad with a motor [kg]. Raises BadValue for one of no rocket. [kg]"""
+    """The dry mass, given the mass on the pad with a motor [kg]. Raises BadValue for an impossible one. [kg]"""
     return check(BY_NAME["dry_mass"], without_motor(lift_off, motor))
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
-    """Give a typed flight a number, a time and its site's elevation if it has none, and put it in the ledger.
+    """Give a typed flight a number, a time and its site's elevation if it has none, and add it to the ledger.
 
     Its readouts have the source "typed".
 

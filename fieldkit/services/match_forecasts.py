@@ -19,8 +19,8 @@ def made_for(
 
     The latest forecast that names the flight has priority. Otherwise it is a forecast for the same rocket,
     configuration and motor from the two weeks before the flight: the one with the most similar mass and conditions,
-    then the latest. Forecasts that used the flight are excluded. A forecast that names no flight is of the next one
-    alone: later flights of that setup have none unless it was forecast again.
+    then the latest. Forecasts that used the flight are excluded. A forecast that names no flight is for the next one
+    only: later flights of that setup have none unless another was made.
     """
     motor_of = _motors(motors)
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
@@ -45,7 +45,7 @@ def made_for(
 
 
 def _once(flights: Sequence[Flight], found: Sequence[StoredPrediction | None]) -> list[StoredPrediction | None]:
-    """The forecasts of flights; one that names no flight only with the first flight after it."""
+    """The forecasts of flights, without those that name no flight and belong to an earlier one."""
     first: dict[int, int] = {}
     for place in sorted(range(len(flights)), key=lambda place: _flown_at(flights[place])):
         one = found[place]

@@ -48,8 +48,8 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
     """A plan with its missing values filled in: mass, diameter and rail as last flown, otherwise mass and diameter of
-    the design or of the flyer's kit of its name, and the flyer's usual rail; the last site and its elevation. Weather
-    is that of the day if it was entered, and is never assumed here.
+    the design or of the kit that the rocket is named after, and the flyer's usual rail; the last site and its
+    elevation. Weather is that of the day if it was entered, and is never assumed here.
 
     Raises BadValue for a damaged file of kits.
     """
@@ -89,12 +89,12 @@ INHERITED_RECOVERY = (
 """The recovery and stability of a plan, from the last flight of its configuration that has them. Descent speed and
 diameter of a parachute describe the same one, so a plan with either takes neither."""
 OF_ANY_DEVICE = ("recovery", STABILITY)
-"""Columns that a plan takes from a flight on another device too."""
+"""Columns that a plan takes even from a flight on another device."""
 
 
 def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
     """A plan with the recovery of its configuration's last flight, unless it has its own; on another device it takes
-    nothing that describes the former one. Texts that cannot be read are passed over."""
+    nothing that describes the former one. Unreadable texts are skipped."""
     own = [flight for flight in reversed(flights) if flight.config == plan.config]
     for names in INHERITED_RECOVERY:
         if any(recovery_column(plan, name) for name in names):

@@ -11,7 +11,7 @@ from fieldkit.motors.names import tidy
 from fieldkit.quantities import counted
 
 MIN_COMPARED = 3
-"""Flights of which a median can say that one is far from the others. [1]"""
+"""Minimum number of flights for a median that shows outliers. [1]"""
 MAX_NAMED_FLIGHTS = 5
 """Number of flights that a note names; it counts the others. [1]"""
 
@@ -80,7 +80,7 @@ def _named(ids: Sequence[str]) -> str:
 
 def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
     """The id of each new flight whose apogee or top speed is far from the median of its rocket's on the same motor, and
-    a line on it. Judged among at least `MIN_COMPARED` clean flights of one rocket."""
+    a line about it. None with fewer than `MIN_COMPARED` clean flights to compare."""
     by_motor: dict[str, list[Flight]] = {}
     for flight in flights:
         if flight.clean and flight.motor:

@@ -37,11 +37,11 @@ class Recording:
 class FlightRecordings:
     """The samples of flights of the ledger, read again from the stored bytes.
 
-    A file that holds several flights is read once while its flights follow each other.
+    A file that holds several flights is read once if they are requested one after the other.
     """
 
     def __init__(self, ledger: Ledger, choices: Sequence[ColumnChoice] = ()) -> None:
-        """`choices` say which columns of a table of samples are what, best first."""
+        """`choices` assign columns of tables of samples to channels, best first."""
         self._ledger, self._choices = ledger, choices
         self._last: tuple[StoredFiles, list[Reading]] | None = None
 

@@ -19,8 +19,8 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 
 @dataclass(frozen=True, slots=True)
 class LedgerScores:
-    """Scores of saved forecasts (None if there are none; `stale` of them do not follow from the ledger anymore), of
-    replayed flights after earlier ones of their rocket, and of first flights; the stacking weights of the next
+    """Scores of saved forecasts (None if there are none; `stale` of them would be different with the ledger as it is
+    now), of replayed flights after earlier ones of their rocket, and of first flights; the stacking weights of the next
     forecast, and the coverage of corrected intervals."""
 
     saved: ScoreReport | None

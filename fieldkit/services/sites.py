@@ -25,7 +25,7 @@ def sites(ledger: Ledger) -> list[Site]:
 
 
 def site_of(ledger: Ledger, name: str) -> Site:
-    """The known properties of a site, whatever the case of its letters; only the name of a new one."""
+    """The known properties of a site, found regardless of case; only the name of a new one."""
     saved = (ledger.draft(SITES) or {}).get(name, {})
     if not name or "elevation" in saved:
         return Site(name, **saved)

@@ -105,7 +105,7 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
 
 
 def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
-    """A flight as read again, with the references of the ledger to its files: the first one, and the `others`."""
+    """A flight as read again, with the ledger's references to its files: the first one, and the `others`."""
     ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
     extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
     return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))
