@@ -135,7 +135,7 @@ def write(file: Path, content: bytes, *, force: bool = False) -> None:
 
 
 def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write a group of files, or none if one must not be written; see `write`."""
+    """Write a group of files, or none if one must not be written; see `write`. Raises FieldkitError."""
     for file in contents:
         check_target(file, force=force)
     for file, content in contents.items():

@@ -141,5 +141,5 @@ def captures(folder: Path) -> list[Path]:
 
 
 def unfinished(folder: Path) -> Path | None:
-    """The newest incomplete capture, None if there is none."""
+    """The newest incomplete capture, None if there is none. Raises CaptureTrouble."""
     return next((file for file in reversed(captures(folder)) if not read_capture(file).whole), None)

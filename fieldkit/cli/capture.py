@@ -100,7 +100,7 @@ def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "En
 def _events(
     where: Sequence[str], device: str | None, resume: bool, options: "CaptureOptions", stop: Callable[[], bool]
 ) -> "Iterator[Event]":
-    """The events of the requested capture. Raises PortTrouble, CaptureTrouble; otherwise wrong usage."""
+    """The events of the requested capture. Raises PortTrouble or CaptureTrouble, and BadParameter for wrong usage."""
     from fieldkit import capture
     from fieldkit.paths import capture_folder
 
@@ -183,7 +183,7 @@ def _chooser(
 
 @contextmanager
 def _interrupt() -> "Iterator[Callable[[], bool]]":
-    """Whether Ctrl-C was pressed: once ends the capture cleanly, twice at once."""
+    """Whether Ctrl-C was pressed: once ends the capture cleanly, twice immediately."""
     import signal
     from threading import Event, current_thread, main_thread
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Names = dict["Motor", str]
 """The name of each motor in the guide."""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
-"""Delays of a motor listed: as many as fit in 80 characters, or all. [1]"""
+"""Maximum number of delays listed per motor: as many as fit in 80 characters, or all. [1]"""
 
 
 def print_guide(
@@ -77,7 +77,8 @@ def print_guide(
 
 
 def _in_season(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "tuple[list[MotorChoice], MotorAdvice]":
-    """The motors held to the limits of a season, and by its points against the one that the rocket last flew on."""
+    """The motors checked against the limits of a season, and advice by its points, compared with the motor last
+    flown."""
     from fieldkit.paths import data_file
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_advice import in_season, motor_advice
@@ -229,7 +230,7 @@ def _print_excluded(excluded_motors: "list[MotorChoice]", names: Names) -> None:
 
 
 def _called(motor: "Motor", known: "Catalogue") -> str:
-    """The designation, with the maker if that alone would be read as another motor."""
+    """The designation, with the maker if the designation alone would be read as another motor."""
     from fieldkit.planning.motor_guide import label
 
     alone = label(known.resolve(motor.designation).motor) == label(motor)

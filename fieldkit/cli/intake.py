@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 MAX_COMPARED_FLIGHTS = 6
-"""Imported flights that are compared with their forecasts, one line each. [1]"""
+"""Maximum number of imported flights that are compared with their forecasts, one line each. [1]"""
 
 FILES = 20
-"""Files that get a line of their own. [1]"""
+"""Maximum number of files that get a line each. [1]"""
 
 
 class ExportFormat(StrEnum):

@@ -147,7 +147,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")  # print the line even if the terminal lacks a character
     try:
         status = _status(arguments)
-        with suppress(BrokenPipeError):  # the command has finished; only its reader has left
+        with suppress(BrokenPipeError):  # the command has finished; only its reader is gone
             sys.stdout.flush()
         return status
     except FieldkitError as error:
@@ -167,8 +167,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _open_streams() -> None:
-    """Open the standard streams that the parent process has closed, as by `>&-`, so that no file gets the number of
-    one: the input is empty, results cannot be written, messages are dropped."""
+    """Open the standard streams that the parent process has closed, as by `>&-`, so that no file opened later gets one
+    of their numbers: the input is empty, results cannot be written, messages are dropped."""
     for name, mode, access in (("stdin", "r", os.O_RDONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
         if getattr(sys, name) is None:  # Python's stand-in for a closed stream
             setattr(sys, name, os.fdopen(os.open(os.devnull, access), mode, encoding="utf-8", closefd=False))

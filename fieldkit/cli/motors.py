@@ -20,9 +20,9 @@ app = typer.Typer()
 
 GUIDE = "With --fit"
 MAX_LISTED_MOTORS = 40
-"""Motors in a table. [1]"""
+"""Maximum number of motors in a table. [1]"""
 MAX_CORRECTED_MOTORS = 3
-"""Motors whose corrected figures are printed. [1]"""
+"""Maximum number of motors whose corrected figures are printed. [1]"""
 ABOUT_TITLES = {
     "licence": "license",
     "kept": "in the catalog",
@@ -143,7 +143,7 @@ app.command()(motors)
 
 
 def _check_one_task(tasks: Mapping[str, object]) -> None:
-    """Raise BadParameter if more than one thing is asked for: only the first would be done."""
+    """Raise BadParameter if more than one task is requested: only the first would be done."""
     if len(wanted := [name for name, value in tasks.items() if value]) > 1:
         raise typer.BadParameter(f"found {' and '.join(wanted)}, expected one of them")
 
@@ -155,8 +155,8 @@ def _check_needs_fit(fit: str | None, options: Mapping[str, object]) -> None:
 
 
 def _check_near(text: str, found: "list[Motor]", complaint: str | None, *, strict: bool) -> None:
-    """Note that motors are only near a text. Raises UnknownMotor if there are none, or if `strict`: a program or a
-    shortlist would take them for the one named."""
+    """Print a note that motors only resemble a text. Raises UnknownMotor if there are none, or if `strict`: a program
+    or a shortlist would mistake them for the one named."""
     from fieldkit.errors import UnknownMotor
 
     if strict or not found:

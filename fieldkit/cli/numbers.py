@@ -1,4 +1,4 @@
-"""Checks of options that take a number: `nan` passes every bound, and `inf` one side of it."""
+"""Checks of options that take a number: `nan` passes both bounds, and infinity one of them."""
 
 from math import isfinite
 

@@ -1,4 +1,5 @@
-"""The plan that the options of a command describe, completed from the rocket's last flight, a kit, or the scale."""
+"""The plan that the options of a command describe, completed from the rocket's last flight, a kit, or the mass weighed
+with the motor."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress

@@ -152,7 +152,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
 
 def check_rules(text: str) -> None:
-    """Raise BadValue if there is no set of rules of a named authority."""
+    """Raise BadValue if a text names an authority without a known set of rules."""
     import datetime
 
     from fieldkit.planning.rules import governing, read_authorities

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 LIFT_OFF = "lift_off_mass"
 """Typed in place of the dry mass for a rocket weighed with its motor."""
 REMARKS = 5
-"""Excluded flights that a command names; the others are counted. [1]"""
+"""Maximum number of remarks on flights that a command prints; the others are counted. [1]"""
 
 
 @contextmanager
@@ -53,7 +53,7 @@ def known_motors() -> "Catalogue":
 
 
 def split_settings(arguments: Sequence[str]) -> dict[str, str]:
-    """Columns and values of `COLUMN=VALUE` arguments; one without `=` is wrong usage."""
+    """Columns and values of `COLUMN=VALUE` arguments. Raises BadParameter for one without `=`."""
     for argument in arguments:
         if "=" not in argument:
             raise typer.BadParameter(f"found {argument!r}, expected COLUMN=VALUE")

@@ -11,7 +11,8 @@ from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
 
 
 class BesideFlights(OpenLedger):
-    """Saving model versions, forecasts, starting configurations and drafts."""
+    """Saving model versions, forecasts, starting configurations and drafts. Each method raises LedgerError if the
+    ledger cannot be read or written."""
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
         """Save a model of a rocket under the next number, and activate it by default."""

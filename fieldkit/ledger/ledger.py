@@ -1,8 +1,8 @@
 """`Ledger`: stores and returns flights; every command can be undone.
 
 Every method that makes changes is one transaction: it is applied completely or not at all, even in a power failure.
-Each raises LedgerError if the ledger cannot be read or written. Queries for flights are in `shown.py`, other records in
-`beside.py`.
+Each raises LedgerError if the ledger cannot be read or written, or if an id is unknown. Queries for flights are in
+`shown.py`, other records in `beside.py`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -57,7 +57,7 @@ class Ledger(FlightsOut, BesideFlights):
         return added
 
     def edit(self, id: str, **changes: object) -> Flight:
-        """Change fields of a flight and return it. Raises LedgerError if another flight has the new name."""
+        """Change fields of a flight and return it. Raises LedgerError if another flight has the new name, BadValue."""
         what = f"{id} ({', '.join(changes)})"
         return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 

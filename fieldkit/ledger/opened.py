@@ -29,7 +29,7 @@ class OpenLedger:
     def open(cls: type[Kind], where: str | Path | None = None) -> Kind:
         """Open the ledger at a path or URL; create or upgrade it if needed.
 
-        None means FIELDKIT_LEDGER, or the file in the user's data folder.
+        None means FIELDKIT_LEDGER, or the file in the user's data folder. Raises LedgerError.
         """
         url = whereabouts.location(where)
         engine = opening.connect(url)

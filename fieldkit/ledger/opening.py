@@ -67,14 +67,14 @@ def _begin_server(connection: Connection) -> None:
 
 @contextmanager
 def reading(engine: Engine) -> Iterator[Connection]:
-    """A connection that reads one consistent state of the ledger."""
+    """A connection that reads one consistent state of the ledger. Raises LedgerError."""
     with explained(engine), engine.connect() as connection:
         yield connection
 
 
 @contextmanager
 def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
-    """A connection whose changes are committed together or not at all; only one writer at a time."""
+    """A connection whose changes are all committed, or none; one writer at a time. Raises LedgerError."""
     with explained(engine), engine.execution_options(writes=True).connect() as connection:
         yield connection
         if keep:

@@ -10,7 +10,7 @@ from fieldkit.ledger.rows import Row, flight_of, summary_of
 
 
 class FlightsOut(OpenLedger):
-    """The queries of a ledger."""
+    """The queries of a ledger. Each raises LedgerError if the ledger cannot be read, or if an id is unknown."""
 
     def flights(
         self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None

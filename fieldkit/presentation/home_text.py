@@ -1,4 +1,4 @@
-"""The next flight in words and figures, for the app's first page."""
+"""The next flight in words and figures, for the app's Home page."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING

@@ -17,10 +17,10 @@ from fieldkit.quantities import ShownUnits, counted
 from fieldkit.units import DEGREE
 
 LEAST_CHANCE = 0.01
-"""Chance that is reported. [1]"""
+"""Minimum chance that is reported. [1]"""
 OFF_AXIS = 0.05
-"""Distance of the ellipse's center to the side of the wind below which it is within the noise of the draws, over the
-short half axis. [1]"""
+"""Crosswind offset of the ellipse's center below which it is within the noise of the draws, relative to the short
+semi-axis. [1]"""
 
 
 def landing_in_words(

@@ -27,7 +27,7 @@ def typed_weather(ledger: "Ledger") -> tuple[dict[str, str], datetime | None]:
 
 
 def weather_of(texts: Mapping[str, str]) -> Flight:
-    """Entered weather as the conditions of a flight. [SI]"""
+    """Entered weather as the conditions of a flight. Raises BadValue. [SI]"""
     return Flight().with_changes(**{name: read_answer(name, text) for name, text in texts.items()})
 
 

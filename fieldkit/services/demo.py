@@ -65,6 +65,6 @@ def plans(flights: Sequence[Flight]) -> list[Flight]:
 
 
 def new_ledger_file(named: str | None) -> Path | None:
-    """A file for a ledger that does not exist yet; the demo creates it completely or not at all."""
+    """A file for a ledger that does not exist yet; the demo creates it completely or not at all. Raises LedgerError."""
     file = file_of(location(named)) if named else None
     return file if file is not None and not file.exists() and file.parent.is_dir() and not backups(file) else None

@@ -36,7 +36,7 @@ def fleet_prior(
 ) -> "SharedPrior | None":
     """The message of the clean flights of all other rockets of a ledger about the shared terms; None without any.
 
-    `on_progress` is called for each rocket that is fitted again.
+    `on_progress` is called for each rocket that is fitted again. Raises DamagedModel for an unreadable hyperprior.
     """
     return fleet_priors(ledger, motors, [rocket], on_progress)[rocket]
 
@@ -44,7 +44,7 @@ def fleet_prior(
 def fleet_priors(
     ledger: Ledger, motors: Catalogue, rockets: Sequence[str], on_progress: ReportProgress = no_op
 ) -> "dict[str, SharedPrior | None]":
-    """`fleet_prior` of several rockets, each fitted at most once."""
+    """`fleet_prior` of several rockets, each fitted at most once. Raises DamagedModel for an unreadable hyperprior."""
 
     own = learned()
     made_with = json.dumps([__version__, own.json()], sort_keys=True)

@@ -116,7 +116,8 @@ def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: 
 
 
 def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
-    """The fields of a plan from the entered answers, in the form saved in the ledger, with the motor's temperature."""
+    """The fields of a plan from the entered answers, in the form saved in the ledger, with the motor's temperature.
+    Raises BadValue."""
     values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
     warm = texts.get(MOTOR_TEMPERATURE, "")
     return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})

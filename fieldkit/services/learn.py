@@ -87,7 +87,7 @@ def learn(
     flyers: Sequence[Flyer], *, from_start: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
     """The hyperprior fitted to the flights of some flyers, starting from the one in use, or from `START` if
-    `from_start`."""
+    `from_start`. Raises DamagedModel if the one in use cannot be read."""
 
     start = START if from_start else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]
@@ -128,7 +128,7 @@ def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, from_start: boo
 
 
 def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
-    """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them."""
+    """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them. Raises DamagedModel."""
 
     fleets = [
         [own for rocket, own in flyer.rockets.items() if (number, rocket) != (work.flyer, work.rocket)]

@@ -80,7 +80,7 @@ def _named(ids: Sequence[str]) -> str:
 
 def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
     """The id of each new flight whose apogee or top speed is far from the median of its rocket's on the same motor, and
-    a line about it. None with fewer than `MIN_COMPARED` clean flights to compare."""
+    a line about it. Only with at least `MIN_COMPARED` clean flights to compare."""
     by_motor: dict[str, list[Flight]] = {}
     for flight in flights:
         if flight.clean and flight.motor:

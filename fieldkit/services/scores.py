@@ -19,9 +19,9 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 
 @dataclass(frozen=True, slots=True)
 class LedgerScores:
-    """Scores of saved forecasts (None if there are none; `stale` of them would be different with the ledger as it is
-    now), of replayed flights after earlier ones of their rocket, and of first flights; the stacking weights of the next
-    forecast, and the coverage of corrected intervals."""
+    """Scores of saved forecasts (None if there are none; `stale` counts those whose inputs have changed), of replayed
+    flights after earlier ones of their rocket, and of first flights; the stacking weights of the next forecast, and the
+    coverage of corrected intervals."""
 
     saved: ScoreReport | None
     stale: int

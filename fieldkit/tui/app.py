@@ -46,8 +46,8 @@ def finder() -> type[Provider]:
 
 
 class FieldkitApp(Surviving):
-    """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. An app that
-    `stays` has a process of its own, in which it prepares what keys would otherwise wait for."""
+    """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. If it `stays`,
+    it has its own process, and prepares in the background what keys would otherwise wait for."""
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True

@@ -1,4 +1,4 @@
-"""Reports of unexpected errors: a crash file with the place, and a line for the flyer.
+"""Reports of unexpected errors: a crash file with the location, and a line for the flyer.
 
 The file is meant to be sent to others, so it contains nothing private: the type of an error and the lines of the
 program, but not its message, which may quote a flight, and no variables; paths start after the home folder.

@@ -57,17 +57,17 @@ class Connections:
 
 
 class Handler(web.RequestHandler):  # type: ignore[misc]  # mypy does not read aiohttp
-    """The requests of one connection, which ends if none comes; a malformed one, which no middleware sees, is answered
-    with the same headers and without an echo."""
+    """The requests of one connection, which is closed if none arrives; a malformed one, which no middleware sees, is
+    answered with the same headers and without echoing it."""
 
     def __init__(self, server: web.Server, headers: Mapping[str, str]) -> None:
         super().__init__(server, loop=asyncio.get_running_loop(), access_log=None, keepalive_timeout=IDLE_PERIOD)
         self._headers = headers
         self.has_asked = False
-        """Whether a whole request has come."""
+        """Whether a whole request has arrived."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin a connection, for `IDLE_PERIOD` unless a request comes."""
+        """Start a connection, which is closed after `IDLE_PERIOD` without a request."""
         super().connection_made(transport)
         asyncio.get_running_loop().call_later(IDLE_PERIOD, self._end_silent, transport)
 

@@ -18,7 +18,7 @@ MAX_GROWTH = 1.2
 
 
 def pause_collection() -> None:
-    """Stop collecting garbage until `resume_collection`: while the app starts, next to nothing of what is allocated is
+    """Stop collecting garbage until `resume_collection`: while the app starts, almost nothing that is allocated is
     garbage, and scanning it takes an eighth of the processor time."""
     gc.disable()
 

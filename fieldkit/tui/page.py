@@ -27,7 +27,7 @@ OF_TEXTUAL = {
     "app.focus_previous": "Previous part of the page",
     "screen.copy_text": "",
 }
-"""Actions that Textual itself binds and describes, with what the help says instead; nothing leaves them out."""
+"""Actions that Textual binds and describes itself, with the description in our help; an empty one omits the action."""
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
@@ -151,7 +151,8 @@ class PageScreen(AskingScreen):
             self.call_after_refresh(show)
 
     def show_in_front(self, show: Callable[[], object], otherwise: str) -> None:
-        """Show something over this page; if another page is in front, a notice there, and it when this page is back."""
+        """Show something over this page; if another page is in front, show a notice there, and the rest when this one
+        returns."""
         if self.is_current:
             show()
         else:
@@ -191,7 +192,7 @@ class PageScreen(AskingScreen):
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave the input that is being edited."""
+        """Enter leaves a line only while an input has the focus."""
         if action == "leave_line":
             return isinstance(self.focused, Input)
         return super().check_action(action, parameters)

@@ -239,7 +239,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         return app
 
     def is_ours(self, asked: str) -> bool:
-        """Whether a host name and port mean this server: those of the link, or this computer's loopback names."""
+        """Whether a host name and port refer to this server: those of the link, or this computer's loopback names."""
         try:
             split = urlsplit(f"//{asked}")
             here = is_loopback(split.hostname or "") and (split.port or 80) == self.port

@@ -78,7 +78,7 @@ class Card:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Record:
-    """A rocket's apogees in the order flown [m], which flights are clean, and the place of each by flight_id."""
+    """A rocket's apogees in the order flown [m], which flights are clean, and the index of each by flight_id."""
 
     apogees: Float[Array, "flight"]
     clean: Flags

@@ -134,7 +134,7 @@ def _table(axes: Axes, rows: Sequence[Sequence[str]]) -> None:
 
 
 DAY = ("site", "wind", "temperature", "air")
-"""What `_day` says of a plan, in this order."""
+"""What `_day` describes, in this order."""
 
 
 def _day(plan: Flight, shown: ShownUnits) -> tuple[str, ...]:

@@ -15,9 +15,9 @@ from fieldkit.presentation.report.style import without_markup
 from fieldkit.safe_text import printable
 
 WIDTH, MARGIN = 7.5, 0.25
-"""Of the card. [in]"""
+"""Width and margin of the card. [inch]"""
 TITLE, DAY_ROW, ROW, NOTE_ROW = 0.32, 0.18, 0.29, 0.145
-"""Heights of a line of the title, of a line of the day's air, of a row of the table, and of a line of notes. [in]"""
+"""Heights of a line of the title, of a line of the day's air, of a row of the table, and of a line of notes. [inch]"""
 DAY_LINE, LINE = 95, 110
 """Lengths of the lines of the day's air, and of notes. [character]"""
 TITLE_LINE = 60

@@ -22,8 +22,8 @@ TITLE_LINE, TITLE_ROW = 60, 0.02
 FONT = 7.5
 """Size of the text; safety checks that would not fit on the page are smaller. [pt]"""
 CHECKS_TOP, ROW, FOOT_OF_PAGE = 0.62, 0.0113, 0.02
-"""Highest place of the safety checks on the page below the map, height of a line of text, and bottom margin, as
-fractions of the page's height. [1]"""
+"""Highest position of the safety checks below the map, height of a line of text, and bottom margin, as fractions of the
+page's height. [1]"""
 SHOWN_LANDINGS = 200
 """Number of points on the map. [1]"""
 

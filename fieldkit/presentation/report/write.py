@@ -41,7 +41,7 @@ def check_report(path: Path) -> None:
 def write_report(
     book: FlightReport, path: Path, on_progress: ReportProgress = no_op, *, force: bool = False
 ) -> list[Path]:
-    """Write a report in the format of its file name, completely or not at all; the paths of the files.
+    """Write a report in the format of its file name, completely or not at all; returns the paths of the files.
 
     Raises FieldkitError if a file cannot be written, or exists and `force` is False.
     """

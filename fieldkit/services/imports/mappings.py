@@ -90,7 +90,7 @@ def _looks_of_flights(head: bytes) -> bool:
 
 
 def list_mappings() -> Sequence[ColumnChoice]:
-    """The saved column mappings, newest first: `forget` and `edit` count them from 1."""
+    """The saved column mappings, newest first: `forget` and `edit` count them from 1. Raises FieldkitError."""
     return remembered()
 
 

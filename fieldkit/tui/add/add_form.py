@@ -47,8 +47,8 @@ TODAY = "today"
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The answers as a flight, the errors of those that cannot be read, by question, the `usual` readouts of the
-    same rocket on the same motor, and the mass with its motor, if it was weighed so. [SI]"""
+    """The answers as a flight, the errors of unreadable ones by question, the `usual` readouts of the same rocket on
+    the same motor, and the mass with the motor, if the rocket was weighed with it. [SI]"""
 
     flight: Flight
     wrong: Mapping[str, str]

@@ -90,8 +90,8 @@ class Sheet:
         return {name: self.field(name).answer for name in BY_NAME}
 
     def fill(self, texts: Mapping[str, str], system: str = "") -> None:
-        """Fill lines in which nothing was typed, or whose message is still in the queue; numbers are in the units of a
-        system, if one is given."""
+        """Fill the lines in which nothing was typed, even if the message about a key is still queued; numbers are in
+        the units of a system, if one is given."""
         with self._page.prevent(Input.Changed):
             for name in texts.keys() & BY_NAME.keys() - self.touched:
                 if not self.field(name).typed:
@@ -114,7 +114,7 @@ class Sheet:
             self.typed_in.pop(name, None)
 
     def clear(self) -> None:
-        """Empty every line."""
+        """Clear every line."""
         self.touched.clear()
         self.typed_in.clear()
         with self._page.prevent(Input.Changed):

@@ -50,8 +50,8 @@ class EstimateLine(Static):
         self._scales.clear()
 
     def follow(self, typed: Flight, lift_off: float | None = None) -> None:
-        """Show the estimate from the values so far, once typing pauses; `lift_off` is the mass with the motor, if it
-        was weighed so [kg]."""
+        """Show the estimate from the values so far, once typing pauses; `lift_off` is the mass with the motor, if the
+        rocket was weighed with it [kg]."""
         if (typed, lift_off) == self._last:
             return
         self._last = typed, lift_off
@@ -69,7 +69,7 @@ class EstimateLine(Static):
         beside = self._beside
         if beside is None:
             beside = self._beside = TypedFlight(self._page.resources.ledger, self._page.resources.motors)
-        with suppress(FieldkitError):  # its form says why
+        with suppress(FieldkitError):  # the form shows why
             typed = weighed(self._page.resources.motors, typed, lift_off)
         return beside.estimate(typed)
 

@@ -84,8 +84,8 @@ class Field(Horizontal):
 class Form(ModalScreen[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
-    `units` are those of numbers typed without one, by question; `read` makes a value of a name, a text and its unit, or
-    raises BadValue. `names` finds what is offered as answers are typed; names that it does not know must be confirmed.
+    `units` are those of numbers typed without one, by question; `read` converts a name, a text and its unit to a value,
+    or raises BadValue. `names` finds the answers to offer while typing; names that it does not know must be confirmed.
     """
 
     DEFAULT_CSS = """

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 WITH_FORECASTS, TIGHT = 98, 76
-"""Least widths of a table with forecasts drawn next to all figures, and next to the most important ones: those of
+"""Minimum widths of a table with forecasts drawn next to all figures, and next to the most important ones: those on
 screens of 100 columns, and of 120 with the card beside it. [cell]"""
 
 
@@ -48,7 +48,7 @@ class Shown:
     order: Callable[[Row], Any]
     right: bool = False
     falls: bool = False
-    """Whether the largest come first at first."""
+    """Whether the first sort by this column puts the largest first."""
 
 
 def _number(value: float | None, form: str) -> str:
@@ -67,8 +67,9 @@ def _date(form: str) -> Callable[[Row, str], str]:
 
 
 def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool = False) -> list[Shown]:
-    """The columns that fit: narrow screens shorten the date, the rocket and the tags; with room for them, the forecast
-    and the flown apogee on a scale, which a narrow table `beside` the card of a flight has in place of alpha."""
+    """The columns that fit: narrow screens shorten the date, the rocket and the tags; with enough room, the forecast
+    and the flown apogee are drawn on a scale; a narrow table `beside` the card of a flight has this instead of
+    alpha."""
     brief = beside and TIGHT <= width < WITH_FORECASTS
     wide, tight = width >= 134, width < TIGHT
     timed = width >= 108

@@ -35,7 +35,7 @@ from fieldkit.tui.widgets.hanging import hanging, stacked
 from fieldkit.tui.widgets.plots import Plot, draw_density
 
 MIN_LINES_FOR_ROCKET = 50
-"""Lines of a terminal from which a flight without a log shows its rocket below. [cell]"""
+"""Minimum height of a terminal that shows the rocket below a flight without a log. [cell]"""
 EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
 PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
 """Placeholders until the flight is read."""

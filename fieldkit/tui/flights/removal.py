@@ -17,7 +17,8 @@ def leave(page: PageScreen, id: str) -> None:
 
 
 def close(page: PageScreen) -> None:
-    """Dismiss the screen of a removed flight; below a dialog, whose text would be lost, when it is in front again."""
+    """Dismiss the screen of a removed flight; if a dialog is above it, after that has closed, so that no text is
+    lost."""
     if page.app.screen is page:
         page.dismiss()
     else:

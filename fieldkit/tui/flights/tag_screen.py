@@ -129,7 +129,7 @@ class TagScreen(PageScreen):
         self._beside()
 
     def _beside(self) -> None:
-        """The same drawn, if there is room."""
+        """Draw the effect of the tags, if there is room."""
         if self.has_class("-wide") and self._before is not None and self._now is not None:
             self.query_one(TagCard).show_shift(self._before, self._now, self.resources.settings.units)
 

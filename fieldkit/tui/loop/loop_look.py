@@ -39,7 +39,8 @@ class Standing:
 
 
 def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
-    """The state of a rocket, by default or if it is gone, of the one flown last; None if nothing has flown."""
+    """The state of a rocket, or of the one flown last if none is given or it no longer exists; None if nothing has
+    flown."""
     from fieldkit.services.forecasts import which_rocket
 
     ledger = resources.ledger

@@ -1,4 +1,4 @@
-"""An answer on the screen Decide: text, details and picture."""
+"""An answer on the Decide screen: text, details and picture."""
 
 from dataclasses import dataclass
 from typing import Any

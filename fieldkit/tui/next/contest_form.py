@@ -1,4 +1,4 @@
-"""The form of a contest day on the screen Decide: announcements, declarations, and the size of the site."""
+"""The form of a contest day on the Decide screen: announcements, declarations, and the size of the site."""
 
 from dataclasses import replace
 from typing import Any

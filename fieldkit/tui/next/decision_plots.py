@@ -1,4 +1,4 @@
-"""The pictures of the screen Decide: delays around apogee, densities of apogees and points, forecasts and results."""
+"""The pictures of the Decide screen: delays around apogee, densities of apogees and points, forecasts and results."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -105,7 +105,7 @@ class Decision:
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def noted(self, answer: Answer) -> Answer:
-        """An answer with what is not modeled of a cluster."""
+        """An answer with a note on what is not modeled for a cluster."""
         return replace(answer, words=(*answer.words, f"  note      {CLUSTER_NOTE}")) if self.motor.parts else answer
 
     def saved_forecasts(self, ledger: Ledger, motors: Catalogue) -> Answer:

@@ -25,7 +25,7 @@ def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> 
             return
         as_shown = {name for name in PLAN if not_retyped(plan, name, values[name], system)}
         values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
-        if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # what was not retyped is the other's
+        if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # unchanged figures are of the old one
             values = {**values, **dict.fromkeys(as_shown.intersection(BODY))}
         try:
             keep(planned(values))

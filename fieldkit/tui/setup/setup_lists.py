@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
 NORMAL_TABLE_WIDTH, WIDE_TABLE_WIDTH = 70, 96
-"""Widths from which a table has room for more columns. [cell]"""
+"""Minimum widths of a table with more columns. [cell]"""
 
 
 class ListContents(NamedTuple):
@@ -134,6 +134,6 @@ def answer_of(flight: Flight, question: Question, system: str) -> str:
 
 
 def same(name: str, value: object, text: str, system: str) -> bool:
-    """Whether a form's value is unchanged: it is if it is that of the text that the form showed."""
+    """Whether a form's value is unchanged, that is, the value of the text that the form showed."""
     unit = unit_of(BY_NAME[name], system) if name in BY_NAME else ""
     return read_answer(name, text, unit) == value

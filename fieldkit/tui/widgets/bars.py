@@ -81,7 +81,7 @@ class NoticeBar(Static):
         dismiss = Content.from_markup("  [@click=app.read][b]Esc[/] dismiss[/]")
         room = max(1, self.app.size.width - 2)
         hint = notice.error or ceil((shown + dismiss).cell_length / room) == ceil(shown.cell_length / room)
-        self.update(shown + dismiss if hint else shown)  # a success leaves with the next notice, so the hint may go
+        self.update(shown + dismiss if hint else shown)  # the next notice replaces a success, so the hint is optional
 
     def _within(self, text: str) -> str:
         """A text shortened to leave room for its keys."""

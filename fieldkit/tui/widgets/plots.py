@@ -124,7 +124,7 @@ def round_ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
-    """A smooth density of draws: places and heights (Gaussian kernels, Silverman's rule of thumb, 1986)."""
+    """A smooth density of draws: positions and heights (Gaussian kernels, Silverman's rule of thumb, 1986)."""
     values = values[np.isfinite(values)]
     spread = min(values.std(), np.subtract(*np.quantile(values, [0.75, 0.25])) / 1.34) or values.std() or 1e-9
     width = 0.9 * spread * len(values) ** -0.2

@@ -32,7 +32,10 @@ def check_page(path: Path) -> None:
 
 
 def write_page(found: Findings, path: Path, *, force: bool = False, system: str = "SI") -> None:
-    """Write the report to a file, as HTML or PNG by its name, in the units of a system; `force` replaces a file."""
+    """Write the report to a file, as HTML or PNG by its name, in the units of a system; `force` replaces a file.
+
+    Raises BadValue for another suffix, FieldkitError if the file cannot be written or exists.
+    """
     check_page(path)
     content = png(found, system) if path.suffix.lower() == ".png" else page(found, system).encode()
     write(path, content, force=force)

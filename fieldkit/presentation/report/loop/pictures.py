@@ -173,7 +173,7 @@ def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None
 
 
 def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """The missing force along each climb: measured minus modeled push against time and against speed."""
+    """The missing force along each climb: measured minus modeled force against time and against speed."""
     panels = figure.subplots(1, 2, sharey=True)
     for number, one in enumerate(found.log_evidence.flights):
         for burning, mark, colour in ((True, "^", BEFORE_COLOR), (False, "o", AFTER_COLOR)):
