@@ -50,7 +50,7 @@ def compare(
 
 
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
-    """A table of figures, a column per recording, with their differences."""
+    """Print a table of figures, a column per recording, with their differences."""
     from fieldkit.analysis.labels import TITLES, figure_text
     from fieldkit.quantities import ShownUnits
 

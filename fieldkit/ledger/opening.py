@@ -58,7 +58,8 @@ def _begin_sqlite(connection: Connection) -> None:
 
 
 def _begin_server(connection: Connection) -> None:
-    """A writer waits for the others and sees what they wrote; all statements of a reader see the same state."""
+    """Begin a transaction: a writer waits for the others and sees what they wrote; all statements of a reader see the
+    same state."""
     if connection.get_execution_options().get("writes"):
         connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_LOCK})")
     else:

@@ -236,7 +236,7 @@ class FieldkitApp(Surviving):
         return super().check_action(action, parameters)
 
     def action_press(self, key: str) -> None:
-        """The action of a click on a key in the key bar."""
+        """Press a key that was clicked in the key bar."""
         self.simulate_key(key)
 
     def action_help_quit(self) -> None:

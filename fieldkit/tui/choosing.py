@@ -61,12 +61,12 @@ class Choosing(InOrder):
             self.screen.refresh_if_changed()
 
     def action_next_theme(self) -> None:
-        """The next colors."""
+        """Switch to the next colors."""
         names = list(THEMES)
         self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
 
     def action_next_units(self) -> None:
-        """The next system of units."""
+        """Switch to the next system of units."""
         self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
 
     def choose(self, done: str = "", **changes: Any) -> None:
@@ -87,7 +87,7 @@ class Choosing(InOrder):
         self._refresh_page()
 
     def ask_target(self) -> None:
-        """The target apogee for comparing motors."""
+        """Ask for the target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
         self.push_screen(AskText("Target", now, about), partial(self._targeted, now))

@@ -41,16 +41,16 @@ class Host(Protocol):
         """Ask for the target apogee."""
 
     def action_next_units(self) -> None:
-        """The next system of units."""
+        """Switch to the next system of units."""
 
     def action_next_theme(self) -> None:
-        """The next colors."""
+        """Switch to the next colors."""
 
     async def open_flight(self, id: str) -> None:
         """Open a flight over the Flights page."""
 
     async def show_flights(self, words: str) -> None:
-        """The flights that match all of some words."""
+        """Show the flights that match all of some words."""
 
     def action_read(self) -> None:
         """Dismiss the current notice."""

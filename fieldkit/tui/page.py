@@ -226,7 +226,7 @@ class PageScreen(AskingScreen):
             self.dismiss()
 
     def action_leave_line(self) -> None:
-        """From a line to the first table."""
+        """Move from a line to the first table."""
         self.set_focus(self.resting_place())
 
     def row(self) -> Any:

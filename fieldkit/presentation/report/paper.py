@@ -124,7 +124,7 @@ def remarks(card: Card) -> list[str]:
 
 
 def _figures(part: "SubFigure", rows: Sequence[tuple[str, str]]) -> None:
-    """Figures in large type next to each other, with their titles below."""
+    """Draw figures in large type next to each other, with their titles below."""
     step = (RIGHT_EDGE - LEFT_EDGE) / max(len(rows), 4)
     for place, (value, what) in enumerate(rows):
         part.text(LEFT_EDGE + step * place, 0.62, value, fontsize=17, weight="bold", va="center")
@@ -147,7 +147,7 @@ def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
 
 
 def _remarks(part: "SubFigure", lines: Sequence[str]) -> None:
-    """As many sentences as fit."""
+    """Draw as many sentences as fit."""
     _rule(part, 0.98, GRID_COLOR)
     fitted = [piece for line in lines for piece in wrap(line, 116)]
     if len(fitted) > 6:
@@ -176,7 +176,7 @@ def _summary(book: FlightReport) -> Iterator["Figure"]:
 
 
 def _table(part: "SubFigure", headers: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
-    """A table of texts; numbers to the right."""
+    """Draw a table of texts, with numbers right-aligned."""
     places = (0.0, 0.1, 0.27, 0.445, 0.555, 0.675, 0.76, 0.835, 0.85)
     right = (3, 4, 5, 6, 7)
     step = 1 / (len(rows) + 1)

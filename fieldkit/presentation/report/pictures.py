@@ -32,7 +32,7 @@ LOG_MARGINS: Margins = (0.85, 0.2, 0.45, 0.24)
 
 
 def forecast(figure: "Figure | SubFigure", card: Card) -> None:
-    """The density of the forecast apogee with its 90% interval, and the flown apogee."""
+    """Draw the density of the forecast apogee with its 90% interval, and the flown apogee."""
     panel = figure.subplots()
     panel.set_title("Forecast and flown")
     shown = ShownUnits(card.system)
@@ -54,7 +54,7 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def _hill(panel: "Axes", forecast: CardForecast, shown: ShownUnits) -> None:
-    """The density of the draws, from a normal kernel in the logarithm; hatched between 5 and 95%."""
+    """Draw the density of the draws, from a normal kernel in the logarithm, hatched between 5 and 95%."""
     draws = forecast.draws[forecast.draws > 0] / shown.length_factor
     if len(draws) < 3 or np.ptp(draws) == 0:
         return
@@ -77,7 +77,7 @@ def _hill(panel: "Axes", forecast: CardForecast, shown: ShownUnits) -> None:
 
 
 def log(figure: "Figure | SubFigure", card: Card) -> None:
-    """Height and speed against time, with a line at each event."""
+    """Draw height and speed against time, with a line at each event."""
     trace = card.trace
     if trace is None:
         record(figure, card)
@@ -111,7 +111,7 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def record(figure: "Figure | SubFigure", card: Card) -> None:
-    """Every apogee of the rocket in the order flown, with this flight filled in."""
+    """Draw every apogee of the rocket in the order flown, with this flight filled in."""
     panel = figure.subplots()
     shown = ShownUnits(card.system)
     place, record = np.arange(1, len(card.record) + 1), card.record / shown.length_factor
@@ -132,7 +132,7 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -> None:
-    """The forecast interval of each flight and its apogee; hollow if there was no forecast before the flight."""
+    """Draw the forecast interval of each flight and its apogee; hollow if there was no forecast before the flight."""
     panel, shown = figure.subplots(), ShownUnits(cards[0].system if cards else "SI")
     names = []
     for row, card in enumerate(cards):

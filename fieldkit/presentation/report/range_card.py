@@ -63,7 +63,7 @@ def _wrapped(text: str, width: int) -> str:
 
 
 def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
-    """Pad, landings, ellipse and field, with the wind blowing up the page; empty if the wind is unknown."""
+    """Draw pad, landings, ellipse and field, with the wind blowing up the page; empty if the wind is unknown."""
     if found.wind is None:
         figure.text(0.79, 0.78, "No map: the wind was not given", fontsize=9, ha="center")
         return

@@ -55,7 +55,7 @@ def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> No
 
 
 def draw(figure: "Figure | SubFigure", report: ScoreReport) -> None:
-    """The three pictures of one report."""
+    """Draw the three pictures of one report."""
     place, held, rivals = figure.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _pits(place, report)
     _reliability(held, report)

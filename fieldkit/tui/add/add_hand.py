@@ -31,12 +31,12 @@ class Hand(Horizontal):
         yield Static("", id="says")
 
     def show(self, field: Field, answered: Answered, unit: str, system: str) -> None:
-        """A field, among all the answers; `unit` is that of a number without one."""
+        """Show a field, among all the answers; `unit` is that of a number without one."""
         self._enlarge(field, answered, unit)
         self._say(_meaning(field.question, field.answer, answered, system), answered, system)
 
     def rest(self, answered: Answered, system: str) -> None:
-        """No field: the flight in one line, and the action of Enter."""
+        """Show no field, but the flight in one line, and the action of Enter."""
         self.border_title = "Enter to save" if answered.flight.readouts() else "Enter to add the next flight"
         self.border_subtitle = ""
         self.query_one(Big).show("")
@@ -48,7 +48,7 @@ class Hand(Horizontal):
         self.query_one("#says", Static).update(text, layout=False)
 
     def _enlarge(self, field: Field, answered: Answered, unit: str) -> None:
-        """The number in large digits, its unit in the frame."""
+        """Show the number in large digits, its unit in the frame."""
         from fieldkit.services.manual_entry import typed_unit
 
         question, text = field.question, field.line.value.strip()

@@ -93,25 +93,25 @@ class AfterCard(VerticalScroll, can_focus=True):
         yield Static("", classes="earlier")
 
     def on_mount(self) -> None:
-        """What to do next."""
+        """Set the titles of the plot and the card."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5%, median and 95%"
         self.border_subtitle = "Enter to add the next flight"
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
-        """The flight itself, as soon as it is in the ledger."""
+        """Show the flight itself, as soon as it is in the ledger."""
         self._drawn = (partial(self._show_flight, id, flight),)
         self.redraw(system)
         self.scroll_home(animate=False, immediate=True)
 
     def show(self, found: AfterFlight | None, system: str) -> None:
-        """The comparison, once it is computed."""
+        """Show the comparison, once it is computed."""
         self._drawn = (*self._drawn[:1], partial(self._show_outcome, found))
         self.redraw(system)
 
     def redraw(self, system: str) -> None:
-        """The same in the units of a system."""
+        """Show the same in the units of a system."""
         for draw in self._drawn:
             draw(system)
 

@@ -133,7 +133,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         yield self._picker
 
     def on_mount(self) -> None:
-        """Offered answers appear when they have been read."""
+        """Read the answers to offer."""
         if self._find_names is not None:
             self.run_worker(self._have_names, group="names")  # type: ignore[arg-type]  # narrower than it takes
 
@@ -185,7 +185,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         return in_both_units(column, value, typed, cast(Host, self.app).resources.settings.units)
 
     def action_go_on(self) -> None:
-        """To the next line, or save on the last one. A chosen answer is accepted first."""
+        """Move to the next line, or save on the last one. A chosen answer is accepted first."""
         self._picker.take()
         field = self.focused.parent if self.focused is not None else None
         if isinstance(field, Field) and field.question == self._questions[-1]:

@@ -75,7 +75,7 @@ class Saving:
             self._page.set_focus(self._sheet.field(READ[0]).line)
 
     def _compare(self, id: str, flight: Flight) -> None:
-        """Forecast and flown, and the next forecast, as soon as they are computed."""
+        """Show forecast and flown, and the next forecast, as soon as they are computed."""
         resources = self._page.resources
         self.card.saved(id, flight, resources.settings.units)
         self._front(card=True)

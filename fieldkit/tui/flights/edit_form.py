@@ -23,7 +23,8 @@ EDIT_QUESTIONS = (
 
 
 def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[str], object]) -> None:
-    """A form over a flight; its changes are one change of the ledger. `renamed` gets the id of the changed flight."""
+    """Open a form over a flight; its changes are one change of the ledger. `renamed` gets the id of the changed
+    flight."""
     system = page.resources.settings.units
     texts = {question.name: answer_of(flight, question, system) for question in EDIT_QUESTIONS}
     units = {

@@ -39,7 +39,7 @@ class FlightCard(VerticalScroll):
         yield Static(id="setup")
 
     def show(self, row: Row | None, build: Sequence[Row], system: str) -> None:
-        """A flight, and the flights of its build in the order flown; None for no flight."""
+        """Show a flight, and the flights of its build in the order flown; None for no flight."""
         for name, blocks in (("card", _figures), ("setup", _setup)):
             self.query_one(f"#{name}", Static).update(stacked(blocks(row, system)) if row is not None else "")
         known = [one for one in build if one.drag is not None][-MAX_DRAWN_FLIGHTS:]
@@ -53,7 +53,7 @@ class FlightCard(VerticalScroll):
             self.show_climb(None)  # until its log is read
 
     def show_climb(self, log: Drawn | None) -> None:
-        """The altitude of its log; None if it has none, or while it is being read."""
+        """Show the altitude of its log; None if it has none, or while it is being read."""
         trace = log.traces.get("altitude") if log is not None else None
         if log is None or trace is None or len(trace.time) < 2:
             self._plot("climb", "", None)

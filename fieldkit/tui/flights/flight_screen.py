@@ -149,7 +149,7 @@ class FlightScreen(PageScreen):
         remove(self, self._flight_id, partial(close, self))
 
     def on_mount(self) -> None:
-        """Keys scroll."""
+        """Focus the page, so that keys scroll it."""
         self.set_focus(self.query_one("#all", VerticalScroll))
 
     def reload(self) -> None:

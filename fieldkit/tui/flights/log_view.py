@@ -161,7 +161,7 @@ class LogView(ModalScreen[None]):
             yield KeyBar()
 
     def on_mount(self) -> None:
-        """The first flight."""
+        """Show the first flight."""
         self._show()
 
     @property

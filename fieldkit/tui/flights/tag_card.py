@@ -62,7 +62,7 @@ class TagCard(VerticalScroll):
             yield Static(id=f"card-{name}")
 
     def show_tag(self, tag: str, there: bool, bearers: Sequence[str]) -> None:
-        """The meaning of a tag, whether the flight has it, and which flights of the rocket have it."""
+        """Show the meaning of a tag, whether the flight has it, and which flights of the rocket have it."""
         more = f" and {len(bearers) - MAX_NAMED_FLIGHTS} more" if len(bearers) > MAX_NAMED_FLIGHTS else ""
         pairs = [
             ("meaning", meaning(tag)),
@@ -73,7 +73,7 @@ class TagCard(VerticalScroll):
         self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
 
     def show_shift(self, before: Shift, now: Shift, system: str) -> None:
-        """Cd and the next apogee when the list was opened, and now."""
+        """Show Cd and the next apogee when the list was opened, and now."""
         same = before.forecast is now.forecast
         for name, title, spelled in (
             ("drag", "Cd of the rocket, 90% interval, ● median", lambda value: f"{value:.2f}"),

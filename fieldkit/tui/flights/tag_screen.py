@@ -93,7 +93,7 @@ class TagScreen(PageScreen):
         self.ask(or_why(partial(self._shift, flight)), self._have_shift, "effect", alone=True)
 
     def _list(self, flight: Flight) -> None:
-        """The tags, with a mark at those of the flight."""
+        """List the tags, with a mark at those of the flight."""
         self._flight = flight
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
         own = [tag for tag in flight.tags if tag not in KNOWN_TAGS]
@@ -139,7 +139,7 @@ class TagScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self) -> None:
-        """The meaning of the current tag."""
+        """Show the meaning of the current tag."""
         tag = self.query_one(Table).current
         self.query_one("#means", Static).update(Content(printable(f"{tag}: {meaning(tag)}")))
         self.query_one(TagCard).show_tag(tag, tag in self._flight.tags, self._bearers.get(tag, []))

@@ -48,14 +48,14 @@ class HomeCard(Vertical):
         yield Static("", classes="last")
 
     def say(self, heading: str, last: str = "") -> None:
-        """Text only: no number is known."""
+        """Show only text: no number is known."""
         self.add_class("-plain")
         self.interval = None
         self._put(".heading", heading)
         self._put(".last", last)
 
     def figure(self, heading: str, value: str, words: Iterable[str], interval: Interval | None, last: str) -> None:
-        """A number, the text beside it, and its interval."""
+        """Show a number, the text beside it, and its interval."""
         self.remove_class("-plain")
         self._put(".heading", heading)
         self.query_one(Big).show(value)
@@ -65,7 +65,7 @@ class HomeCard(Vertical):
         self.on_resize()
 
     def on_resize(self) -> None:
-        """The interval is as wide as the card."""
+        """Draw the interval as wide as the card."""
         width = self.size.width - 2
         row = self.interval
         self._put(".bar", bar(row, *row.ends, width) if row is not None and width > 10 else "")
@@ -79,11 +79,11 @@ class NextCard(HomeCard):
     """The next flight."""
 
     def on_mount(self) -> None:
-        """The title."""
+        """Set the title."""
         self.border_title = "Next flight"
 
     def show(self, view: "Overview | None", system: str) -> None:
-        """The open forecast, else the rocket to plan."""
+        """Show the open forecast, else the rocket to plan."""
         self.border_subtitle = ""
         if view is None:
             self.say("No rocket yet. Choose a first step below and press Enter.")
@@ -105,11 +105,11 @@ class LastCard(HomeCard):
     """The last flight."""
 
     def on_mount(self) -> None:
-        """The title."""
+        """Set the title."""
         self.border_title = "Last flight"
 
     def show(self, view: "Overview | None", system: str, today: date) -> None:
-        """The last flight with its forecast, and the flights of the day in one line."""
+        """Show the last flight with its forecast, and the flights of the day in one line."""
         last = view.last if view is not None else None
         self.display = view is not None
         if view is None or last is None or last.flight.apogee is None:

@@ -66,7 +66,7 @@ class Panels(Container):
             yield Table(id="versions", enter="Use it")
 
     def on_mount(self) -> None:
-        """The titles, if all are visible."""
+        """Set the titles of the panels, which show if all are visible."""
         for name in PANELS:
             self.query_one(f"#p-{name}").border_title = name
         self.forget()
@@ -93,7 +93,7 @@ class Panels(Container):
         self.show_marks(0)
 
     def show_verdict(self, system: str, *, accepted: bool = False) -> None:
-        """The verdict and the ranking, in these units, and whether the verdict was accepted."""
+        """Show the verdict and the ranking, in these units, and whether the verdict was accepted."""
         if self.found is not None:
             self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
             self._system = system
@@ -103,21 +103,21 @@ class Panels(Container):
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_residuals(self, turn: int, system: str) -> None:
-        """Residuals against a column, flight by flight."""
+        """Show residuals against a column, flight by flight."""
         if self.found is not None:
             caption, points, ticks = residual_points(self.found, turn, system)
             self.query_one("#against", Static).update(Content(caption))
             self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
 
     def show_marks(self, turn: int) -> None:
-        """The fingerprints of the residual and of an effect."""
+        """Show the fingerprints of the residual and of an effect."""
         if self.found is not None:
             narrow = self.screen.has_class("-narrow")
             self.query_one("#marks", Static).update(fingerprint(self.found, turn, narrow=narrow))
 
     @on(Table.Moved, "#ranking")
     def _at_length(self, message: Table.Moved) -> None:
-        """The effect under the cursor, in full."""
+        """Show the effect under the cursor, in full."""
         known = self.found is not None and message.key is not None
         caption = (
             effect_at_length(self.found.diagnosis, message.key, self._system)
@@ -127,7 +127,7 @@ class Panels(Container):
         self.query_one("#at-length", Static).update(caption)
 
     def show_versions(self, standing: Standing, system: str) -> None:
-        """The models of the rocket, and which is in use."""
+        """Show the models of the rocket, and which is in use."""
         rows = version_rows(standing.versions, system)
         heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("held-out error", 18, True), Head("", 8)]
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)

@@ -186,7 +186,7 @@ def _version(version: Version, system: str) -> tuple[str, ...]:
 
 
 def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:
-    """Points around the line of zero error."""
+    """Draw points around the line of zero error."""
     across, up = zip(*points, strict=True)
     plt.scatter(across, up, marker="●", color=ink.mark)
     plt.hline(0.0, color=ink.line)

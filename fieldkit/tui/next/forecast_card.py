@@ -38,7 +38,7 @@ class ForecastCard(VerticalScroll):
         yield Static("", id="more")
 
     def show(self, plan: Plan, one: MotorChoice, settings: Settings) -> None:
-        """The forecast of a plan on a motor."""
+        """Show the forecast of a plan on a motor."""
         system = settings.units
         title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)
         middle = number(cards.APOGEE, one.apogee, system)
@@ -60,7 +60,7 @@ class ForecastCard(VerticalScroll):
         self.text = ""
 
     def _show_hill(self, prediction: Prediction, settings: Settings) -> None:
-        """The distribution of the apogee, with its interval and the target."""
+        """Show the distribution of the apogee, with its interval and the target."""
         marks = [(settings.target, "◎")] if settings.target else []
         marks += [(float(place), "") for place in prediction.apogee_quantiles()]
         spell = motor_rows.whole

@@ -52,7 +52,7 @@ class Intervals(Visual):
         return self._within(width).render_strips(width, height, style, options)
 
     def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
-        """The width that is available."""
+        """The whole available width."""
         return container_width
 
     def get_height(self, rules: RulesMap, width: int) -> int:

@@ -35,7 +35,7 @@ def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: s
 
 
 def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
-    """Pad, apogee and landing of some draws, joined by straight lines."""
+    """Draw pad, apogee and landing of some draws, joined by straight lines."""
     prediction, down = one.prediction, one.down
     drift = np.broadcast_to(np.nan_to_num(prediction.drift), prediction.apogee.shape)
     for row in range(min(DRAWN_FLIGHTS, len(prediction.apogee))):
@@ -47,7 +47,7 @@ def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: An
 
 
 def _from_above(one: PlannedFlight, size: float | None, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
-    """Landings, their ellipse and the field around the pad, with equal scales on the screen."""
+    """Draw landings, their ellipse and the field around the pad, with equal scales on the screen."""
     down = one.down
     along, across = ([scaled(float(x)) for x in part[:DRAWN_LANDINGS]] for part in (down.along, down.across))
     outline = [[scaled(float(x)) for x in column] for column in down.ellipse().outline().T]

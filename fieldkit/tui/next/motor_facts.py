@@ -45,7 +45,7 @@ def facts(motor: Motor, system: str) -> tuple[tuple[str, str], ...]:
 
 
 def draw_thrust(motor: Motor, plt: Any, ink: Any) -> None:
-    """Thrust against time, and the average while it burns."""
+    """Draw thrust against time, and the average while it burns."""
     plt.plot(motor.time.tolist(), motor.thrust.tolist(), marker="braille", color=ink.line)
     start, end = motor.burning
     plt.plot([start, end], [motor.average_thrust] * 2, marker="╌", color=ink.mark)

@@ -140,7 +140,7 @@ class PlanScreen(PageScreen):
             yield Static("", id="beside")
 
     def on_mount(self) -> None:
-        """Keys scroll the answer."""
+        """Focus the answer, so that keys scroll it."""
         self.query_one(VerticalScroll).focus()
 
     def reload(self) -> None:
@@ -160,7 +160,7 @@ class PlanScreen(PageScreen):
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:
-        """The picture of the answer, if there is one."""
+        """Draw the picture of the answer, if there is one."""
         self.query_one("#picture").set_class(bool(answer.title), "-shown")
         self.query_one("#title", Static).update(Content(answer.title))
         intervals = self.query_one("#intervals", Static)
@@ -198,7 +198,7 @@ class PlanScreen(PageScreen):
         self.reload()
 
     def action_turn(self, by: int) -> None:
-        """The next or previous answer."""
+        """Show the next or previous answer."""
         self.action_view(self._view + by)
 
     def action_aim(self) -> None:
@@ -207,13 +207,13 @@ class PlanScreen(PageScreen):
         self.action_view(1)
 
     def action_season(self, by: int) -> None:
-        """The next or previous season."""
+        """Choose the next or previous season."""
         years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
         self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
 
     def action_area(self, by: int) -> None:
-        """A larger or smaller parachute."""
+        """Choose a larger or smaller parachute."""
         self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
 

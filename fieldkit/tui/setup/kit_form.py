@@ -24,7 +24,7 @@ QUESTIONS = (
 
 
 def ask_kit(page: PageScreen, kit: Kit | None) -> None:
-    """A form over a kit, or over a new one."""
+    """Open a form over a kit, or over a new one."""
     system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[_column(name)], system) for name in ("dry_mass", "diameter", "mount")}
     texts = {name: kit_text(kit, name, system) for name in units} | {"name": kit.name if kit else ""}

@@ -27,7 +27,7 @@ class RocketStrip(Horizontal):
     """
 
     def show(self, rocket: "tuple[Group, Start | None] | None", system: str) -> None:
-        """The flights of a rocket, and its design if known; None to hide the strip."""
+        """Show the flights of a rocket, and its design if known; None to hide the strip."""
         self.set_class(rocket is not None, "-shown")
         if rocket is None:
             return

@@ -59,7 +59,7 @@ class SetupCard(VerticalScroll):
         yield Static(id="facts")
 
     def show(self, facts: Facts) -> None:
-        """The whole card, with its picture if there is room."""
+        """Show the whole card, with its picture if there is room."""
         self.query_one("#facts", Static).update(stacked(facts.blocks))
         plot = next(iter(self.query(Plot)), None)
         if plot is None and facts.draw is not None:

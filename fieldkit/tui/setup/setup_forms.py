@@ -26,12 +26,12 @@ BUILD = (
 
 
 def change_build(page: PageScreen, group: Group) -> None:
-    """A form over a build of a rocket."""
+    """Open a form over a build of a rocket."""
     _edit(page, group, BUILD, " ".join(name for name in group.names if name))
 
 
 def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: str) -> None:
-    """A form over a group; its changes apply to every flight of the group."""
+    """Open a form over a group; its changes apply to every flight of the group."""
     system = page.resources.settings.units
     texts = {question.name: answer_of(group.last, question, system) for question in questions}
     units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
@@ -53,7 +53,7 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
 
 
 def change_site(page: PageScreen, place: LaunchSite) -> None:
-    """A form over a site: name and elevation belong to its flights, the rest is saved separately."""
+    """Open a form over a site: name and elevation belong to its flights, the rest is saved separately."""
     system, site = page.resources.settings.units, place.site
     elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
     texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
@@ -90,7 +90,7 @@ def _changed(page: PageScreen, what: str, count: int) -> None:
 
 
 def ask_rail(page: PageScreen) -> None:
-    """Length and angle of the default rail of plans."""
+    """Ask for length and angle of the default rail of plans."""
     settings = page.resources.settings
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
     texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}

@@ -97,7 +97,7 @@ class AskText(ModalScreen[str | None]):
         self._picker = Picker()
 
     def on_mount(self) -> None:
-        """Offered answers, visible from the start."""
+        """Offer answers from the start."""
         if self._offered:
             from fieldkit.services.pickers import among
 

@@ -195,18 +195,18 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         return Strip([Segment(text, style)], self.size.width)
 
     def action_move(self, by: int) -> None:
-        """One row up or down."""
+        """Move one row up or down."""
         self._go(self.cursor + by)
 
     def _go(self, row: int) -> None:
         self.by_hand, self.cursor = True, row
 
     def action_page(self, by: int) -> None:
-        """One screen up or down."""
+        """Move one screen up or down."""
         self._go(self.cursor + by * max(1, self.size.height - 2))
 
     def action_end(self, last: bool) -> None:
-        """To the first or the last row."""
+        """Move to the first or the last row."""
         self._go(len(self.keys) - 1 if last else 0)
 
     def action_choose(self) -> None:

@@ -56,7 +56,7 @@ def _residual_panel(
     colour: str,
     unit: float,
 ) -> None:
-    """Residuals of one model, in multiples of `unit` [m]."""
+    """Draw residuals of one model, in multiples of `unit` [m]."""
     known = seen & np.isfinite(against.values)
     place = against.values[known] + _beside(against.values[known], 0.6 if against.names else 0.012)
     low, high = _interval(forecasts)
@@ -91,7 +91,7 @@ def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array
 
 
 def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """The forecast of each flight from the earlier ones, with its flown apogee."""
+    """Draw the forecast of each flight from the earlier ones, with its flown apogee."""
     panel, ahead = figure.subplots(), found.ahead
     number = np.arange(len(ahead.seen)) + 1
     unit = shown.length_factor
@@ -114,7 +114,7 @@ def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) ->
 
 
 def fingerprints(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
-    """The fingerprints of the most likely effects in the ten readouts, and the observed residuals."""
+    """Draw the fingerprints of the most likely effects in the ten readouts, and the observed residuals."""
     count = len(found.fingerprints)
     if not count:
         return
@@ -152,7 +152,7 @@ def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
 
 
 def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
-    """The probability of each effect, and the threshold for naming one."""
+    """Draw the probability of each effect, and the threshold for naming one."""
     panel = figure.subplots()
     items = [item for item in found.diagnosis.ranking if item.effect]
     chance = np.array([item.probability for item in items])
@@ -173,7 +173,7 @@ def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None
 
 
 def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """The missing force along each climb: measured minus modeled force against time and against speed."""
+    """Draw the missing force along each climb: measured minus modeled force against time and against speed."""
     panels = figure.subplots(1, 2, sharey=True)
     for number, one in enumerate(found.log_evidence.flights):
         for burning, mark, colour in ((True, "^", BEFORE_COLOR), (False, "o", AFTER_COLOR)):
