@@ -2,8 +2,8 @@
 
 Loggers accept commands on the same wire that fire their outputs, erase their flights or write their settings, and a
 command of one protocol may mean something else to another. The table therefore lists the exact bytes, per protocol, and
-contains only read commands; a protocol without an entry can only listen. `Line.send` is the only function that writes
-to a port, and it checks this table first.
+contains only read commands; a protocol without an entry can only listen. `SerialLine.send` is the only function that
+writes to a port, and it checks this table first.
 
 Sources: RocketFlightLogger (bdureau), AltosLink and AltosEepromDownload (Altus Metrum), Blue Raven USB Interface Guide,
 mawd (ukhpr).

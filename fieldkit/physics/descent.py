@@ -29,7 +29,7 @@ MAX_REACH = 300.0
 class Devices:
     """Descent speeds near the ground [m/s]: under the device that opens at the charge, and under a main that opens at a
     height above the pad [m], 0 for no main. Each takes `opening` to open [s], but no longer than it takes to travel its
-    filling distance: `filling` divided by its descent speed (`filling_path`) [m^2/s]."""
+    filling distance: `filling` divided by its descent speed; see the function `filling` [m^2/s]."""
 
     first: Float[Array, "*#draw"]
     main: Float[Array, "*#draw"] = field(default_factory=lambda: np.zeros(1))

@@ -94,7 +94,7 @@ def findings(
     on_progress: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """The findings for a diagnosis; `logs` are as returned by `fieldkit.services.flight_logs.kept_logs`."""
+    """The findings for a diagnosis; `logs` are as returned by `fieldkit.services.flight_logs.recorded_logs`."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after

@@ -196,8 +196,8 @@ def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, obje
 
 
 def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a flight table") -> bytes:
-    """The bytes of a file, by default at most `files.LARGEST`. Raises DamagedLog with the reason if they cannot be
-    read."""
+    """The bytes of a file, by default at most `files.MAX_FILE_SIZE`. Raises DamagedLog with the reason if they cannot
+    be read."""
     try:
         return files.read(path, most=most)
     except OSError as error:
