@@ -1,5 +1,5 @@
-"""The makers of motors, and motor names without them. This module needs no thrust curves, so that the first rows of
-the app need none."""
+"""The makers of motors, and motor names without them. This module needs no thrust curves, so that the app can show its
+first rows without them."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -55,8 +55,8 @@ class LoggedForce:
     """The force that an effect on the setup adds along a logged climb.
 
     `name` is the name of the term, `per_mass` the force per mass at a strength of 1 [m/s^2]. `scatter` names the
-    flight-to-flight scatter that has the same signature (`SCATTER` of the model, by setup entry); empty if there is
-    none.
+    flight-to-flight scatter that has the same signature (a quantity of the hyperprior, such as `thrust`); empty if
+    there is none.
     """
 
     name: str

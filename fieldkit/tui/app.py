@@ -96,7 +96,7 @@ class FieldkitApp(Surviving):
             self.add_mode(name, partial(self._page, name))
 
     def _start_in(self, theme: str) -> None:
-        """Start in a theme. Textual reads all styles three times more if it is changed before the app runs (10 ms of
+        """Start in a theme. Textual reads all styles three more times if it is changed before the app runs (10 ms of
         220); a dark theme in true colors changes nothing else."""
         if THEMES[theme].dark and not THEMES[theme].ansi:
             self.set_reactive(App.theme, theme)
@@ -105,7 +105,7 @@ class FieldkitApp(Surviving):
             self.theme = theme
 
     def on_mount(self) -> None:
-        """The page where an error ended the last app, and the timers."""
+        """Open the page where an error ended the last app, and start the timers."""
         if self._back:
             self.switch_mode(self._back.page)
             self.show_notice(self._back.crash.line(), error=True)
@@ -266,7 +266,7 @@ class FieldkitApp(Surviving):
             page.open_flight(id)
 
     async def show_flights(self, words: str) -> None:
-        """The flights that match all of some words."""
+        """Show the flights that match all of some words."""
         if (page := await self._flights_page()) is not None:
             page.show_only(words)
 

@@ -47,7 +47,7 @@ class Page:
 
     @property
     def screen(self) -> type["PageScreen"]:
-        """The screen. Raises ImportError or AttributeError if there is none of this name."""
+        """The screen. Raises ImportError or AttributeError if there is none with this name."""
         found: type[PageScreen] = resolve_name(self.name)
         return found
 

@@ -66,7 +66,7 @@ class AddScreen(PageScreen):
         self._pen = DraftPen(self)
 
     def on_mount(self) -> None:
-        """The flight being entered."""
+        """Prepare the draft of the flight being entered."""
         self._draft = Draft(self.resources)
         self._saving = Saving(self, self._sheet, self._draft)
 
@@ -88,7 +88,7 @@ class AddScreen(PageScreen):
         return self._sheet.field(name)
 
     def reload(self) -> None:
-        """Continue a draft, or offer defaults from the last flight; what is shown here changes its units."""
+        """Continue a draft, or offer defaults from the last flight; the card changes its units."""
         self.query_one(EstimateLine).forget()
         self._saving.card.redraw(self.resources.settings.units)
         if self._sheet.touched:
@@ -131,7 +131,8 @@ class AddScreen(PageScreen):
         self.set_focus(self._sheet.first_empty())
 
     def unit(self, question: Question) -> str:
-        """The unit of a number typed without one: that when it was typed, the last typed, else that of the settings."""
+        """The unit of a number typed without one: the one that applied when it was typed, the last typed, else the
+        settings'."""
         from fieldkit.services.manual_entry import kind
 
         column = question.column
@@ -197,12 +198,12 @@ class AddScreen(PageScreen):
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """The current field is shown large, once the cursor is in it."""
+        """Show the current field in large digits, once the cursor is in it."""
         self.soon(self._in_hand)
         event.widget.scroll_visible(animate=False, immediate=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Without input, Enter starts the next flight and there is none to save; arrows scroll the card."""
+        """Without input there is nothing to save; on the card of a saved flight, arrows scroll it."""
         if action == "save" and isinstance(self.focused, Button | AfterCard) and not self.typed:
             return False
         if action in ("step", "start_again") and isinstance(self.focused, AfterCard):

@@ -87,7 +87,7 @@ def _setup(row: Row, system: str) -> Iterable[Hanging]:
 
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
-    """Cd of each flight in order, with a vertical line at the current one and their ids below."""
+    """Draw Cd of each flight in order, with a vertical line at the current one and their ids below."""
     from fieldkit.tui.widgets.plots import round_ticks, spaced
 
     drags = [one.drag or 0.0 for one in known]

@@ -87,7 +87,7 @@ class FlightsScreen(PageScreen):
             yield FlightCard(id="beside")
 
     def on_mount(self) -> None:
-        """Keys go to the table."""
+        """Focus the table."""
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
@@ -95,7 +95,7 @@ class FlightsScreen(PageScreen):
         self.ask(lambda: read_rows(self.resources.ledger, self.resources.motors), self._have)
 
     def redraw(self) -> None:
-        """The same rows in other units."""
+        """Show the same rows in other units."""
         self._refill()
 
     def _have(self, rows: list[Row]) -> None:
@@ -154,7 +154,7 @@ class FlightsScreen(PageScreen):
         self._infer()
 
     def _refill(self) -> None:
-        """The rows that match all words of the filter, in order."""
+        """Show the rows that match all words of the filter, in order."""
         words = self.query_one(Input).value.lower().split()
         self._scale = scale_of(self._rows.values(), self.resources.settings.target)
         rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
@@ -228,7 +228,7 @@ class FlightsScreen(PageScreen):
             self.app.push_screen(self._flight)
 
     def show_only(self, words: str) -> None:
-        """The flights that match all of some words."""
+        """Show the flights that match all of some words."""
         self.query_one(Input).value = words
         self.set_focus(self.query_one(Table))
 

@@ -97,8 +97,8 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
 
 
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
-    """A channel against the time of the whole log, with a line at each event and its name below, and round times where
-    there is room."""
+    """Draw a channel against the time of the whole log, with a line at each event and its name below, and round times
+    where there is room."""
     from fieldkit.tui.widgets.plots import round_ticks, spaced
 
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)

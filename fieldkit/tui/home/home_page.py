@@ -91,7 +91,7 @@ class HomeScreen(PageScreen):
         yield RocketStrip()
 
     def on_mount(self) -> None:
-        """Keys go to the table."""
+        """Focus the table."""
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
@@ -102,7 +102,7 @@ class HomeScreen(PageScreen):
             self.ask(self._read_first, self._have_first, engine=FIRST_ROWS_ENGINE)
 
     def redraw(self) -> None:
-        """The same in other units."""
+        """Show the same data in other units."""
         self._show()
 
     def _read_first(self) -> "list[ListedFlight]":
@@ -133,7 +133,8 @@ class HomeScreen(PageScreen):
         self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
 
     def _profile(self, one: "ListedFlight") -> str | None:
-        """The profile of a flight; None until it was read, and for another flight that had its id."""
+        """The profile of a flight; None until it has been read, or if it was read for another flight with the same
+        id."""
         flight, profile = self._profiles.get(one.id, (None, None))
         return profile if flight == one.flight else None
 
@@ -163,7 +164,7 @@ class HomeScreen(PageScreen):
         self.query_one(KeyBar).follow()
 
     def _list(self, flights: "Sequence[ListedFlight]") -> None:
-        """The rows of the table."""
+        """Show the rows of the table."""
         table = self.query_one(Table)
         rows, width = {one.id: one for one in flights}, table.size.width
         heads, cells = listed(flights, self.resources.settings, width)
@@ -175,7 +176,7 @@ class HomeScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self) -> None:
-        """On a tall screen, the rocket of the flight under the cursor."""
+        """Show the rocket of the flight under the cursor, on a tall screen."""
         key = self.query_one(Table).current
         listed = self._view.flights if self._view is not None and self.has_class("-tall") else ()
         flight = next((one.flight for one in listed if one.id == key), None)

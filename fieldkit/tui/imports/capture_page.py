@@ -108,12 +108,12 @@ class CaptureScreen(PageScreen):
             yield Plot(id="heights")
 
     def on_mount(self) -> None:
-        """Keys go to the ports."""
+        """Focus the ports."""
         self.set_focus(self.query_one(Table))
         self._say("Enter to capture; every byte is saved before it is decoded")
 
     def on_unmount(self) -> None:
-        """A capture ends with the app."""
+        """End the capture with the app."""
         self._stop.set()
 
     def reload(self) -> None:
@@ -193,7 +193,7 @@ class CaptureScreen(PageScreen):
         self.query_one("#happened").scroll_end(animate=False)
 
     def _progress(self, progress: "Progress") -> None:
-        """Counts, the fraction done, and the altitude if a stream contains it."""
+        """Show counts, the fraction done, and the altitude if a stream contains it."""
         parts = counts(progress)
         if progress.fraction is not None:
             bar = "█" * round(progress.fraction * 20)
@@ -279,6 +279,6 @@ class CaptureScreen(PageScreen):
 
 
 def _draw_heights(heights: list[float], plt: Any, ink: Any) -> None:
-    """The received altitudes, the newest on the right."""
+    """Draw the received altitudes, the newest on the right."""
     plt.plot(heights, marker="braille", color=ink.line)
     plt.xfrequency(0)

@@ -88,7 +88,7 @@ class ImportScreen(PageScreen):
                 yield Static("", id="more")
 
     def on_mount(self) -> None:
-        """Keys go to the files."""
+        """Focus the files."""
         self.set_focus(self.query_one("#files", Table))
 
     def resting_place(self) -> Widget:
@@ -207,7 +207,7 @@ class ImportScreen(PageScreen):
         self.go(self._folder, self.query_one("#files", Table).current)
 
     def action_up(self) -> None:
-        """The folder above."""
+        """Open the folder above."""
         self.go(self._folder.parent, self._folder)
 
     def action_look(self) -> None:
@@ -269,7 +269,7 @@ class ImportScreen(PageScreen):
         self._read_as(replace(self._reading, columns=tuple(columns)))
 
     def action_mappings(self) -> None:
-        """The saved column mappings."""
+        """List the saved column mappings."""
         from fieldkit.tui.imports.mapping_form import MappingList
 
         self.app.push_screen(MappingList(self.complain), lambda _: self._examine())

@@ -82,7 +82,7 @@ class LoopScreen(PageScreen):
         return self.query_one(Panels)
 
     def on_mount(self) -> None:
-        """The first panel."""
+        """Show the first panel."""
         self._front()
 
     def reload(self) -> None:
@@ -90,7 +90,7 @@ class LoopScreen(PageScreen):
         self.ask(partial(standing_of, self.resources, self._rocket), self._have)
 
     def redraw(self) -> None:
-        """The same in other units."""
+        """Show the same data in other units."""
         if self._standing is not None:
             self._show_versions(self._standing)
 
@@ -106,7 +106,7 @@ class LoopScreen(PageScreen):
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
-        """The models of the rocket, and which is in use."""
+        """Show the models of the rocket, and which is in use."""
         self._standing, self._rocket = standing, standing.rocket
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
         model = f"version {standing.used}" if standing.used else "the plain model"
@@ -159,7 +159,7 @@ class LoopScreen(PageScreen):
         self._front()
 
     def _front(self) -> None:
-        """The panel in front, and the focus in it."""
+        """Bring the current panel to the front, and focus it."""
         self.query_one(TabLine).front(self._panel)
         self.set_focus(self.panels.front(self._panel))
 
@@ -169,23 +169,23 @@ class LoopScreen(PageScreen):
         self._front()
 
     def action_turn(self, by: int) -> None:
-        """The next or previous panel."""
+        """Show the next or previous panel."""
         self.action_panel((self._panel + by) % len(PANELS))
 
     def action_covariate(self) -> None:
-        """Residuals against the next column."""
+        """Show residuals against the next column."""
         self._against += 1
         self.panels.show_residuals(self._against, self.resources.settings.units)
         self.action_panel(PANELS.index("Residuals"))
 
     def action_effect(self) -> None:
-        """The fingerprint of the next effect."""
+        """Show the fingerprint of the next effect."""
         self._effect += 1
         self._show_effect()
 
     @on(Table.Chosen, "#ranking")
     def _effect_chosen(self, message: Table.Chosen) -> None:
-        """The fingerprint of the effect under the cursor."""
+        """Show the fingerprint of the effect under the cursor."""
         found = self.panels.found
         drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints] if found is not None else []
         if message.key not in drawn:
@@ -199,7 +199,7 @@ class LoopScreen(PageScreen):
         self.action_panel(PANELS.index("Fingerprint"))
 
     async def action_rocket(self) -> None:
-        """The next rocket."""
+        """Turn to the next rocket."""
         await self.settled("ask")
         if self._standing is not None and len(self._standing.rockets) > 1:
             rockets = self._standing.rockets

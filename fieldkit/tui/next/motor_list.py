@@ -70,7 +70,7 @@ class MotorList:
 
     def ordered(self, target: float | None) -> "list[Motor]":
         """Those that fit first, by distance from the target [m]. Without a target those with an open forecast and those
-        flown first, then those whose thrust asks for no caution."""
+        flown first, then those whose thrust needs no caution."""
         if target is not None:
             places = {motor: abs(one.apogee - target) for motor, one in self.known.items()}
         else:

@@ -97,7 +97,7 @@ class NextScreen(PageScreen):
         return self.query_one(ForecastCard)
 
     def on_mount(self) -> None:
-        """Keys go to the motors."""
+        """Focus the motors."""
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
@@ -105,7 +105,7 @@ class NextScreen(PageScreen):
         self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
 
     def redraw(self) -> None:
-        """Other units or another target do not change the forecasts, which are sorted and shown again immediately."""
+        """Sort and show the forecasts again: other units or another target do not change them."""
         if self._motors.plan is None:
             self.reload()
             return
@@ -129,7 +129,7 @@ class NextScreen(PageScreen):
 
     @on(Input.Changed)
     def _search_anew(self) -> None:
-        """A new search starts at its first motor."""
+        """Start a new search at its first motor."""
         self.query_one(Table).by_hand = False
         self._search_now()
 
@@ -144,7 +144,7 @@ class NextScreen(PageScreen):
         self._forecast()
 
     def _forecast(self) -> None:
-        """The next few motors without a forecast."""
+        """Forecast the next few motors without a forecast."""
         plan, waiting = self._motors.plan, self._motors.waiting(self.query_one(Table).current)
         if plan is None or not waiting:
             return
@@ -162,7 +162,7 @@ class NextScreen(PageScreen):
         self._forecast()
 
     def _refill(self) -> None:
-        """The motors in order, those without a forecast last."""
+        """List the motors in order, those without a forecast last."""
         settings, table = self.resources.settings, self.query_one(Table)
         brief = not self.has_class("-comparing") and self.size.width < WIDE_SCREEN
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
@@ -172,7 +172,7 @@ class NextScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self) -> None:
-        """First the cursor, then the card beside it."""
+        """Show the cursor first, then the card beside it."""
         self.soon(self._show_card)
 
     def _show_card(self) -> None:
@@ -215,18 +215,18 @@ class NextScreen(PageScreen):
         self._search_anew()
 
     def action_compare(self) -> None:
-        """All figures instead of the card, and back."""
+        """Show all figures instead of the card, or the card again."""
         self.toggle_class("-comparing")
         self._refill()
 
     @on(Table.Sized)
     def _resized(self) -> None:
-        """A wide screen has room for everything."""
+        """Show the list again: a wide screen has room for everything."""
         if self._motors.plan is not None:
             self._refill()
 
     async def action_build(self) -> None:
-        """The next rocket and configuration that have flown."""
+        """Turn to the next rocket and configuration that have flown."""
         await self.settled("change", "plan")
         build = self._motors.plan.next_build() if self._motors.plan is not None else None
         if build is not None:

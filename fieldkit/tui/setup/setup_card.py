@@ -187,7 +187,7 @@ def _highest(flights: Sequence[Flight], system: str) -> str:
 
 
 def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
-    """The apogees in order, and the ceiling, with round heights beside them and the ids below."""
+    """Draw the apogees in order, and the ceiling, with round heights beside them and the ids below."""
     heights = [float(number(cards.APOGEE, one.apogee or 0.0, system)) for one in flights]
     for clean, marker, colour in ((True, "●", ink.line), (False, "✗", ink.mark)):
         places = [place for place, one in enumerate(flights) if one.clean is clean]

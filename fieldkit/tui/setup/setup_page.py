@@ -96,7 +96,7 @@ class SetupScreen(PageScreen):
             yield SetupCard(id="card")
 
     def on_mount(self) -> None:
-        """Keys go to the table."""
+        """Focus the table."""
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
@@ -158,7 +158,7 @@ class SetupScreen(PageScreen):
 
     @on(Table.Moved)
     def _beside(self) -> None:
-        """The card of the row under the cursor, if there is room."""
+        """Show the card of the row under the cursor, if there is room."""
         if self._kind == 0 and not self.has_class("-wide"):
             return
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units
@@ -210,7 +210,7 @@ class SetupScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def action_turn(self, by: int) -> None:
-        """The next or previous list."""
+        """Show the next or previous list."""
         self.action_kind((self._kind + by) % len(KINDS))
 
     def action_search(self) -> None:

@@ -107,7 +107,7 @@ class KeyBar(Static):
 
     def on_mount(self) -> None:
         """Follow the focus, which determines the available keys."""
-        self.follow()  # so that the first layout has room for it and is the last
+        self.follow()  # so that the first layout has room for it and is not repeated
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self._follow_soon())
 
     def on_resize(self) -> None:
