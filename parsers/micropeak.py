@@ -30,7 +30,7 @@ SEPARATOR_BYTES = b" \t\r\n\v\f\0"
 START = re.compile(rb"MP(?=(?:[\s\0]*[0-9a-fA-F]){20})")
 DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
 MAX_LOG_SIZE = 4 << 20
-"""Largest file size: more than the digits and separators of a day of flight. [byte]"""
+"""Largest file size: more than the digits and separators of a day of flight. [bytes]"""
 MOST_FLIGHTS = 100
 """Largest number of transmissions that are read from a file. [1]"""
 MIN_GROUND_PRESSURE, MAX_GROUND_PRESSURE = 10_000, 120_000

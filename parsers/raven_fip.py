@@ -37,7 +37,7 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
 }
 """Channels by header; the logger's own come before computed ones."""
 MAX_LOG_SIZE = 1 << 25
-"""Larger than the exported memory of a Raven. [byte]"""
+"""Larger than the exported memory of a Raven. [bytes]"""
 EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 """Index of each flag in a cell such as `b1100`."""
 

@@ -1,6 +1,6 @@
 """A vertical coast with drag and gravity: the shape that heights after burnout are first compared with.
 
-Drag per mass is `k v²`. It decreases with height as the air does, and is 50 % greater above the speed of sound, which
+Drag per mass is `k v²`. It decreases with height as the air does, and is 50% greater above the speed of sound, which
 is typical of slender rockets. If the true drag differs, the true curve bends slightly away from this one; the fit of
 the correction absorbs that.
 """

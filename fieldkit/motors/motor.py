@@ -66,7 +66,7 @@ class Motor:
 
     @property
     def burning(self) -> tuple[float, float]:
-        """Times at which the thrust first reaches and last leaves 5 % of its peak. [s]"""
+        """Times at which the thrust first reaches and last leaves 5% of its peak. [s]"""
         threshold = BURN_THRUST_FRACTION * self.peak_thrust
         first, last = np.flatnonzero(self.thrust >= threshold)[[0, -1]]
         up, down = slice(first - 1, first + 1), slice(last, last + 2)
@@ -77,13 +77,13 @@ class Motor:
 
     @property
     def burn_time(self) -> float:
-        """Duration for which the thrust is above 5 % of its peak. [s]"""
+        """Duration for which the thrust is above 5% of its peak. [s]"""
         start, end = self.burning
         return end - start
 
     @property
     def burnout(self) -> float:
-        """Time from ignition at which the thrust last leaves 5 % of its peak; the delay starts there. [s]"""
+        """Time from ignition at which the thrust last leaves 5% of its peak; the delay starts there. [s]"""
         return self.burning[1]
 
     @property

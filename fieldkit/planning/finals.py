@@ -35,7 +35,7 @@ STEP = 5 * FOOT
 @dataclass(frozen=True, slots=True)
 class FinalsRow:
     """The dry mass [kg] and the ratio of the parachute's area to the current one [1] with the fewest points for a
-    target [m] and a window [s]: apogee and duration at 5, 50 and 95 %, and points per flight."""
+    target [m] and a window [s]: apogee and duration at 5, 50 and 95%, and points per flight."""
 
     target: float
     window: tuple[float, float]

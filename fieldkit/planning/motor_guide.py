@@ -28,7 +28,7 @@ from fieldkit.planning.safety import known_rules, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DRAWS = 64
-"""Flights simulated for each motor, with common random numbers: a 5 % quantile is accurate to a quarter of a standard
+"""Flights simulated for each motor, with common random numbers: a 5% quantile is accurate to a quarter of a standard
 deviation."""
 SLANTED_PATH_DRAWS = 40
 """The same if wind or rail angle make the paths slanted, which take several times as long: accurate to a third."""

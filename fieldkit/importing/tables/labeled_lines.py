@@ -27,7 +27,7 @@ _MIN_RECORDS, _LOOKED_AT = 10, 60
 _MIN_LABELED = 0.5
 """Smallest fraction of these lines that have a label, and of the records that have a time. [1]"""
 _MAX_SIZE, _HEAD_SIZE, _MAX_LABELS = 32 << 20, 65_536, 60
-"""Largest size of such a text, and size of its beginning, which names its labels [byte]; the most of these [1]."""
+"""Largest size of such a text, and size of its beginning, which names its labels [bytes]; the most of these [1]."""
 
 _Record = Mapping[str, str]
 

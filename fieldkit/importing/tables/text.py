@@ -20,7 +20,7 @@ ENDLESS_LINE_MARK = "\0"
 
 
 MAX_TABLE_SIZE = 4 << 20
-"""Largest size of a table with a row for each flight, or of anything read in one piece. [byte]"""
+"""Largest size of a table with a row for each flight, or of anything read in one piece. [bytes]"""
 
 
 MOST_WIDE = 32 << 20

@@ -164,7 +164,7 @@ def height_unit_by_pressure(raw: Mapping[str, Float[Array, "time"]]) -> str:
 def height_of_ratio(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
     """Height above the beginning of a log from pressures in any unit. [m]
 
-    Source: U.S. Standard Atmosphere 1976, with the pad assumed at sea level: the scale is within about 5 % of the true
+    Source: U.S. Standard Atmosphere 1976, with the pad assumed at sea level: the scale is within about 5% of the true
     one.
     """
     pad = _median(pressure[:5])
