@@ -1,9 +1,10 @@
 """Eggtimer (Classic, TRS, Quantum): the text that it prints, a summary and a table `T,Alt,...` for each flight.
 
-Neither text states its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall determines the
-unit: near the top of an undisturbed flight the acceleration is 9.8 m/s^2 or 32 ft/s^2. If that is inconclusive, the log
-is rejected; adding a unit to the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s, according to its steps of
-a tenth or a twentieth of a second. A column of events contains the altitude at its event, otherwise zero.
+Neither the summary nor the table states its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the
+fall determines the unit: near the top of an undisturbed flight the acceleration is 9.8 m/s^2 or 32 ft/s^2. If that is
+inconclusive, the log is rejected; adding a unit to the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s,
+according to its steps of a tenth or a twentieth of a second. A column of events contains the altitude at its event,
+otherwise zero.
 """
 
 import codecs
@@ -49,7 +50,7 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def _height(names: Sequence[str]) -> int | None:
-    """The place of the altitude in a header, or None."""
+    """Index of the altitude in a header, or None."""
     return next((place for place, name in enumerate(names) if name in ALTITUDES), None)
 
 

@@ -2,8 +2,8 @@
 
 It contains the ground pressure, the lowest pressure after its filter, and the low 16 bits of each sample, the first one
 step after the ground pressure was measured. Heights are above that pressure level, by the standard atmosphere. So is
-the stated apogee, which the device blinks: the samples may end before it. The clock of the first model may be off by 10
-%. Characters between the digits are ignored; a wrong checksum is an error.
+the stated apogee, which the device blinks; the samples may end before it. The clock of the first model may be off by
+10%. Characters between the digits are ignored; a wrong checksum is an error.
 Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 """
 

@@ -43,7 +43,7 @@ EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 
 
 def _starts(names: Sequence[str]) -> list[int]:
-    """The places of the clocks of a header's channels, each followed by its values and flags; other columns may be
+    """Indices of the clocks of a header's channels, each followed by its values and flags; other columns may be
     added."""
     flags = [place for place, name in enumerate(names) if name == FLAGS and place >= 2]
     return [place - 2 for place in flags if names[place - 2].startswith("time")]

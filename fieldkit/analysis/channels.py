@@ -185,8 +185,8 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
 def _without_stale(time: Float[Array, "_"], values: Float[Array, "_"]) -> Float[Array, "_"]:
     """Remove the repetitions of the last fix by a receiver that lost its satellites.
 
-    They end in a jump that no rocket at rest makes from one sample to the next; until when the fix was new, the values
-    do not show.
+    They end in a jump that no rocket at rest makes from one sample to the next. The values do not show when the
+    repetitions began.
     """
     known = np.flatnonzero(np.isfinite(values))
     when, height = time[known], values[known]

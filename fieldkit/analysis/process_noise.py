@@ -27,9 +27,9 @@ STATIC_SD = 0.03
 of the height error as a fraction of v²/2g. In real logs with an accelerometer it was -0.06 to 0.04. [1]
 """
 _RAM = 0.006
-"""Smallest part of it that changes within a flight. [1]"""
+"""Smallest part of this error that changes within a flight, as a fraction of the dynamic pressure. [1]"""
 _CORRELATION_TIME = 0.3
-"""Correlation time of this error. [s]"""
+"""Correlation time of the changing part. [s]"""
 _BOOST_TIME = 1.0
 """How long the dynamic pressure stays near its maximum. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7

@@ -208,8 +208,8 @@ def fit(
 
     `precision` is one over the variance of each height [1/m^2], zero for a sample that does not count; `process_noise`
     is the variance that acceleration gains per second in each interval [m^2/s^5]; `lag` is the time constant by which
-    the acceleration that walks is ahead of that of the curve [s]. An `error` [m] times an unknown standard normal
-    factor, which heights have in common, lowers the evidence but leaves the curve as it is.
+    the acceleration that is a random walk is ahead of that of the curve [s]. An `error` [m] times an unknown standard
+    normal factor, which heights have in common, lowers the evidence but leaves the curve as it is.
     """
     from scipy.linalg.lapack import dpbtrf, dpbtrs
 

@@ -92,7 +92,7 @@ class Catalogue:
         return None
 
     def search(self, text: str) -> list[Motor]:
-        """Every motor that a text could mean, best first, see `fieldkit.motors.search.search`; the cluster it names."""
+        """Every motor that a text could mean, best first, or the cluster it names; as `fieldkit.motors.search`."""
         if names_several(text):
             with suppress(UnknownMotor):
                 return [self.resolve_several(text).motor]

@@ -26,7 +26,7 @@ FIGURES: Mapping[str, tuple[str, str]] = {
 BASES = ("letter", "stated", "curve")
 """What the values of a row are based on, best first."""
 DIFFERENCE = 0.05
-"""Relative difference from which it is reported: the measured scatter of a motor type. [1]"""
+"""Smallest relative difference that is reported: the measured scatter of a motor type. [1]"""
 NAMES = ("manufacturer", "designation", "common_name")
 
 

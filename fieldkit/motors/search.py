@@ -224,7 +224,7 @@ def _bag(motor: Motor, longest: float) -> Motor:
 
 
 def as_printed(motor: Motor, name: Name) -> Motor:
-    """A motor whose longest delay is typed, as in `H128W-14A`, is drilled from that one, whatever the catalog has."""
+    """The motor with only the longest delay that a name states, as in `H128W-14A`, if the catalog lacks that delay."""
     if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor
     return _bag(motor, name.delay)

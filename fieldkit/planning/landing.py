@@ -30,7 +30,7 @@ WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
 """Standard deviation of the log of the actual wind speed relative to the declared one, as in the training of the
 networks, and of its direction [rad], a judgment."""
 CALM = 0.3
-"""Wind below which air is called calm, Beaufort force 0: only that much is known of it. [m/s]"""
+"""Wind below which air is called calm (Beaufort force 0); within this limit the wind is unknown. [m/s]"""
 CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY = 0.08, 0.16
 """Standard deviation of the log of the drift during the climb relative to its forecast, with and without a known static
 margin: root mean square over 51 RocketPy flights with 1 to 6 calibers, `tests/planning/test_landing_interval.py`. [1]

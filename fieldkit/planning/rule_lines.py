@@ -129,7 +129,7 @@ def _small_field(governed_by: Governed) -> Rule | None:
 
 
 def distance_line(governed_by: Governed, people: float | None) -> SafetyCheck:
-    """The distance from the pad to the people at the launch [m] against the table, if due in its complex column."""
+    """The distance from the pad to the people at the launch [m] against the table or its column for complex rockets."""
     name, build = "pad distance", governed_by.build
 
     def judge(rule: Rule) -> SafetyCheck:

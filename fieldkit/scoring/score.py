@@ -30,7 +30,7 @@ class Forecasts:
 
     @staticmethod
     def pick(options: Sequence["Forecasts"]) -> "Forecasts":
-        """Takes the first flight from the first option, the second from the second, and so on."""
+        """Take the first flight from the first option, the second from the second, and so on."""
         longest = max(len(option.mean) for option in options)
 
         def column(name: str, fill: float) -> Array:

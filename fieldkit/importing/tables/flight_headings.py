@@ -185,7 +185,7 @@ def _ours(words: str, taken: Collection[str]) -> str:
 
 
 def _beginnings(words: str) -> list[str]:
-    """The names that a header may be: all of it, or its first words as far as a name can be long."""
+    """The names that a header may be: all of it, or its first words, up to the length of the longest name."""
     return [words[: mark.start()] for mark in re.finditer("_", words[: _longest() + 1])] + [words]
 
 

@@ -246,7 +246,7 @@ _COAST_END = (1.0, 0.2)
 
 
 def last_of_climb(time: Float[Array, "time"], height: Float[Array, "time"], values: Float[Array, "time"]) -> float:
-    """The median of some values in the last second of a climb, in their unit [SI]; nan if there are none."""
+    """The median of some values in the last second of a climb, in their own unit; nan if there are none."""
     climb, _ = _ascent(_with_heights({"time": time, "altitude": height}), {"time": "s", "altitude": "m"})
     if climb is None:
         return float("nan")

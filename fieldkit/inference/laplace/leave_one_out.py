@@ -1,6 +1,6 @@
 """Leave-one-out predictions of a fit.
 
-Derivation: Woodbury's identity, as `leave_one_out` says.
+Derivation: Woodbury's identity; see `leave_one_out`.
 """
 
 from dataclasses import dataclass, replace
