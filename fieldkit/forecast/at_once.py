@@ -60,7 +60,7 @@ def _history(
 
 def fit_in_use(ready: PreparedHistory) -> LinearFit:
     """The linear fit of a prepared history with the current hyperprior for forecasts, which may be newer than the
-    network."""
+    network. Raises DamagedModel if its card cannot be read."""
     again = prepared(replace(ready.history, forecast=learned()), ready.response, quick_candidates)
     return summarized(again, again.flown, ()).forecast
 
@@ -68,7 +68,10 @@ def fit_in_use(ready: PreparedHistory) -> LinearFit:
 def answer_at_once(
     ready: PreparedHistory, flown: Sequence[Flight], ensemble: "Ensemble | None" = None
 ) -> list[QuickAnswer]:
-    """The network's answer for each plan of a prepared history, with the current readouts of its flown flights."""
+    """The network's answer for each plan of a prepared history, with the current readouts of its flown flights.
+
+    Raises DamagedModel if the network cannot be loaded.
+    """
     network = ensemble or load_history()
     return answers(summarized(ready, flown, tuple(network.card["effects"])), network)
 

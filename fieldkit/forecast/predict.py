@@ -47,7 +47,7 @@ def forecast_model(
     hyperprior: Hyperprior | None = None,
 ) -> Model:
     """The model for forecasting a rocket's next flight, by default with the learned hyperprior; arguments as in
-    `rocket_model`."""
+    `rocket_model`. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel for a damaged card."""
     return rocket_model(flights, found, accepted, hyperprior or learned(), flown, flight_index, shared)
 
 

@@ -168,7 +168,7 @@ def base_model(
     """The model of a rocket without effects: every random effect of the hyperprior for which there is a group.
 
     `flown` is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts
-    from 0.
+    from 0. Raises ImpossibleFlight for a flight without a dry mass.
     """
     area = reference_area(flights, flown)
     past = len(flights) if flown is None else flown

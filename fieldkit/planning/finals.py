@@ -129,7 +129,7 @@ def end_flights(
     rocket: Rocket, plan: Flight, found: Found, table: Sequence[FinalsRow]
 ) -> list[tuple[Prediction, float]]:
     """Forecasts of the lightest and the heaviest flight of a table with their parachute areas [1]: no other one goes
-    higher than the first, or leaves the rail slower than the last."""
+    higher than the first, or leaves the rail slower than the last. Raises ImpossibleFlight as `forecasts`."""
     ordered = sorted(table, key=lambda one: one.mass)
     ends = ordered[0], ordered[-1]
     planned = [(plan.with_changes(dry_mass=one.mass), found) for one in ends]

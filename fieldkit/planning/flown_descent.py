@@ -46,6 +46,7 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
 
     A duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it is preferred over
     a descent speed; with two devices the descent speed is the main's, and the duration determines the drogue's.
+    Raises BadValue for a recovery device that cannot be read.
     """
     duration = _timed(flight)
     if duration is None or flight.apogee is None or flight.dry_mass is None:

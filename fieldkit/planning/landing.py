@@ -137,7 +137,8 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     """Landing points and durations for the draws of a forecast, with random deviations of the wind from the declared
     one and of the climb's drift from its forecast.
 
-    Without a wind, only the rail angle causes drift, and the landing point is unknown.
+    Without a wind, only the rail angle causes drift, and the landing point is unknown. Raises BadValue for a static
+    margin, a recovery device or a wind that cannot be read.
     """
     rng = np.random.default_rng(seed)
     count = len(prediction.apogee)
@@ -187,7 +188,7 @@ class RailChoice:
 
 def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
     """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
-    is not known."""
+    is not known. Raises ImpossibleFlight for a plan without a mass."""
     if plan.wind is None:
         return []
     ways = [("into", 0.0)]
@@ -207,7 +208,7 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
     Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
-    winds, each with the whole landing calculation.
+    winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass.
     """
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
     predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]

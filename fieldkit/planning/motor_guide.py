@@ -210,7 +210,7 @@ def guide(
     """The forecast flight of a plan on each motor, in the same order; nothing is saved.
 
     Each motor gets the delay for sale that fires closest to apogee. It is simulated `draws` times, by default as many
-    as are quick. Raises ImpossibleFlight for a plan without a mass.
+    as are quick. Raises ImpossibleFlight for a plan without a mass, BadValue for a damaged file of rules.
     """
     if not motors:
         return []
