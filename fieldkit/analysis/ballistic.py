@@ -67,7 +67,10 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
 def fitted_coast(
     time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
 ) -> Coast | None:
-    """Fit a coast, starting at `begin`, to the heights from shortly after burnout to `end`. None if too few samples."""
+    """Fit a coast, starting at `begin`, to the heights [m] from shortly after `burnout` to `end` [s].
+
+    None if too few samples.
+    """
     inside = (time > burnout + 0.25) & (time < end + 0.3)
     if inside.sum() < 6:
         return None

@@ -41,7 +41,7 @@ _SCALE = 0.02
 
 
 def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> MeasuredClimb:
-    """The ascent between two times, with its standard deviations."""
+    """The ascent between two times [s], with its standard deviations."""
     inside = (ascent.time >= begin) & (ascent.time <= end)
 
     def cut(values: Array) -> Array:
@@ -60,7 +60,8 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
 
 
 def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: float) -> Forces | None:
-    """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection or apogee.
+    """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection (`free` [s]) or apogee,
+    with the pad at an elevation [m].
 
     An axial accelerometer measures it directly, with its zero from the pad. Otherwise it is the smoothed vertical
     acceleration plus gravity, which is valid for a rocket that climbs straight.

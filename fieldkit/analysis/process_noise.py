@@ -78,7 +78,11 @@ def _opening(grid: Grid, guess: Guess, charge: float) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedCurve:
-    """Result of a fit: the curve, and the variances and process noise it was fitted with."""
+    """Result of a fit: the curve, and the variances and process noise it was fitted with.
+
+    `noise` is that of a sample [m], `variance` that of each sample [m^2]; `thrust`, `coast` and `opening` are process
+    noises [m^2/s^5].
+    """
 
     curve: CurvePosterior
     noise: float

@@ -101,7 +101,7 @@ class Hyperprior:
         return replace(self, scatter=self.scatter.refined(), reading=self.reading.refined())
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-        """The scatter scale, reading scale and log prior weight of every pair on the grid."""
+        """The scatter scale, reading scale and log prior weight of every pair on the grid. [1], [1], [nat]"""
         return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:

@@ -55,7 +55,7 @@ def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: in
 
 
 def shown_by(bends: Bends, readouts: Mapping[str, Float[Array, "flight"]]) -> Mapping[str, Any]:
-    """The readouts as changed by the effects."""
+    """The readouts, in SI, as changed by the effects."""
     for effect, strength in bends:
         readouts = effect.bend_reading(readouts, strength)
     return readouts

@@ -63,7 +63,7 @@ class Model:
     `hyperprior` has the standard deviations, and `shared` the information from other rockets in the ledger about the
     terms they have in common with this one. A `coarse` model simulates with the curves and steps of `COARSE_SETTINGS`,
     to fit flights or to try hundreds of motors at once. `flight_index` is the position of each flight in the order
-    flown, from 0; alternative plans share one.
+    flown, from 0; alternative plans share one. `area` is the reference area of each flight. [m^2]
     """
 
     flights: tuple[Flight, ...]

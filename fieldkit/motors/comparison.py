@@ -104,7 +104,7 @@ def compare_tests(catalogue: Catalogue, content: bytes, name: str) -> CatalogueC
 
 
 def listed_figures(motor: Motor) -> dict[str, float]:
-    """The values of a motor by the columns of a table of tests."""
+    """The values of a motor by the columns of a table of tests, in the units of the columns."""
     return {
         "tested_impulse_ns": motor.total_impulse,
         "tested_average_n": motor.rated_thrust,

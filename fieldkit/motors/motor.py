@@ -138,7 +138,8 @@ def impulse(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> float:
 
 
 def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
-    """Convert a recorded thrust curve to knots that start at (0, 0), end at zero thrust and strictly increase in time.
+    """Convert a recorded thrust curve [s], [N] to knots that start at (0, 0), end at zero thrust and strictly increase
+    in time.
 
     A jump (a repeated time) becomes a ramp of at most 0.1 ms; so does a curve that starts with thrust. A curve that
     ends above zero falls to zero within one more interval of the same length as its last. Raises BadValue for
@@ -185,7 +186,7 @@ def impulse_class(total_impulse: float) -> str:
 
 
 def delays_text(delays: Sequence[float]) -> str:
-    """Delays as flyers write them: `4, 7, P`; a dash if none are recorded."""
+    """Delays [s] as flyers write them: `4, 7, P`; a dash if none are recorded."""
     return ", ".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in delays) or "-"
 
 

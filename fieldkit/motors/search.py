@@ -29,8 +29,8 @@ _LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 class Listing:
     """An entry for searches; `motor()` is the motor itself with its curve.
 
-    `words` are its case and its propellant; `former` is its previous designation; `own` marks a motor from the user's
-    files.
+    `words` are its case and its propellant; `diameter` is in m and `delays` in s; `former` is its previous designation;
+    `own` marks a motor from the user's files.
     """
 
     maker: str

@@ -122,7 +122,7 @@ def copies(part: "Element") -> int:
 
 
 def override(part: "Element") -> tuple[float | None, bool]:
-    """The mass that the designer entered, if any, and whether it includes everything inside."""
+    """The mass that the designer entered, if any [kg], and whether it includes everything inside."""
     if part.findtext("overridemass") is None:
         return None, False
     below = part.findtext("overridesubcomponentsmass") or part.findtext("overridesubcomponents") or "false"

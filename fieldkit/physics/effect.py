@@ -25,7 +25,7 @@ BendReading = Callable[[Readings, Strength], Readings]
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """Prior of a strength: a normal distribution truncated at its bounds."""
+    """Prior of a strength: a normal distribution truncated at its bounds. Its unit is that of the effect."""
 
     mean: float
     sd: float

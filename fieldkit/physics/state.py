@@ -170,7 +170,7 @@ class FlightResult:
     coast_time: Float[Array, "*draw"]
 
     def readouts(self) -> dict[str, Float[Array, "*draw"]]:
-        """The ten readouts by name, with heights as the altimeter reads them."""
+        """The ten readouts by name, with heights as the altimeter reads them. SI."""
         shown = {"apogee": self.apogee_shown, "eject_altitude": self.eject_altitude_shown}
         names = (
             "apogee top_speed burn_time peak_accel avg_accel coast_to_apogee apogee_to_eject "

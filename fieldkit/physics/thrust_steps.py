@@ -95,8 +95,8 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
 
 
 def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
-    """A curve with the same impulse and at most `most` knots: knots whose triangle with their neighbors has the
-    smallest area are dropped first.
+    """A curve [s], [N] with the same impulse and at most `most` knots: knots whose triangle with their neighbors has
+    the smallest area are dropped first.
 
     Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
     """

@@ -116,7 +116,7 @@ class LandingEllipse:
         return np.stack([self.along + c * u - s * v, self.across + s * u + c * v], axis=-1)
 
     def inside(self, along: Array, across: Array) -> Array:
-        """Whether points are inside the ellipse."""
+        """Whether points, downwind and to the right [m], are inside the ellipse."""
         c, s = math.cos(self.turned), math.sin(self.turned)
         x, y = along - self.along, across - self.across
         return np.asarray(((c * x + s * y) / self.long) ** 2 + ((c * y - s * x) / self.short) ** 2 <= 1)

@@ -19,7 +19,7 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class MotorPoints:
-    """The points of a flight on a motor, as draws."""
+    """The points of a flight on a motor, as draws. [1]"""
 
     choice: MotorChoice
     points: Float[Array, "draw"]

@@ -83,7 +83,7 @@ def _found(motor: Motor) -> Found:
 
 
 def lifts(motor: Motor, dry_mass: float) -> bool:
-    """Whether a motor would lift a rocket off a rod."""
+    """Whether a motor would lift a rocket of this dry mass [kg] off a rod."""
     return motor.average_thrust > LEAST_THRUST * (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
 
 

@@ -100,9 +100,9 @@ def checked(
 ) -> SetPosterior:
     """The posterior with the evidence of its probable hypotheses checked by the simulator.
 
-    A hypothesis is probable if its log odds against the best are within `window`; the plain model is always checked.
-    The others get the smallest correction of the probable sets that share most effects with them. Corrections of
-    improbable sets are not used: far from the flights the error of a linear fit may be tens of nats.
+    A hypothesis is probable if its log odds against the best are within `window` [nat]; the plain model is always
+    checked. The others get the smallest correction of the probable sets that share most effects with them. Corrections
+    of improbable sets are not used: far from the flights the error of a linear fit may be tens of nats.
     """
     plain, likely = posterior.best(frozenset()), _likely(posterior, window)
     every = [*likely, *([] if any(one is plain for one, _ in likely) else [(plain, around_mode(plain.fit))])]

@@ -107,7 +107,7 @@ def parameter_moments(
     alpha_sd: Float[Array, "plan"],
     correlation: Float[Array, "plan"],
 ) -> ParameterMoments:
-    """Means, standard deviations and a correlation as a mean and a covariance."""
+    """Means, standard deviations and a correlation as a mean and a covariance, all of log Cd and log alpha. [1]"""
     both = np.asarray(correlation * cd_sd * alpha_sd)
     covariance = np.array([[np.asarray(cd_sd) ** 2, both], [both, np.asarray(alpha_sd) ** 2]])
     return ParameterMoments(np.stack([cd, alpha], axis=-1), np.moveaxis(covariance, -1, 0))
