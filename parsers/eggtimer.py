@@ -193,7 +193,7 @@ def _below(item: Found, rows: int) -> Found:
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:
-    """`m` or `ft`, from the change of height, in this unit, in the last seconds before the top; empty if neither is
+    """`m` or `ft`, from the change of printed heights in the last seconds before the top; empty if neither is
     certain."""
     middle = np.median([altitude[:-4], altitude[1:-3], altitude[2:-2], altitude[3:-1], altitude[4:]], axis=0)
     clock = time[2:-2]

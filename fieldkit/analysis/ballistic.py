@@ -67,7 +67,7 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
 def fitted_coast(
     time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
 ) -> Coast | None:
-    """Fit a coast, starting at `begin`, to the heights [m] from shortly after `burnout` to `end` [s].
+    """Fit a coast, starting at `begin`, to heights [m] at times [s], from shortly after `burnout` to `end` [s].
 
     None if too few samples.
     """

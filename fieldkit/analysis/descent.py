@@ -34,7 +34,7 @@ _BASELINE_TIME = 0.4
 
 
 def shock(push: Push | None, burnout: float, top: float) -> Event | None:
-    """The first shock that an accelerometer felt around apogee; `burnout` and `top` [s]."""
+    """The first shock that an accelerometer felt around apogee, given the times of `burnout` and `top` [s]."""
     if push is None or push.vertical:
         return None
     near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)

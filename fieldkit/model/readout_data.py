@@ -26,8 +26,8 @@ the square of the error may overflow. [1] or [s]"""
 class Data:
     """The observations in the form that the fit compares: log ratios for readouts that are `IS_LOGARITHMIC`.
 
-    `sd` is the expected or recorded error of each readout; `seen` marks readouts recorded on flights used in the fit.
-    `trust` is the expected precision of each residual relative to an ordinary one: less than 1 for an outlier.
+    `sd` is the expected or recorded error of each readout [1] or [s]; `seen` marks readouts recorded on flights used in
+    the fit. `trust` is the expected precision of each residual relative to an ordinary one: less than 1 for an outlier.
     """
 
     values: Float[Array, "flight readout"]

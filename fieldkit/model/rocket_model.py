@@ -34,8 +34,9 @@ class Term:
     """One parameter: what it changes, its prior, and how strongly it acts on each flight.
 
     `bends` is a property of the flight, the name of a readout (a bias of the reading, as a ratio), or an effect. `low`
-    and `high` truncate the prior. `scaled_by` names the scale that multiplies its standard deviation, if there is one:
-    a rocket with much scatter is known less well, and a noisy device has a larger bias.
+    and `high` truncate the prior; like `mean` and `sd` they are in the unit of what the term changes. `scaled_by` names
+    the scale that multiplies its standard deviation, if there is one: a rocket with much scatter is known less well,
+    and a noisy device has a larger bias.
     """
 
     name: str
@@ -50,7 +51,8 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """A random effect of single flights: what it changes, and its standard deviation around zero."""
+    """A random effect of single flights: what it changes, and its standard deviation around zero, in the unit of
+    that."""
 
     bends: Bends | Literal["apogee"]
     sd: float

@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 class SharedPrior:
     """A normal distribution of named terms that replaces their independent priors in a model.
 
-    In the units of the terms.
+    Mean and covariance are in the units of the terms.
     """
 
     names: tuple[str, ...]

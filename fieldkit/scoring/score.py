@@ -68,7 +68,7 @@ class Score:
 
 
 def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Score:
-    """The score of forecasts of log apogee on the flights with an apogee. `truth` are the flown apogees. [log m]"""
+    """The score of forecasts of log apogee on the flights with an apogee. `truth` has the flown apogees. [log m]"""
     if not seen.any():
         return Score(np.nan, np.nan, np.nan, np.nan)
     error = (forecasts.apogee - np.exp(truth))[seen]

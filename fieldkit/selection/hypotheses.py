@@ -21,8 +21,8 @@ Members = frozenset[str]
 class Hypothesis:
     """Effects, each in one place, and the fit of the model with them; no effects for the plain model.
 
-    `log_prior` is the log ratio of its prior probability to the plain model's. `correction` is the correction of the
-    fit's log evidence by importance sampling, and `sampled` the result of the sampling, if it was done.
+    `log_prior` is the log ratio of its prior probability to the plain model's. [nat] `correction` is the correction of
+    the fit's log evidence by importance sampling [nat], and `sampled` the result of the sampling, if it was done.
     """
 
     candidates: tuple[Candidate, ...]

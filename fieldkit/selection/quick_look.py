@@ -37,8 +37,8 @@ SIMILAR_ODDS = 0.5
 
 @dataclass(frozen=True, slots=True)
 class QuickCandidate:
-    """An effect with its probability, its log Bayes factor from a linear fit, its most likely place and strength, and
-    leave-one-out errors with it."""
+    """An effect with its probability, its log Bayes factor from a linear fit [nat], its most likely place and strength,
+    and leave-one-out errors with it."""
 
     effect: str
     probability: float

@@ -75,8 +75,8 @@ FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("ap
 @dataclass(frozen=True, slots=True)
 class ReadoutMoments:
     """A linear fit's forecast of the other readouts of plans, without reading errors: mean and standard deviation of
-    each of `FORECAST_READOUTS` in the form that is compared, and its covariance with the plan's log Cd and log
-    alpha."""
+    each of `FORECAST_READOUTS` in the form that is compared ([1] or [s]), and its covariance with the plan's log Cd and
+    log alpha."""
 
     mean: Float[Array, "plan readout"]
     sd: Float[Array, "plan readout"]
