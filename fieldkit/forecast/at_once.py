@@ -38,7 +38,8 @@ def prepare_at_once(
     """The part of a history that does not depend on readouts, from a rocket's flights in the order flown, at least one,
     and plans.
 
-    `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass.
+    `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass,
+    DamagedModel if the network cannot be loaded.
     """
     history = _history(flown, plans, used_in_fit, shared, ensemble)
     return prepared(history, response_of(history), quick_candidates)

@@ -95,7 +95,8 @@ def predict(
     an anomaly tag count as flown and are not used in the fit; outliers have little weight. Recorded wind acts with the
     prior of its effect, accepted or not, unless `declared` is False. `cds` are the drag coefficients of designs by
     configuration, which replace the prior mean of any rocket [1]. `shared` is the information from the flyer's other
-    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
+    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass,
+    DamagedModel if the learned hyperprior cannot be read.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:

@@ -58,7 +58,7 @@ class Catalogue:
 
     def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
         """The motor named by a text, or the cluster or stages it names combined into one motor; see
-        `fieldkit.motors.several`. Raises UnknownMotor."""
+        `fieldkit.motors.several`. Raises UnknownMotor, BadValue."""
         if not names_several(text):
             return self.resolve(text)
         key = tidy(text), boosters

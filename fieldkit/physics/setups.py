@@ -71,7 +71,8 @@ def field_setup(
     """Flights on their motors, one entry per flight along the last axis, in SI units; `steps` and `knots` as in
     `burns`, `stride` as in `Setup`.
 
-    Raises ImpossibleFlight for a flight without a dry mass.
+    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a rail direction, a wind or an opening time
+    that cannot be read.
     """
     motors = {id(item.motor): item.motor for item in found}
     row = {key: number for number, key in enumerate(motors)}

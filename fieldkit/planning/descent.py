@@ -45,7 +45,8 @@ def descents(
 def durations(
     predictions: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
-    """Time from lift-off to landing at these descent speeds near the ground; ballistic if nothing opened. [s]"""
+    """Time from lift-off to landing at these descent speeds near the ground; ballistic if nothing opened. [s] Raises
+    BadValue as `descents`."""
     columns = [
         one.rise_time + descents(one, fall, speed).time for one, speed in zip(predictions, speeds.T, strict=True)
     ]

@@ -96,7 +96,8 @@ def usual(device: Device = "parachute", mass: float = USUAL_MASS, density: float
 
 def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None, found: Found | None = None) -> Fall:
     """The descent of a rocket from its flights without anomaly tags, on the plan's device and parachute if named; else
-    from the entered values; else the default at the plan's landing mass on its motor."""
+    from the entered values; else the default at the plan's landing mass on its motor. Raises BadValue for a recovery
+    device of the plan that cannot be read."""
     return completed_fall(flown_falls(history, plan), plan, found)
 
 

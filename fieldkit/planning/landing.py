@@ -188,7 +188,7 @@ class RailChoice:
 
 def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
     """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
-    is not known. Raises ImpossibleFlight for a plan without a mass."""
+    is not known. Raises ImpossibleFlight for a plan without a mass, BadValue as `landing`."""
     if plan.wind is None:
         return []
     ways = [("into", 0.0)]
@@ -208,7 +208,8 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
     Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
-    winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass.
+    winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass, BadValue as
+    `landing`.
     """
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
     predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]

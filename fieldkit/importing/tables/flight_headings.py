@@ -61,7 +61,7 @@ def shape(cells: Sequence[str]) -> tuple[str, ...]:
 
 
 def table_names(head: bytes) -> tuple[str, ...]:
-    """Column names of a table of flights, and what identifies a table without headers."""
+    """Column names of a table of flights, and what identifies a table without headers. Raises DamagedLog."""
     names = first_names(head)
     return shape(names) or names
 
