@@ -40,7 +40,7 @@ from fieldkit.importing.tables.text import blocks, first_lines, shown
 from fieldkit.shapes import Array, Float, Int
 
 MAX_LOG_SIZE = 32 << 20
-"""Largest file size; the flash of these devices fits in it. [byte]"""
+"""Largest file size; the flash of these devices fits in it. [bytes]"""
 LARGEST_SETTINGS = 1 << 18
 """Size of the beginning of a file that is searched for the first record. [bytes]"""
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")

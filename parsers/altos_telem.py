@@ -25,7 +25,7 @@ from fieldkit.units import ZERO_CELSIUS
 
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
 MAX_LOG_SIZE = 32 << 20
-"""Largest file size: half a day of packets. [byte]"""
+"""Largest file size: half a day of packets. [bytes]"""
 PACKET, FRAME = 32, 36
 """Size of a packet, and of its line with the length before it and signal strength, status and checksum after it.
 [bytes]"""

@@ -1,4 +1,4 @@
-"""Blue Raven, the CSV files of its app: low rate (50 per second, barometer), high rate (500 per second, none).
+"""Blue Raven, the CSV files of its app: low rate (50 per second, with the barometer) and high rate (500, without).
 
 Several flag columns have the same name; the first one is used. The velocity and the altitude that the logger integrated
 drift after landing and are separate from the barometer's. `..._fired` flags keep their own names, because they come

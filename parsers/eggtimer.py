@@ -1,9 +1,10 @@
 """Eggtimer (Classic, TRS, Quantum): the text that it prints, a summary and a table `T,Alt,...` for each flight.
 
-Neither text states its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall determines the
-unit: near the top of an undisturbed flight the acceleration is 9.8 m/s^2 or 32 ft/s^2. If that is inconclusive, the log
-is rejected; adding a unit to the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s, according to its steps of
-a tenth or a twentieth of a second. A column of events contains the altitude at its event, otherwise zero.
+Neither the summary nor the table states its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the
+fall determines the unit: near the top of an undisturbed flight the acceleration is 9.8 m/s^2 or 32 ft/s^2. If that is
+inconclusive, the log is rejected; adding a unit to the header (`Alt_ft`, `Alt_m`) fixes that. `T` is in ms or in s,
+according to its steps of a tenth or a twentieth of a second. A column of events contains the altitude at its event,
+otherwise zero.
 """
 
 import codecs
@@ -49,7 +50,7 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def _height(names: Sequence[str]) -> int | None:
-    """The place of the altitude in a header, or None."""
+    """Index of the altitude in a header, or None."""
     return next((place for place, name in enumerate(names) if name in ALTITUDES), None)
 
 
@@ -192,7 +193,8 @@ def _below(item: Found, rows: int) -> Found:
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:
-    """`m` or `ft`, from the change of height in the last seconds before the top; empty if neither is certain."""
+    """`m` or `ft`, from the change of printed heights in the last seconds before the top; empty if neither is
+    certain."""
     middle = np.median([altitude[:-4], altitude[1:-3], altitude[2:-2], altitude[3:-1], altitude[4:]], axis=0)
     clock = time[2:-2]
     if len(middle) < 40:

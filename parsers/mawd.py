@@ -23,7 +23,7 @@ STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})
 SAMPLE = re.compile(r"([^\r\n])(\d{4})")
 INTERVAL = slice(20, 22)
 MAX_LOG_SIZE = 4 << 20
-"""Largest file size: a sample is a line of 7 bytes, and the number of samples has five digits. [byte]"""
+"""Largest file size: a sample is a line of 7 bytes, and the number of samples has five digits. [bytes]"""
 
 
 def recognises(head: bytes) -> bool:

@@ -2,8 +2,8 @@
 
 It contains the ground pressure, the lowest pressure after its filter, and the low 16 bits of each sample, the first one
 step after the ground pressure was measured. Heights are above that pressure level, by the standard atmosphere. So is
-the stated apogee, which the device blinks: the samples may end before it. The clock of the first model may be off by 10
-%. Characters between the digits are ignored; a wrong checksum is an error.
+the stated apogee, which the device blinks; the samples may end before it. The clock of the first model may be off by
+10%. Characters between the digits are ignored; a wrong checksum is an error.
 Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 """
 
@@ -30,7 +30,7 @@ SEPARATOR_BYTES = b" \t\r\n\v\f\0"
 START = re.compile(rb"MP(?=(?:[\s\0]*[0-9a-fA-F]){20})")
 DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
 MAX_LOG_SIZE = 4 << 20
-"""Largest file size: more than the digits and separators of a day of flight. [byte]"""
+"""Largest file size: more than the digits and separators of a day of flight. [bytes]"""
 MOST_FLIGHTS = 100
 """Largest number of transmissions that are read from a file. [1]"""
 MIN_GROUND_PRESSURE, MAX_GROUND_PRESSURE = 10_000, 120_000

@@ -37,13 +37,13 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
 }
 """Channels by header; the logger's own come before computed ones."""
 MAX_LOG_SIZE = 1 << 25
-"""Larger than the exported memory of a Raven. [byte]"""
+"""Larger than the exported memory of a Raven. [bytes]"""
 EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 """Index of each flag in a cell such as `b1100`."""
 
 
 def _starts(names: Sequence[str]) -> list[int]:
-    """The places of the clocks of a header's channels, each followed by its values and flags; other columns may be
+    """Indices of the clocks of a header's channels, each followed by its values and flags; other columns may be
     added."""
     flags = [place for place, name in enumerate(names) if name == FLAGS and place >= 2]
     return [place - 2 for place in flags if names[place - 2].startswith("time")]

@@ -19,7 +19,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 SCALES = (0.75, 1.35)
-"""Allowed ratio of the climb from heights to the climb from a trusted accelerometer. A calibration error of 10 % and a
+"""Allowed ratio of the climb from heights to the climb from a trusted accelerometer. A calibration error of 10% and a
 flight tilted by 30 degrees stay inside. [1]"""
 _FILLED_SCALE, _MISSED = 0.03, 300.0
 """Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must

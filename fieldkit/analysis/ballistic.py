@@ -1,6 +1,6 @@
 """A vertical coast with drag and gravity: the shape that heights after burnout are first compared with.
 
-Drag per mass is `k v²`. It decreases with height as the air does, and is 50 % greater above the speed of sound, which
+Drag per mass is `k v²`. It decreases with height as the air does, and is 50% greater above the speed of sound, which
 is typical of slender rockets. If the true drag differs, the true curve bends slightly away from this one; the fit of
 the correction absorbs that.
 """
@@ -67,7 +67,10 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
 def fitted_coast(
     time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
 ) -> Coast | None:
-    """Fit a coast, starting at `begin`, to the heights from shortly after burnout to `end`. None if too few samples."""
+    """Fit a coast, starting at `begin`, to heights [m] at times [s], from shortly after `burnout` to `end` [s].
+
+    None if too few samples.
+    """
     inside = (time > burnout + 0.25) & (time < end + 0.3)
     if inside.sum() < 6:
         return None

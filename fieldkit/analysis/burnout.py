@@ -44,7 +44,11 @@ class Burnout:
 
 
 def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: Lag, static: float) -> Burnout:
-    """Burnout time that maximizes the likelihood of the heights for one lag. Acceleration jumps at burnout."""
+    """Burnout time that maximizes the likelihood of the heights for one lag.
+
+    Acceleration jumps at burnout. `static` is the standard deviation of the airframe's pressure error, as a fraction of
+    the dynamic pressure. [1]
+    """
     lift = lag.lift.time if lag.lift is not None else marks.lift
     marks = replace(marks, lift=lift, released=marks.released - lag.lag)
     begin = lift if lift is not None else start.samples.grid.start

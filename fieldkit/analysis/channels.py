@@ -113,7 +113,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
 
 
 def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
-    """The best acceleration along the axis from one time to another, or None."""
+    """The best acceleration along the axis from one time to another [s], or None."""
     for name in ("felt", "acceleration", "inertial_speed"):
         for series in clocks:
             values = getattr(series, name)
@@ -141,7 +141,8 @@ def sensor(source: str) -> str:
 
 
 def is_clipped(push: Push, begin: float, end: float) -> bool:
-    """Whether an accelerometer was saturated: its highest value repeats many times and no other value does.
+    """Whether an accelerometer was saturated between two times [s]: its highest value repeats many times and no other
+    value does.
 
     A saturated converter returns one number, continuously or, if the thrust fluctuates around the limit,
     intermittently. A thrust that happens to be constant still has the sensor's noise. Low values, as at rest, repeat in
@@ -160,7 +161,7 @@ def is_clipped(push: Push, begin: float, end: float) -> bool:
 
 
 def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
-    """Which samples of an accelerometer are saturated between two times; None if none are."""
+    """Which samples of an accelerometer are saturated between two times [s]; None if none are."""
     inside = (push.time >= begin) & (push.time <= end)
     if not is_clipped(push, begin, end):
         return None
@@ -185,8 +186,8 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
 def _without_stale(time: Float[Array, "_"], values: Float[Array, "_"]) -> Float[Array, "_"]:
     """Remove the repetitions of the last fix by a receiver that lost its satellites.
 
-    They end in a jump that no rocket at rest makes from one sample to the next; until when the fix was new, the values
-    do not show.
+    They end in a jump that no rocket at rest makes from one sample to the next. The values do not show when the
+    repetitions began.
     """
     known = np.flatnonzero(np.isfinite(values))
     when, height = time[known], values[known]

@@ -34,7 +34,7 @@ _BASELINE_TIME = 0.4
 
 
 def shock(push: Push | None, burnout: float, top: float) -> Event | None:
-    """The first shock that an accelerometer felt around apogee."""
+    """The first shock that an accelerometer felt around apogee, given the times of `burnout` and `top` [s]."""
     if push is None or push.vertical:
         return None
     near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
@@ -100,7 +100,7 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
 
 
 def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None, float | None]:
-    """Time of landing and the ground's height in this channel; (None, None) if it is not in the log.
+    """Time of landing [s] and the ground's height in this channel [m]; (None, None) if it is not in the log.
 
     The last line of the descent, by the Theil-Sen estimator, is intersected with the level that follows it.
     """

@@ -23,15 +23,15 @@ _MIN_DENSITY = 1e-4
 _FUSED_SPEED_ERROR, _DERIVED_SPEED_ERROR = 0.02, 0.015
 """Smallest relative error of a top speed: with an accelerometer, from heights. [1]"""
 _TRANSONIC_PRESSURE_ERROR = 0.06
-"""The same as `STATIC_SD` above about Mach 0.8, where shocks disturb the pressure. [1]"""
+"""The same as `STATIC_SD`, but above `_TRANSONIC_SPEED`, where shocks disturb the pressure. [1]"""
 _MAX_SPEED_ERROR = 0.25
-"""Largest relative error assigned to a top speed from heights only; the largest one observed there was 0.29. [1]"""
+"""Upper limit of this relative error of a top speed from heights only; the largest one observed was 0.29. [1]"""
 _TRANSONIC_SPEED = 270.0
-"""Speed at which that begins. [m/s]"""
+"""Speed above which shocks disturb the pressure, about Mach 0.8. [m/s]"""
 _BRAKING_TIME = 1.5
 """Time after top speed over which the deceleration is measured. [s]"""
 _BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
-"""Relative error of a burn time from heights only. [1]"""
+"""Relative error of a burn time from heights only, and from a barometer disturbed by shocks. [1]"""
 _MIN_FELT_FRACTION = 0.9
 """Fraction of a climb that an accelerometer must have recorded to be trusted instead of the heights. [1]"""
 _MOSTLY = 0.5
@@ -41,7 +41,7 @@ _SCALE = 0.02
 
 
 def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> MeasuredClimb:
-    """The ascent between two times, with its standard deviations."""
+    """The ascent between two times [s], with its standard deviations."""
     inside = (ascent.time >= begin) & (ascent.time <= end)
 
     def cut(values: Array) -> Array:
@@ -60,7 +60,8 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
 
 
 def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: float) -> Forces | None:
-    """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection or apogee.
+    """Acceleration without gravity and, in the coast, Cd·A per mass, from lift-off to ejection (`free` [s]) or apogee,
+    with the pad at an elevation [m].
 
     An axial accelerometer measures it directly, with its zero from the pad. Otherwise it is the smoothed vertical
     acceleration plus gravity, which is valid for a rocket that climbs straight.

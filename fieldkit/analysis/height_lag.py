@@ -38,7 +38,7 @@ class Lag:
 
 
 NO_LAG = Lag(0.0, 1.0)
-"""Heights that are on time."""
+"""Heights without a lag."""
 
 
 def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag]:

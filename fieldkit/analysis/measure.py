@@ -118,7 +118,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     log = FittedLog(track, every, seen, ascents[0].ascent, trust.push, felt, stated)
     each = [_recorded(replace(log, drag=one is ascents[0]), one, clocks) for one in ascents]
     on_time = next(one for one, ascent in zip(each, ascents, strict=True) if not ascent.lag.lag)
-    if NO_FLIGHT in on_time.notes:  # a lag makes no rocket of a drone
+    if NO_FLIGHT in on_time.notes:  # correcting a lag does not turn a drone into a rocket
         return on_time
     weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
     found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each])

@@ -68,7 +68,7 @@ def least_soft_squares(
     """Values that minimize the sum of 2 (sqrt(1 + m²) - 1) over the misfits m, which limits the influence of outliers.
 
     Damped Gauss-Newton steps (Levenberg-Marquardt). `scale` is a typical change of each value, `room` its largest
-    distance from the start.
+    distance from the start. Both are in the units of the values.
     """
     values, damping = np.array(start, float), _DAMPING
     left = misfit(values)

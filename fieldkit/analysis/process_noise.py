@@ -27,9 +27,9 @@ STATIC_SD = 0.03
 of the height error as a fraction of v²/2g. In real logs with an accelerometer it was -0.06 to 0.04. [1]
 """
 _RAM = 0.006
-"""Smallest part of it that changes within a flight. [1]"""
+"""Smallest part of this error that changes within a flight, as a fraction of the dynamic pressure. [1]"""
 _CORRELATION_TIME = 0.3
-"""Correlation time of this error. [s]"""
+"""Correlation time of the changing part. [s]"""
 _BOOST_TIME = 1.0
 """How long the dynamic pressure stays near its maximum. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
@@ -37,7 +37,7 @@ _GAS, _GAS_LASTS = 4.0, 0.7
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
 _FOLLOWED = 5.0
-"""Time constants after which a first-order lag has followed a step to 1 %. [1]"""
+"""Time constants after which a first-order lag has followed a step to 1%. [1]"""
 _SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
 """Speed at which a typical parachute decelerates the rocket by one g (by four at twice that) [m/s], and the largest
 deceleration that an airframe survives [m/s^2]."""
@@ -78,7 +78,11 @@ def _opening(grid: Grid, guess: Guess, charge: float) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedCurve:
-    """Result of a fit: the curve, and the variances and process noise it was fitted with."""
+    """Result of a fit: the curve, and the variances and process noise it was fitted with.
+
+    `noise` is that of a sample [m], `variance` that of each sample [m^2]; `thrust`, `coast` and `opening` are process
+    noises [m^2/s^5].
+    """
 
     curve: CurvePosterior
     noise: float
@@ -231,7 +235,7 @@ def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
 def _blur(samples: Samples, guess: Guess, marks: Marks) -> Float[Array, "time"]:
     """Error of each height after correction for a first-order filter's delay. [m]
 
-    A filter with delay d leaves an error of a d²/2 at acceleration a; a 50 % uncertainty of the delay leaves v d/2 at
+    A filter with delay d leaves an error of a d²/2 at acceleration a; a 50% uncertainty of the delay leaves v d/2 at
     speed v. Both are shared by all samples of a boost.
     """
     if not samples.lag or marks.lift is None:

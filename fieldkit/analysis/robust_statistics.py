@@ -46,7 +46,7 @@ def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Ar
 
 def typical_line(x: Float[Array, "_"], y: Float[Array, "_"]) -> tuple[float, float]:
     """Slope and intercept of a line robust to outliers: the median slope of all pairs (Theil-Sen estimator; Sen,
-    Journal of the American Statistical Association 63, 1968), through the medians."""
+    Journal of the American Statistical Association 63, 1968), through the medians, in the units of `y` and `x`."""
     first, second = np.triu_indices(x.size, 1)
     separation = x[second] - x[first]
     distinct = separation != 0

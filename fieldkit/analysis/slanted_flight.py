@@ -62,7 +62,7 @@ class SlantedFlight:
     sd: Float[Array, "step"]
 
     def agrees(self, track: Heights, pad: float) -> Flags:
-        """Which height samples are close to the climb; the others are outliers."""
+        """Which height samples, above `pad` [m], are close to the climb; the others are outliers."""
         away = np.abs(track.height - pad - np.interp(track.time, self.time, self.height))
         near = away < _MAX_SDS * np.hypot(np.interp(track.time, self.time, self.sd), track.noise)
         return np.asarray(near | (track.time < self.time[0]) | (track.time > self.time[-1]))

@@ -50,7 +50,8 @@ class SplineRows:
 
 
 def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> SplineRows:
-    """The basis splines, or a derivative of them, at times within the grid (times outside are moved to its ends)."""
+    """The basis splines, or a derivative of them, at times [s] within the grid (times outside are moved to its
+    ends)."""
     place = np.clip((time - grid.start) / grid.step, 0, grid.count * (1 - 1e-12))
     first = np.floor(place).astype(np.int64)
     u = place - first
@@ -123,7 +124,7 @@ class SplineDesign:
 
 
 def design(grid: Grid, time: Float[Array, "time"], order: Int[Integers, "time"] | None = None) -> SplineDesign:
-    """Prepare fits on a grid from the sample times and the `order` of each sample: 0 for a height, 1 for a speed.
+    """Prepare fits on a grid from the sample times [s] and the `order` of each sample: 0 for a height, 1 for a speed.
 
     `order` None means that all are heights.
     """
@@ -208,8 +209,8 @@ def fit(
 
     `precision` is one over the variance of each height [1/m^2], zero for a sample that does not count; `process_noise`
     is the variance that acceleration gains per second in each interval [m^2/s^5]; `lag` is the time constant by which
-    the acceleration that walks is ahead of that of the curve [s]. An `error` [m] times an unknown standard normal
-    factor, which heights have in common, lowers the evidence but leaves the curve as it is.
+    the acceleration that is a random walk is ahead of that of the curve [s]. An `error` [m] times an unknown standard
+    normal factor, which heights have in common, lowers the evidence but leaves the curve as it is.
     """
     from scipy.linalg.lapack import dpbtrf, dpbtrs
 

@@ -52,7 +52,7 @@ def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
 
 
 def accelerates(ascent: Ascent, moment: float) -> bool:
-    """Whether the rocket is still under thrust at a time: it speeds up, while a coast only slows down."""
+    """Whether the rocket is still under thrust at a time [s]: it speeds up, while a coast only slows down."""
     before = (ascent.time > moment - _THRUST_WINDOW) & (ascent.time <= moment)
     return not before.any() or float(ascent.acceleration[before].mean()) > 0
 
@@ -92,7 +92,7 @@ def unseen_apogee(
 
 def apogee_after_end(track: Heights, seen: Outline, ascent: Ascent) -> tuple[Event, Figure, tuple[float, float]] | None:
     """Apogee of a log that ends shortly before it, or just after, as for one in a gap; None if the rocket may still
-    have gone far."""
+    have gone far. Returns its time [s], its height [m], and the heights that it lies between [m]."""
     end = min(float(track.time[-1]), float(ascent.time[-1]))
     fastest = float(ascent.time[int(np.argmax(ascent.speed))])
     if end - fastest < _COASTED or accelerates(ascent, end):

@@ -38,7 +38,8 @@ def prepare_at_once(
     """The part of a history that does not depend on readouts, from a rocket's flights in the order flown, at least one,
     and plans.
 
-    `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass.
+    `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass,
+    DamagedModel if the network cannot be loaded.
     """
     history = _history(flown, plans, used_in_fit, shared, ensemble)
     return prepared(history, response_of(history), quick_candidates)
@@ -60,7 +61,7 @@ def _history(
 
 def fit_in_use(ready: PreparedHistory) -> LinearFit:
     """The linear fit of a prepared history with the current hyperprior for forecasts, which may be newer than the
-    network."""
+    network. Raises DamagedModel if its card cannot be read."""
     again = prepared(replace(ready.history, forecast=learned()), ready.response, quick_candidates)
     return summarized(again, again.flown, ()).forecast
 
@@ -68,7 +69,10 @@ def fit_in_use(ready: PreparedHistory) -> LinearFit:
 def answer_at_once(
     ready: PreparedHistory, flown: Sequence[Flight], ensemble: "Ensemble | None" = None
 ) -> list[QuickAnswer]:
-    """The network's answer for each plan of a prepared history, with the current readouts of its flown flights."""
+    """The network's answer for each plan of a prepared history, with the current readouts of its flown flights.
+
+    Raises DamagedModel if the network cannot be loaded.
+    """
     network = ensemble or load_history()
     return answers(summarized(ready, flown, tuple(network.card["effects"])), network)
 

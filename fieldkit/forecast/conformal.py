@@ -46,7 +46,7 @@ def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, f
 
 
 def saved_surprises(saved: Sequence[Mapping[str, object]]) -> list[float]:
-    """Surprises of the forecasts saved in a ledger, one for each flight, from its latest forecast."""
+    """Surprises of the forecasts saved in a ledger, one for each flight, from its latest forecast. [1]"""
     last = {(one["rocket"], one["flight_id"]): one for one in saved if "flown_m" in one}
     found = []
     for one in last.values():

@@ -47,7 +47,7 @@ def forecast_model(
     hyperprior: Hyperprior | None = None,
 ) -> Model:
     """The model for forecasting a rocket's next flight, by default with the learned hyperprior; arguments as in
-    `rocket_model`."""
+    `rocket_model`. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel for a damaged card."""
     return rocket_model(flights, found, accepted, hyperprior or learned(), flown, flight_index, shared)
 
 
@@ -95,7 +95,8 @@ def predict(
     an anomaly tag count as flown and are not used in the fit; outliers have little weight. Recorded wind acts with the
     prior of its effect, accepted or not, unless `declared` is False. `cds` are the drag coefficients of designs by
     configuration, which replace the prior mean of any rocket [1]. `shared` is the information from the flyer's other
-    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
+    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass,
+    DamagedModel if the learned hyperprior cannot be read.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fieldkit.flight import Flight
 
 _PIECE = 1 << 20
-"""Size of the pieces in which a log is compressed. [byte]"""
+"""Size of the pieces in which a log is compressed. [bytes]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,9 +14,9 @@ from fieldkit.importing.reading import HEAD, Parser
 from fieldkit.importing.tables.text import decode
 
 _MAX_WHOLE_WORD = 5
-"""Length below which signs must be whole words. [character]"""
+"""Length below which signs must be whole words. [characters]"""
 _LOOKED_AT = 16_384
-"""Size of the beginning that is searched for signs. [character]"""
+"""Size of the beginning that is searched for signs. [characters]"""
 _SCORE_WITHOUT_SIGNS = 0.5
 """The score of a parser that recognizes a log but defines no signs. [1]"""
 _MAX_NEAR_FORMATS, _MIN_SIGN_FRACTION = 3, 0.25

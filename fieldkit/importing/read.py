@@ -120,7 +120,7 @@ def read_plans(table: bytes, source: str, check_motor: CheckMotor) -> list[Fligh
     """The planned flights of a table, one per row, in order; readouts in it are ignored.
 
     A plan without a `flight_id` is named after its row, such as `row-2`. Raises DamagedLog for the first bad row,
-    because skipping a plan would assign forecasts to the wrong plans.
+    because skipping a plan would assign forecasts to the wrong plans, and UnknownFormat as `open_log`.
     """
     plans = []
     for item in open_log(table, source, None).found:

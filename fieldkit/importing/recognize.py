@@ -284,7 +284,7 @@ def _stated_column(field: str, name: str) -> ColumnRead:
 
 
 MAX_REPORTED = 1500
-"""Largest length of a message, whatever a log contains. [character]"""
+"""Largest length of a message, whatever a log contains. [characters]"""
 
 
 def shown_damage(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:

@@ -101,7 +101,7 @@ class Hyperprior:
         return replace(self, scatter=self.scatter.refined(), reading=self.reading.refined())
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-        """The scatter scale, reading scale and log prior weight of every pair on the grid."""
+        """The scatter scale, reading scale and log prior weight of every pair on the grid. [1], [1], [nat]"""
         return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:
@@ -224,8 +224,8 @@ are within 5%, because altimeter, recovery system and wadding are not always wei
 bias of 5%; single flights scatter by 6%. The biases of devices have mean zero, because each manufacturer aims at the
 truth: the open flights come from one device, which cannot separate the mean over devices from the variation among them.
 The variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
-from simulated ones by a bias for each rocket, with no rule of a device. Drag and impulse from a log carry the standard
-deviation that analysis gives them (`ratio` is used if it is missing). In addition, two altimeters on one open flight
+from simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the
+standard deviation of the analysis (`ratio` is used if it is missing). In addition, two altimeters on one open flight
 differ by 13 and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for
 impulse)."""
 

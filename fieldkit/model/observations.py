@@ -87,7 +87,7 @@ class Observed:
         return replace(self, readouts=readouts)
 
     def with_readouts(self, readouts: Float[Array, "flight readout"]) -> "Observed":
-        """A copy with these readouts."""
+        """A copy with these readouts, in SI."""
         return replace(self, readouts=readouts)
 
     def only(self, *names: str) -> "Observed":

@@ -20,7 +20,8 @@ APOGEE_NOISE = 3.0
 
 @dataclass(frozen=True, slots=True)
 class PaperDraws:
-    """Flights of the paper's rocket drawn from the paper's priors."""
+    """Flights of the paper's rocket drawn from the paper's priors: dry mass [kg], apogee as the altimeter reads it
+    [m]."""
 
     motor: Int[Any, "flight"]
     dry_mass: Float[Array, "flight"]

@@ -75,7 +75,7 @@ PRIORS: Mapping[str, str] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """The true simulated flights, one entry per flight: `readouts` without noise, every field declared."""
+    """The true simulated flights, one entry per flight: `readouts` without noise, every field declared. SI."""
 
     motor: Float[Array, "flight figure"]
     declared: Float[Array, "flight declared"]
@@ -215,7 +215,10 @@ def flown_field(
     area: Array,
     alpha: Array,
 ) -> Setup:
-    """The true flight: the declared figures with their errors, and everything undeclared."""
+    """The true flight: the declared figures with their errors, and everything undeclared.
+
+    `table` has the declared figures in SI.
+    """
     count = len(table)
     elevation = declared["site_elevation"]
     temperature = declared["temperature"] + rng.normal(0.0, 1.5, count)

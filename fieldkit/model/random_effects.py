@@ -27,7 +27,7 @@ def known_effects(names: Sequence[str]) -> dict[str, Effect]:
 
 
 def priors(names: Sequence[str]) -> dict[str, str]:
-    """The priors of these effects in words, for a card."""
+    """The priors of these effects in words, for a card. Raises BadValue for one that is not registered."""
     return {name: _words(effect) for name, effect in known_effects(names).items()}
 
 
@@ -42,7 +42,7 @@ def _words(effect: Effect) -> str:
 def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: int) -> tuple[Setup, Bends]:
     """The setup of a number of flights as changed by the named effects, and the effects that will act on the readings.
 
-    Without names, no random number is drawn.
+    Without names, no random number is drawn. Raises BadValue for an effect that is not registered.
     """
     bends: list[tuple[Effect, Array]] = []
     for effect in known_effects(names).values():
@@ -55,7 +55,7 @@ def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: in
 
 
 def shown_by(bends: Bends, readouts: Mapping[str, Float[Array, "flight"]]) -> Mapping[str, Any]:
-    """The readouts as changed by the effects."""
+    """The readouts, in SI, as changed by the effects."""
     for effect, strength in bends:
         readouts = effect.bend_reading(readouts, strength)
     return readouts

@@ -16,18 +16,18 @@ from fieldkit.shapes import Array, Flags, Float
 
 OBSERVED_READOUTS = READOUTS
 IS_LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED_READOUTS])
-"""Whether each is compared by ratio rather than by difference."""
+"""Whether each readout is compared by ratio rather than by difference."""
 MAX_SD = 1e3
-"""Largest expected error of a readout as compared; a larger one says nothing about a rocket, and its square may
-overflow. [1] or [s]"""
+"""Largest expected error of a readout as compared; a readout with a larger one does not constrain the model, and
+the square of the error may overflow. [1] or [s]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Data:
     """The observations in the form that the fit compares: log ratios for readouts that are `IS_LOGARITHMIC`.
 
-    `sd` is the expected or recorded error of each readout; `seen` marks readouts recorded on flights used in the fit.
-    `trust` is the expected precision of each residual relative to an ordinary one: less than 1 for an outlier.
+    `sd` is the expected or recorded error of each readout [1] or [s]; `seen` marks readouts recorded on flights used in
+    the fit. `trust` is the expected precision of each residual relative to an ordinary one: less than 1 for an outlier.
     """
 
     values: Float[Array, "flight readout"]

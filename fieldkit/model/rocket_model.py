@@ -34,8 +34,9 @@ class Term:
     """One parameter: what it changes, its prior, and how strongly it acts on each flight.
 
     `bends` is a property of the flight, the name of a readout (a bias of the reading, as a ratio), or an effect. `low`
-    and `high` truncate the prior. `scaled_by` names the scale that multiplies its standard deviation, if there is one:
-    a rocket with much scatter is known less well, and a noisy device has a larger bias.
+    and `high` truncate the prior; like `mean` and `sd` they are in the unit of what the term changes. `scaled_by` names
+    the scale that multiplies its standard deviation, if there is one: a rocket with much scatter is known less well,
+    and a noisy device has a larger bias.
     """
 
     name: str
@@ -50,7 +51,8 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """A random effect of single flights: what it changes, and its standard deviation around zero."""
+    """A random effect of single flights: what it changes, and its standard deviation around zero, in the unit of
+    that."""
 
     bends: Bends | Literal["apogee"]
     sd: float
@@ -63,7 +65,7 @@ class Model:
     `hyperprior` has the standard deviations, and `shared` the information from other rockets in the ledger about the
     terms they have in common with this one. A `coarse` model simulates with the curves and steps of `COARSE_SETTINGS`,
     to fit flights or to try hundreds of motors at once. `flight_index` is the position of each flight in the order
-    flown, from 0; alternative plans share one.
+    flown, from 0; alternative plans share one. `area` is the reference area of each flight. [m^2]
     """
 
     flights: tuple[Flight, ...]
@@ -168,7 +170,7 @@ def base_model(
     """The model of a rocket without effects: every random effect of the hyperprior for which there is a group.
 
     `flown` is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts
-    from 0.
+    from 0. Raises ImpossibleFlight for a flight without a dry mass.
     """
     area = reference_area(flights, flown)
     past = len(flights) if flown is None else flown

@@ -62,8 +62,8 @@ class Scale:
 def scale_pairs(
     scatter: Scale, reading: Scale
 ) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """The scatter scale, reading scale and log prior weight of every pair on two grids; the arrays are read-only.
-    Derivation: the scales are independent a priori, so the log prior of a pair is the sum of both."""
+    """The scatter scale, reading scale and log prior weight of every pair on two grids; the arrays are read-only. [1],
+    [1], [nat] Derivation: the scales are independent a priori, so the log prior of a pair is the sum of both."""
     values = np.meshgrid(scatter.values, reading.values, indexing="ij")
     own = [one.log_prior - (0.0 if one.ends else np.logaddexp.reduce(one.log_prior)) for one in (scatter, reading)]
     found = values[0].ravel(), values[1].ravel(), (own[0][:, None] + own[1]).ravel()

@@ -10,7 +10,10 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SharedPrior:
-    """A normal distribution of named terms that replaces their independent priors in a model."""
+    """A normal distribution of named terms that replaces their independent priors in a model.
+
+    Mean and covariance are in the units of the terms.
+    """
 
     names: tuple[str, ...]
     mean: Float[Array, "term"]

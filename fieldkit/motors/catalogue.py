@@ -47,18 +47,18 @@ class Catalogue:
         return [listing.motor() for listings in self.listings.values() for listing in listings]
 
     def find(self, text: str, maker: str = "") -> Found:
-        """The only motor that matches a text; see `fieldkit.motors.search.find`."""
+        """The only motor that matches a text. Raises UnknownMotor, AmbiguousMotor as `fieldkit.motors.search.find`."""
         return search.find(self.listings, split_lot(text)[0], maker)
 
     def resolve(self, text: str, maker: str = "") -> Found:
-        """The motor that a text most probably means; see `fieldkit.motors.search.resolve`."""
+        """The motor that a text most probably means. Raises UnknownMotor as `fieldkit.motors.search.resolve`."""
         plain, lot = split_lot(text)
         found = search.resolve(self.listings, plain, maker)
         return self._of_lot(found, plain, lot) if lot else found
 
     def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
         """The motor named by a text, or the cluster or stages it names combined into one motor; see
-        `fieldkit.motors.several`. Raises UnknownMotor."""
+        `fieldkit.motors.several`. Raises UnknownMotor, BadValue."""
         if not names_several(text):
             return self.resolve(text)
         key = tidy(text), boosters
@@ -92,7 +92,7 @@ class Catalogue:
         return None
 
     def search(self, text: str) -> list[Motor]:
-        """Every motor that a text could mean, best first, see `fieldkit.motors.search.search`; the cluster it names."""
+        """Every motor that a text could mean, best first, or the cluster it names; see `fieldkit.motors.search`."""
         if names_several(text):
             with suppress(UnknownMotor):
                 return [self.resolve_several(text).motor]

@@ -26,7 +26,7 @@ FIGURES: Mapping[str, tuple[str, str]] = {
 BASES = ("letter", "stated", "curve")
 """What the values of a row are based on, best first."""
 DIFFERENCE = 0.05
-"""Relative difference from which it is reported: the measured scatter of a motor type. [1]"""
+"""Smallest relative difference that is reported: the measured scatter of a motor type. [1]"""
 NAMES = ("manufacturer", "designation", "common_name")
 
 
@@ -104,7 +104,7 @@ def compare_tests(catalogue: Catalogue, content: bytes, name: str) -> CatalogueC
 
 
 def listed_figures(motor: Motor) -> dict[str, float]:
-    """The values of a motor by the columns of a table of tests."""
+    """The values of a motor by the columns of a table of tests, in the units of the columns."""
     return {
         "tested_impulse_ns": motor.total_impulse,
         "tested_average_n": motor.rated_thrust,

@@ -25,7 +25,8 @@ QUANTITIES = {
 TEXTS = ("designation", "name", "class", "delays")
 """Fields that are text; delays are written as `4,6,8,P`."""
 CONFIDENCES = ("sure", "likely", "open")
-"""Two independent documents, or one and arithmetic; one document; conflicting documents, which are never applied."""
+"""Based on two independent documents, or on one and arithmetic; on one document; on conflicting documents, in which
+case the correction is not applied."""
 
 
 @dataclass(frozen=True, slots=True)

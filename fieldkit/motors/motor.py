@@ -66,7 +66,7 @@ class Motor:
 
     @property
     def burning(self) -> tuple[float, float]:
-        """Times at which the thrust first reaches and last leaves 5 % of its peak. [s]"""
+        """Times at which the thrust first reaches and last leaves 5% of its peak. [s]"""
         threshold = BURN_THRUST_FRACTION * self.peak_thrust
         first, last = np.flatnonzero(self.thrust >= threshold)[[0, -1]]
         up, down = slice(first - 1, first + 1), slice(last, last + 2)
@@ -77,13 +77,13 @@ class Motor:
 
     @property
     def burn_time(self) -> float:
-        """Duration for which the thrust is above 5 % of its peak. [s]"""
+        """Duration for which the thrust is above 5% of its peak. [s]"""
         start, end = self.burning
         return end - start
 
     @property
     def burnout(self) -> float:
-        """Time from ignition at which the thrust last leaves 5 % of its peak; the delay starts there. [s]"""
+        """Time from ignition at which the thrust last leaves 5% of its peak; the delay starts there. [s]"""
         return self.burning[1]
 
     @property
@@ -138,7 +138,8 @@ def impulse(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> float:
 
 
 def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
-    """Convert a recorded thrust curve to knots that start at (0, 0), end at zero thrust and strictly increase in time.
+    """Convert a recorded thrust curve [s], [N] to knots that start at (0, 0), end at zero thrust and strictly increase
+    in time.
 
     A jump (a repeated time) becomes a ramp of at most 0.1 ms; so does a curve that starts with thrust. A curve that
     ends above zero falls to zero within one more interval of the same length as its last. Raises BadValue for
@@ -185,12 +186,12 @@ def impulse_class(total_impulse: float) -> str:
 
 
 def delays_text(delays: Sequence[float]) -> str:
-    """Delays as flyers write them: `4, 7, P`; a dash if none are recorded."""
+    """Delays [s] as flyers write them: `4, 7, P`; a dash if none are recorded."""
     return ", ".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in delays) or "-"
 
 
 def without_motor(lift_off: float, motor: Motor) -> float:
-    """Dry mass of a rocket from its mass on the pad with a motor [kg]. Raises BadValue for less than the motor. [kg]"""
+    """Dry mass of a rocket from its mass on the pad with a motor [kg]. [kg] Raises BadValue if the motor is heavier."""
     if not lift_off > motor.loaded_mass:
         alone = f"{motor.maker} {motor.designation} alone weighs {motor.loaded_mass * 1e3:.0f} g"
         raise BadValue(f"found a lift-off mass of {lift_off * 1e3:.4g} g, expected more: {alone}")

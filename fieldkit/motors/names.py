@@ -8,7 +8,7 @@ from fieldkit.flight.makers import MAKERS
 from fieldkit.motors.motor import PLUGGED_DELAY
 
 MAX_NAME = 1000
-"""Length beyond which a text is no name of a motor or a cluster. [characters]"""
+"""Largest length of the name of a motor or a cluster. [characters]"""
 
 _MAKER_OF = {alias: maker for maker, aliases in MAKERS.items() for alias in (*aliases, maker.upper())}
 _MAKER = re.compile(

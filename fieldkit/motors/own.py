@@ -11,7 +11,7 @@ from fieldkit.motors.own_corrections import read_own_corrections
 
 SUFFIXES = (".eng", ".rse")
 MAX_MOTOR_FILE_SIZE = 16 << 20
-"""Size limit of a motor file; all motors of the catalog together are smaller. [byte]"""
+"""Size limit of a motor file; all motors of the catalog together are smaller. [bytes]"""
 
 
 def read(data: bytes, source: str) -> list[Motor]:

@@ -29,8 +29,8 @@ _LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 class Listing:
     """An entry for searches; `motor()` is the motor itself with its curve.
 
-    `words` are its case and its propellant; `former` is its previous designation; `own` marks a motor from the user's
-    files.
+    `words` are its case and its propellant; `diameter` is in m and `delays` in s; `former` is its previous designation;
+    `own` marks a motor from the user's files.
     """
 
     maker: str
@@ -224,7 +224,7 @@ def _bag(motor: Motor, longest: float) -> Motor:
 
 
 def as_printed(motor: Motor, name: Name) -> Motor:
-    """A motor whose longest delay is typed, as in `H128W-14A`, is drilled from that one, whatever the catalog has."""
+    """The motor with only the longest delay that a name states, as in `H128W-14A`, if the catalog lacks that delay."""
     if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor
     return _bag(motor, name.delay)

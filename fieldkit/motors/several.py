@@ -78,6 +78,7 @@ def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequen
     """Combine the motors in a text into one; `boosters` are the lower stages, lowest first.
 
     Raises UnknownMotor for unsupported combinations: more than three stages, or unknown boosters.
+    Raises BadValue for an upper motor too weak for its burnout to be distinguished from the booster's.
     """
     stages = _stages(text)
     if len(stages) == 1:

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element, TreeBuilder
 
 MAX_UNPACKED_SIZE = 64 * 2**20
-"""Largest size of an unpacked file; a design with many stored simulations takes a few million bytes. [byte]"""
+"""Largest size of an unpacked file; a design with many stored simulations takes a few million bytes. [bytes]"""
 MOST_ELEMENTS = 500_000
 """Largest number of elements in a design; a stored simulation has one for each of its few thousand samples. [1]"""
 MAX_DEPTH = 200
 """Largest nesting depth of elements; a part inside a part takes two. [1]"""
 MAX_TAG_LENGTH = 1 << 20
-"""Largest distance between the ends of consecutive tags: attributes and the text before them. [byte]"""
+"""Largest distance between the ends of consecutive tags: attributes and the text before them. [bytes]"""
 ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252", "cp1252")
 """Encodings in which tags can be found without decoding."""
 

@@ -113,7 +113,7 @@ def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
 
 
 def copies(part: "Element") -> int:
-    """How many times the contents of a part are there: the tubes of a cluster, or the pods or boosters of a set."""
+    """Number of copies of the contents of a part: the tubes of a cluster, or the pods or boosters of a set. [1]"""
     if part.tag in ("podset", "parallelstage"):
         return int(min(max(number(part, "instancecount", 1.0), 1.0), MOST_COPIES))
     cluster = (part.findtext("clusterconfiguration") or "single").strip()
@@ -122,7 +122,7 @@ def copies(part: "Element") -> int:
 
 
 def override(part: "Element") -> tuple[float | None, bool]:
-    """The mass that the designer entered, if any, and whether it includes everything inside."""
+    """The mass that the designer entered, if any [kg], and whether it includes everything inside."""
     if part.findtext("overridemass") is None:
         return None, False
     below = part.findtext("overridesubcomponentsmass") or part.findtext("overridesubcomponents") or "false"
@@ -148,7 +148,7 @@ def _density(part: "Element", name: str) -> float:
 
 
 def _instances(part: "Element") -> float:
-    """How many there are of a part: of fins the file states the same number as `fincount` too. [1]"""
+    """Number of copies of a part, which files state for fins as `fincount` as well. [1]"""
     named = "fincount" if part.find("fincount") is not None else "instancecount"
     return max(number(part, named, 1.0), 1.0) * copies(part)
 

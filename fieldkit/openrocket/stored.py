@@ -40,7 +40,7 @@ MOST_COLUMNS = 500
 LONGEST_NAME = 80
 """Largest length of text taken from the file. [characters]"""
 CD_TOLERANCE = 0.05
-"""Largest difference between Cd from the drag force and the stored Cd; valid files differ by 1 to 2 %. [1]"""
+"""Largest difference between Cd from the drag force and the stored Cd; valid files differ by 1 to 2%. [1]"""
 
 Columns = dict[str, Float[Array, "row"]]
 

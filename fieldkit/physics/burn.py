@@ -34,7 +34,7 @@ class AscentState:
     """State of all draws at one time of the ascent, with the extremes so far. SI units.
 
     `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is counted from
-    ignition, `flying` from liftoff.
+    ignition, `flying` from lift-off.
     """
 
     time: Array
@@ -98,7 +98,7 @@ def _along(velocity: Array, rate: Array) -> Array:
 
 
 def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
-    """The ascent from liftoff to burnout; all entries of the setup are flat, [draw] or [1].
+    """The ascent from lift-off to burnout; all entries of the setup are flat, [draw] or [1].
 
     Without `highlights`, top speed, peak acceleration and rail exit speed are not computed.
     """

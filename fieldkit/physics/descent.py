@@ -29,7 +29,7 @@ MAX_REACH = 300.0
 class Devices:
     """Descent speeds near the ground [m/s]: under the device that opens at the charge, and under a main that opens at a
     height above the pad [m], 0 for no main. Each takes `opening` to open [s], but no longer than it takes to travel its
-    filling distance: `filling` divided by its descent speed; see the function `filling` [m^2/s]."""
+    filling distance: `filling` divided by its descent speed [m^2/s] (see the function `filling`)."""
 
     first: Float[Array, "*#draw"]
     main: Float[Array, "*#draw"] = field(default_factory=lambda: np.zeros(1))
@@ -121,7 +121,7 @@ def lag(
     after: Float[Array, "*#draw"],
     gravity: float = STANDARD_GRAVITY,
 ) -> Float[Array, "*draw"]:
-    """Extra time a device takes to slow from one speed to another, compared with its own descent speed. [s]
+    """Extra time while a device slows from one speed to another, compared with its own steady descent. [s]
 
     All speeds are fall speeds [m/s]. Exact at constant density: integrating v' = g (1 - v^2/u^2) gives the path over u
     plus u/g ln((u + after) / (u + before)).

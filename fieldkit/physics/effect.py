@@ -25,7 +25,7 @@ BendReading = Callable[[Readings, Strength], Readings]
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """Prior of a strength: a normal distribution truncated at its bounds."""
+    """Prior of a strength: a normal distribution truncated at its bounds. Its unit is that of the effect."""
 
     mean: float
     sd: float
@@ -55,8 +55,7 @@ class LoggedForce:
     """The force that an effect on the setup adds along a logged climb.
 
     `name` is the name of the term, `per_mass` the force per mass at a strength of 1 [m/s^2]. `scatter` names the
-    flight-to-flight scatter that has the same signature (a quantity of the hyperprior, such as `thrust`); empty if
-    there is none.
+    quantity of the hyperprior whose scatter from flight to flight has the same signature; empty if there is none.
     """
 
     name: str

@@ -110,7 +110,7 @@ def rail_axis(setup: Setup) -> Array:
 
 
 def length_of(vector: Array) -> Array:
-    """Length of a vector with two or three axes."""
+    """Length of a vector with two or three axes, in its unit."""
     flat = np.hypot(vector[0], vector[1])
     return np.asarray(np.hypot(flat, vector[2]) if len(vector) == 3 else flat)
 

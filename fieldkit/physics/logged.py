@@ -39,7 +39,7 @@ def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
 def burn_impulse(setup: Setup) -> Float[Array, "*draw"]:
     """Thrust over mass, integrated over the burn by Simpson's rule on the integrator's steps. [m/s]
 
-    Includes the small impulse before liftoff, which a rocket waiting on the pad loses.
+    Includes the small impulse before lift-off, which a rocket waiting on the pad loses.
     """
     burns, motor = setup.burns, setup.motor
     gained = np.zeros(setup.draw_shape)

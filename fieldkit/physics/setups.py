@@ -71,7 +71,8 @@ def field_setup(
     """Flights on their motors, one entry per flight along the last axis, in SI units; `steps` and `knots` as in
     `burns`, `stride` as in `Setup`.
 
-    Raises ImpossibleFlight for a flight without a dry mass.
+    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a rail direction, a wind or an opening time
+    that cannot be read.
     """
     motors = {id(item.motor): item.motor for item in found}
     row = {key: number for number, key in enumerate(motors)}
@@ -104,7 +105,8 @@ def field_setup(
 def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
     """Angle of every rail from vertical, away from the wind and across it to the right; 0 if not recorded. [rad]
 
-    A recorded angle points into the wind by default; a negative one points away from it.
+    A recorded angle points into the wind by default; a negative one points away from it. Raises BadValue for a
+    direction that cannot be read.
     """
     angle = np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0)
     turned = [row for row, flight in enumerate(flights) if angle[row] and flight.extra.get("rail_direction")]
@@ -128,7 +130,8 @@ def wind_profile(flight: Flight) -> WindProfile:
 def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float[Array, "#flight"]]:
     """Exponent of the wind's power law [1] and the height above which the wind is constant [m], for every flight.
 
-    Climb and descent follow the wind profile; only the descent includes the change of direction with height.
+    Climb and descent follow the wind profile; only the descent includes the change of direction with height. Raises
+    BadValue for a wind aloft that cannot be read.
     """
     if not any(flight.extra for flight in flights):
         return np.full(1, WIND_EXPONENT), np.full(1, np.inf)
@@ -139,7 +142,7 @@ def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float
 
 
 def opening_times(flights: Sequence[Flight]) -> Float[Array, "#flight"]:
-    """Time from the charge to an open parachute for every flight; half a second if not recorded. [s]"""
+    """Time from the charge to an open parachute for every flight; 0.5 s if not recorded. [s] Raises BadValue."""
     recorded_times = {recovery_figure(flight, "opening_time") if flight.extra else None for flight in flights}
     if recorded_times <= {None}:
         return np.full(1, OPENING_TIME)
@@ -175,14 +178,17 @@ def turn_lengths(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     Model Rocketry, 1973, dynamic stability), with the moment of inertia I = m L^2 / 12 of a slender body of length L =
     12 diameters, the normal force slope C = 16 of a nose with fins, and the static margin s. A heavy rocket therefore
     turns later, a stable one sooner. With a quarter, landing points agree best with six-degree-of-freedom simulations,
-    to within 10% (`tests/physics/test_descent.py`).
+    to within 10% (`tests/physics/test_descent.py`). Raises ImpossibleFlight for a flight without a dry mass.
     """
     size = dry_masses(flights) / diameters(flights)
     return np.asarray(TURN_FACTOR * np.sqrt(size * USUAL_STABILITY / np.array([_stability(one) for one in flights])))
 
 
 def diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """Body diameter of every flight; if not recorded, the typical diameter for its dry mass. [m]"""
+    """Body diameter of every flight; if not recorded, the typical diameter for its dry mass. [m]
+
+    Raises ImpossibleFlight for a flight without a dry mass.
+    """
     known = recorded(flights, "diameter")
     return np.where(np.isnan(known), typical_diameters(flights), known)
 

@@ -18,7 +18,8 @@ ASCENT = ("apogee", "top_speed", "burn_time", "peak_accel", "avg_accel", "coast_
 
 
 def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
-    """Simulate one flight in the paper's physics. Returns readouts by column; `plan` has motor, dry mass and diameter.
+    """Simulate one flight in the paper's physics. Returns readouts by column; `cd` and `alpha` are the drag coefficient
+    and the thrust factor [1]; `plan` has motor, dry mass and diameter.
 
     Raises UnknownMotor, and ImpossibleFlight if the motor does not lift the rocket or required values are missing.
     """
@@ -32,8 +33,9 @@ def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[st
     """Simulate one flight in the field physics. Returns all defined readouts by column, as an altimeter would read
     them, and the true apogee above the pad, `true_apogee_m`.
 
-    `plan` has dry mass, diameter and whatever conditions are known. The rocket is assumed to turn fully into a recorded
-    wind. Raises ImpossibleFlight if the motor does not lift the rocket or required values are missing.
+    `cd` and `alpha` are the drag coefficient and the thrust factor [1]; `plan` has dry mass, diameter and whatever
+    conditions are known. The rocket is assumed to turn fully into a recorded wind. Raises ImpossibleFlight if the motor
+    does not lift the rocket or required values are missing.
     """
     _, diameter = _body(plan)
     setup = field_setup([plan], [found], np.array([cd * np.pi / 4 * diameter**2]), np.array([alpha]))

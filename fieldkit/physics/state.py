@@ -141,9 +141,9 @@ class FlightResult:
     """Results of a simulated flight, one entry per draw, in SI units; heights above the pad.
 
     `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` the readings of a
-    barometric altimeter. `burn_time` is from liftoff to top speed, as the altimeter defines it; accelerations are net
+    barometric altimeter. `burn_time` is from lift-off to top speed, as the altimeter defines it; accelerations are net
     of gravity. `drift` is the downwind distance of the apogee, `across` its distance to the right of the wind,
-    `drift_speed` and `across_speed` the horizontal speeds there. `rise_time` is from liftoff to apogee, `coast_time`
+    `drift_speed` and `across_speed` the horizontal speeds there. `rise_time` is from lift-off to apogee, `coast_time`
     from burnout, negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
     """
 
@@ -170,7 +170,7 @@ class FlightResult:
     coast_time: Float[Array, "*draw"]
 
     def readouts(self) -> dict[str, Float[Array, "*draw"]]:
-        """The ten readouts by name, with heights as the altimeter reads them."""
+        """The ten readouts by name, with heights as the altimeter reads them. SI."""
         shown = {"apogee": self.apogee_shown, "eject_altitude": self.eject_altitude_shown}
         names = (
             "apogee top_speed burn_time peak_accel avg_accel coast_to_apogee apogee_to_eject "

@@ -47,7 +47,7 @@ class Burns:
     """Several motors on the integrator's steps; shorter burns are padded with steps of zero length.
 
     `thrust` [N] and `spent` (fraction of the propellant burned, [1]) are at the start, middle and end of each step.
-    `rise_time` and `rise_thrust` are the knots up to peak thrust, for liftoff. Steps are the first axis, which keeps
+    `rise_time` and `rise_thrust` are the knots up to peak thrust, for lift-off. Steps are the first axis, which keeps
     one step of all motors contiguous. `drag` is the ratio of the drag in each step to that after the last step [1],
     None if no motor drops a stage with a different drag.
     """
@@ -95,8 +95,8 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
 
 
 def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
-    """A curve with the same impulse and at most `most` knots: knots whose triangle with their neighbors has the
-    smallest area are dropped first.
+    """A curve [s], [N] with the same impulse and at most `most` knots: knots whose triangle with their neighbors has
+    the smallest area are dropped first.
 
     Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
     """

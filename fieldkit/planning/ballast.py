@@ -117,7 +117,7 @@ class Ballast:
 
     @property
     def apogee(self) -> Three:
-        """Apogee as the altimeter will read it, at 5, 50 and 95 %. [m]"""
+        """Apogee as the altimeter will read it, at 5, 50 and 95%. [m]"""
         return three(self.forecast.apogee)
 
     def json(self) -> dict[str, Any]:
@@ -240,7 +240,7 @@ def _named(
 
 
 def _durations(rocket: Rocket, predictions: list[Prediction]) -> Float[Array, "draw flight"]:
-    """Time from liftoff to landing for each mass, with common random numbers. [s]"""
+    """Time from lift-off to landing for each mass, with common random numbers. [s]"""
     fall = fall_of(rocket.history, predictions[-1].plan, predictions[-1].found)  # at the current mass
     density, draws = air_of(predictions[0].plan).density, len(predictions[0].apogee)
     speeds = [

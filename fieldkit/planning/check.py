@@ -81,7 +81,7 @@ def strictest(light: Sequence[SafetyCheck], heavy: Sequence[SafetyCheck]) -> lis
 
 
 def by_chance(chance: float) -> Verdict:
-    """Verdict of a check whose limit is missed with this probability."""
+    """Verdict of a check whose limit is missed with this probability [1]."""
     return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
 
 
@@ -119,7 +119,7 @@ def per_wind(seconds: float) -> str:
 
 
 def length(metres: float) -> str:
-    """A length within a finding: `284 m` or `932 ft`."""
+    """A length [m] within a finding: `284 m` or `932 ft`."""
     return figure(metres, "m")
 
 
@@ -152,5 +152,5 @@ def ratio(value: float, *bounds: float) -> str:
 
 
 def speed(value: float, digits: int = 1) -> str:
-    """A speed within a finding: `13.4 m/s` or `30.0 mph`."""
+    """A speed [m/s] within a finding: `13.4 m/s` or `30.0 mph`."""
     return figure(value, "m/s", digits)

@@ -114,7 +114,7 @@ def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
 
 
 def _is_dms(motor: Motor) -> bool:
-    """Whether a single-use motor is sold to be drilled, as its designation says."""
+    """Whether a single-use motor is sold to be drilled, according to its designation."""
     return "DMS" in motor.designation.upper() or bool(_DRILLABLE.search(motor.designation))
 
 

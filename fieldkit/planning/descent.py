@@ -24,7 +24,8 @@ def descents(
     """The descent of each draw of a forecast at a descent speed near the ground [m/s].
 
     The charge fires after the plan's delay; if no delay is known, or if an altimeter opens two devices, at apogee. A
-    draw that reaches the ground first, or before anything is open, lands ballistic.
+    draw that reaches the ground first, or before anything is open, lands ballistic. Raises BadValue for a recovery
+    device or a wind that cannot be read.
     """
     plan, recovery = prediction.plan, recovery_of(prediction.plan)
     air = air_at_pads([plan])
@@ -44,7 +45,8 @@ def descents(
 def durations(
     predictions: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
 ) -> Float[Array, "draw flight"]:
-    """Time from liftoff to landing at these descent speeds near the ground; ballistic if nothing opened. [s]"""
+    """Time from lift-off to landing at these descent speeds near the ground; ballistic if nothing opened. [s] Raises
+    BadValue as `descents`."""
     columns = [
         one.rise_time + descents(one, fall, speed).time for one, speed in zip(predictions, speeds.T, strict=True)
     ]

@@ -96,7 +96,8 @@ def usual(device: Device = "parachute", mass: float = USUAL_MASS, density: float
 
 def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None, found: Found | None = None) -> Fall:
     """The descent of a rocket from its flights without anomaly tags, on the plan's device and parachute if named; else
-    from the entered values; else the default at the plan's landing mass on its motor."""
+    from the entered values; else the default at the plan's landing mass on its motor. Raises BadValue for a recovery
+    device of the plan that cannot be read."""
     return completed_fall(flown_falls(history, plan), plan, found)
 
 
@@ -105,7 +106,10 @@ FlownFalls = tuple[Fall | None, Fall | None]
 
 
 def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> FlownFalls:
-    """The descent measured in a rocket's flights without anomaly tags, on the plan's device and parachute if named."""
+    """The descent measured in a rocket's flights without anomaly tags, on the plan's device and parachute if named.
+
+    Raises BadValue for a recovery device of the plan that cannot be read.
+    """
     wanted = recovery_of(plan) if plan is not None else None
     known = ((flight, found) for flight, found in history if flight.clean and can_be_read(flight))
     used = [(flight, found) for flight, found in known if _same_device(flight, wanted)]
@@ -115,7 +119,10 @@ def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = N
 
 
 def completed_fall(flown: FlownFalls, plan: Flight | None = None, found: Found | None = None) -> Fall:
-    """The descent measured in flights, completed with the plan's entered values or with defaults."""
+    """The descent measured in flights, completed with the plan's entered values or with defaults.
+
+    Raises BadValue for a recovery device of the plan that cannot be read.
+    """
     if plan is None:
         return flown[0] or usual()
     wanted, mass, density = recovery_of(plan), USUAL_MASS, float(air_at_pads([plan]).density[0])

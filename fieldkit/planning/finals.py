@@ -35,7 +35,7 @@ STEP = 5 * FOOT
 @dataclass(frozen=True, slots=True)
 class FinalsRow:
     """The dry mass [kg] and the ratio of the parachute's area to the current one [1] with the fewest points for a
-    target [m] and a window [s]: apogee and duration at 5, 50 and 95 %, and points per flight."""
+    target [m] and a window [s]: apogee and duration at 5, 50 and 95%, and points per flight."""
 
     target: float
     window: tuple[float, float]
@@ -129,7 +129,7 @@ def end_flights(
     rocket: Rocket, plan: Flight, found: Found, table: Sequence[FinalsRow]
 ) -> list[tuple[Prediction, float]]:
     """Forecasts of the lightest and the heaviest flight of a table with their parachute areas [1]: no other one goes
-    higher than the first, or leaves the rail slower than the last."""
+    higher than the first, or leaves the rail slower than the last. Raises ImpossibleFlight as `forecasts`."""
     ordered = sorted(table, key=lambda one: one.mass)
     ends = ordered[0], ordered[-1]
     planned = [(plan.with_changes(dry_mass=one.mass), found) for one in ends]

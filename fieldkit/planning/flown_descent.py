@@ -46,6 +46,7 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
 
     A duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it is preferred over
     a descent speed; with two devices the descent speed is the main's, and the duration determines the drogue's.
+    Raises BadValue for a recovery device that cannot be read.
     """
     duration = _timed(flight)
     if duration is None or flight.apogee is None or flight.dry_mass is None:
@@ -116,7 +117,7 @@ def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
 
 @dataclass(frozen=True, slots=True)
 class _Path:
-    """A recorded flight: time from liftoff to apogee [s], free fall until a device is open [s], height [m] and fall
+    """A recorded flight: time from lift-off to apogee [s], free fall until a device is open [s], height [m] and fall
     speed [m/s] at which it is open."""
 
     rise: float
@@ -146,7 +147,7 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
         rise = flight.burn_time + flight.coast_to_apogee
     mass, density = landing_mass(flight, found), float(air_at_pads([flight]).density[0])
     terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area))
-    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # time of burnout after liftoff
+    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # time of burnout after lift-off
     delay = flight.delay if flight.delay is not None else found.delay
     if flight.apogee_to_eject is not None:
         wait = flight.apogee_to_eject

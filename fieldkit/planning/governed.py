@@ -27,7 +27,8 @@ FIGURE_RULES = (
 
 @dataclass(frozen=True, slots=True)
 class Governed:
-    """A build under the rule sets that govern it: why it is high power, if it is, its legal class, and its rules."""
+    """A build under the rule sets that govern it: why it is high power, if it is, its legal class, and its rules.
+    `altitude` is the expected one. [m]"""
 
     build: Build
     sets: tuple[RuleSet, ...]

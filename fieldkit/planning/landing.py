@@ -30,7 +30,7 @@ WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
 """Standard deviation of the log of the actual wind speed relative to the declared one, as in the training of the
 networks, and of its direction [rad], a judgment."""
 CALM = 0.3
-"""Wind below which air is called calm, Beaufort force 0: only that much is known of it. [m/s]"""
+"""Wind below which air is called calm (Beaufort force 0); within this limit the wind is unknown. [m/s]"""
 CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY = 0.08, 0.16
 """Standard deviation of the log of the drift during the climb relative to its forecast, with and without a known static
 margin: root mean square over 51 RocketPy flights with 1 to 6 calibers, `tests/planning/test_landing_interval.py`. [1]
@@ -116,7 +116,7 @@ class LandingEllipse:
         return np.stack([self.along + c * u - s * v, self.across + s * u + c * v], axis=-1)
 
     def inside(self, along: Array, across: Array) -> Array:
-        """Whether points are inside the ellipse."""
+        """Whether points, downwind and to the right [m], are inside the ellipse."""
         c, s = math.cos(self.turned), math.sin(self.turned)
         x, y = along - self.along, across - self.across
         return np.asarray(((c * x + s * y) / self.long) ** 2 + ((c * y - s * x) / self.short) ** 2 <= 1)
@@ -137,7 +137,8 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     """Landing points and durations for the draws of a forecast, with random deviations of the wind from the declared
     one and of the climb's drift from its forecast.
 
-    Without a wind, only the rail angle causes drift, and the landing point is unknown.
+    Without a wind, only the rail angle causes drift, and the landing point is unknown. Raises BadValue for a static
+    margin, a recovery device or a wind that cannot be read.
     """
     rng = np.random.default_rng(seed)
     count = len(prediction.apogee)
@@ -187,7 +188,7 @@ class RailChoice:
 
 def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
     """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
-    is not known."""
+    is not known. Raises ImpossibleFlight for a plan without a mass, BadValue as `landing`."""
     if plan.wind is None:
         return []
     ways = [("into", 0.0)]
@@ -207,7 +208,8 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 
     Derivation: the wind at which the 95% quantile of the distance from the pad is half the field, linear between tried
-    winds, each with the whole landing calculation.
+    winds, each with the whole landing calculation. Raises ImpossibleFlight for a plan without a mass, BadValue as
+    `landing`.
     """
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
     predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]

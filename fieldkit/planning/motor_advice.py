@@ -19,7 +19,7 @@ from fieldkit.shapes import Array, Float
 
 @dataclass(frozen=True, slots=True)
 class MotorPoints:
-    """The points of a flight on a motor, as draws."""
+    """The points of a flight on a motor, as draws. [1]"""
 
     choice: MotorChoice
     points: Float[Array, "draw"]
@@ -44,7 +44,7 @@ class MotorAdvice:
     """Motors that fit and that a season allows, fewest points first, and the `current` one whether it fits or not, None
     if it was not forecast.
 
-    `gain` is the mean improvement of the first in points per flight, `gain_error` its standard error, with as many
+    `gain` is the mean improvement of the first in points per flight [1], `gain_error` its standard error, with as many
     flights as the forecast is based on; both None without a current motor.
     """
 

@@ -28,7 +28,7 @@ from fieldkit.planning.safety import known_rules, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DRAWS = 64
-"""Flights simulated for each motor, with common random numbers: a 5 % quantile is accurate to a quarter of a standard
+"""Flights simulated for each motor, with common random numbers: a 5% quantile is accurate to a quarter of a standard
 deviation."""
 SLANTED_PATH_DRAWS = 40
 """The same if wind or rail angle make the paths slanted, which take several times as long: accurate to a third."""
@@ -83,7 +83,7 @@ def _found(motor: Motor) -> Found:
 
 
 def lifts(motor: Motor, dry_mass: float) -> bool:
-    """Whether a motor would lift a rocket off a rod."""
+    """Whether a motor would lift a rocket of this dry mass [kg] off a rod."""
     return motor.average_thrust > LEAST_THRUST * (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
 
 
@@ -210,7 +210,7 @@ def guide(
     """The forecast flight of a plan on each motor, in the same order; nothing is saved.
 
     Each motor gets the delay for sale that fires closest to apogee. It is simulated `draws` times, by default as many
-    as are quick. Raises ImpossibleFlight for a plan without a mass.
+    as are quick. Raises ImpossibleFlight for a plan without a mass, BadValue for a damaged file of rules.
     """
     if not motors:
         return []

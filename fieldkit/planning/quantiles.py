@@ -1,4 +1,4 @@
-"""Distributions as three numbers: 5, 50 and 95 %."""
+"""Distributions as three numbers: 5, 50 and 95%."""
 
 import math
 
@@ -8,7 +8,7 @@ from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.shapes import Array, Float
 
 Three = tuple[float, float, float]
-"""5, 50 and 95 %; nan if there are no draws."""
+"""5, 50 and 95%; nan if there are no draws."""
 
 
 def three(draws: Float[Array, "draw"]) -> Three:

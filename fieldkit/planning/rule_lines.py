@@ -59,7 +59,7 @@ def angle_line(governed_by: Governed, angle: float | None) -> SafetyCheck:
 
 
 def mass_line(governed_by: Governed) -> SafetyCheck:
-    """Liftoff mass, propellant and total impulse against the codes' limits for the kind of rocket."""
+    """Lift-off mass, propellant and total impulse against the codes' limits for the kind of rocket."""
     build = governed_by.build
     found = {"mass": (build.mass, "g", ""), "propellant": (build.propellant, "g", " of propellant")}
     found["impulse"] = (build.impulse, "N s", "")
@@ -79,7 +79,7 @@ def mass_line(governed_by: Governed) -> SafetyCheck:
 
 
 def weight_line(governed_by: Governed) -> SafetyCheck | None:
-    """Liftoff weight against the certified average thrust, if a code limits it; None if none does."""
+    """Lift-off weight against the certified average thrust, if a code limits it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
         found = governed_by.build.rated_thrust / (governed_by.build.mass * STANDARD_GRAVITY)
@@ -129,7 +129,7 @@ def _small_field(governed_by: Governed) -> Rule | None:
 
 
 def distance_line(governed_by: Governed, people: float | None) -> SafetyCheck:
-    """The distance from the pad to the people at the launch [m] against the table, if due in its complex column."""
+    """The distance from the pad to the people at the launch [m] against the table or its column for complex rockets."""
     name, build = "pad distance", governed_by.build
 
     def judge(rule: Rule) -> SafetyCheck:

@@ -32,11 +32,11 @@ DEFINITION_KEYS = (
     "kinds",
     "designations",
 )
-"""What a definition of high power has to say."""
+"""Keys that a definition of high power must have."""
 CLASS_KEYS = ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")
-"""What the classes of an air law have to say."""
+"""Keys that the classes of an air law must have."""
 LISTS = ("kinds", "designations", "sparky")
-"""What a definition of high power says in a list."""
+"""Keys of a definition of high power whose values are lists."""
 KINDS = ("model", "high power", "any")
 """The kinds of rockets that a set is for."""
 
@@ -199,7 +199,7 @@ def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
 
 
 def _bounds(table: Mapping[str, Any], needed: Sequence[str]) -> dict[str, Any]:
-    """A table of bounds, which has all the keys that are needed, or none. Raises KeyError, ValueError."""
+    """A table of bounds, which must have all the needed keys, or be empty. Raises KeyError, ValueError."""
     if table and (missing := [name for name in needed if name not in table]):
         raise KeyError(missing[0])
     numbers = {name: number(table[name], name) for name in needed if name in table and name not in LISTS}

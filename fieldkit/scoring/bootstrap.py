@@ -52,7 +52,8 @@ def resampled(count: int) -> Any:
 def judge(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Judged:
     """Score forecasts of log apogee on the flights with an apogee. Flights are resampled; nothing is refitted.
 
-    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), percentile intervals.
+    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), percentile intervals. `truth` has the flown
+    apogees. [log m]
     """
     found, count = score(forecasts, truth, seen), int(seen.sum())
     if not count:
@@ -106,7 +107,7 @@ class ScoreDifference:
 
 
 def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> ScoreDifference:
-    """The difference of two scores of the same flights; smaller scores are better."""
+    """The difference of two scores of the same flights, in their unit; smaller scores are better."""
     if not len(ours):
         nan = float("nan")
         return ScoreDifference(0, nan, nan, nan, (nan, nan))

@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 @dataclass(frozen=True, slots=True)
 class Forecasts:
-    """Forecast of each flight's log apogee as a mixture of normals."""
+    """Forecast of each flight's log apogee as a mixture of normals. [log m]"""
 
     mean: Float[Array, "part flight"]
     sd: Float[Array, "part flight"]
@@ -30,7 +30,7 @@ class Forecasts:
 
     @staticmethod
     def pick(options: Sequence["Forecasts"]) -> "Forecasts":
-        """Takes the first flight from the first option, the second from the second, and so on."""
+        """Take the first flight from the first option, the second from the second, and so on."""
         longest = max(len(option.mean) for option in options)
 
         def column(name: str, fill: float) -> Array:
@@ -68,7 +68,7 @@ class Score:
 
 
 def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Score:
-    """The score of forecasts of log apogee on the flights with an apogee."""
+    """The score of forecasts of log apogee on the flights with an apogee. `truth` has the flown apogees. [log m]"""
     if not seen.any():
         return Score(np.nan, np.nan, np.nan, np.nan)
     error = (forecasts.apogee - np.exp(truth))[seen]

@@ -36,7 +36,7 @@ _NOT_YET = "; held-out flights do not show it yet: check again after more flight
 class Ranked:
     """An effect (without a name for patterns) with its places, the best first.
 
-    `log_bayes` is its log Bayes factor alone against the plain model, averaged over its places by their prior;
+    `log_bayes` is its log Bayes factor [nat] alone against the plain model, averaged over its places by their prior;
     `probability` is the probability that it is present, alone or with others; `score` is the leave-one-out score of its
     best place alone.
     """

@@ -24,7 +24,8 @@ def rocket_model(
     """The model of a rocket with its accepted effects and patterns; other arguments as in `base_model`.
 
     Patterns come from the first `flown` flights, by default from all. With the certified hyperprior, the effects that
-    every rocket has are terms of the model; the learned hyperprior has them in its random effects.
+    every rocket has are terms of the model; the learned hyperprior has them in its random effects. Raises
+    ImpossibleFlight for a flight without a dry mass.
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)
     if hyperprior.kind == "certified":

@@ -21,8 +21,8 @@ Members = frozenset[str]
 class Hypothesis:
     """Effects, each in one place, and the fit of the model with them; no effects for the plain model.
 
-    `log_prior` is the log ratio of its prior probability to the plain model's. `correction` is the correction of the
-    fit's log evidence by importance sampling, and `sampled` the result of the sampling, if it was done.
+    `log_prior` is the log ratio of its prior probability to the plain model's. [nat] `correction` is the correction of
+    the fit's log evidence by importance sampling [nat], and `sampled` the result of the sampling, if it was done.
     """
 
     candidates: tuple[Candidate, ...]
@@ -84,7 +84,7 @@ class SetPosterior:
 
     @cached_property
     def sets(self) -> dict[Members, float]:
-        """Posterior probability of every set, summed over places, the most probable first."""
+        """Posterior probability of every set, summed over places, the most probable first. [1]"""
         found: dict[Members, float] = {}
         for one, chance in zip(self.hypotheses, self.probability, strict=True):
             found[one.members] = found.get(one.members, 0.0) + float(chance)
@@ -92,7 +92,7 @@ class SetPosterior:
 
     @cached_property
     def inclusion(self) -> dict[str, float]:
-        """Posterior probability that each effect is present, alone or with others, the most probable first."""
+        """Posterior probability that each effect is present, alone or with others, the most probable first. [1]"""
         found: dict[str, float] = {}
         for members, chance in self.sets.items():
             for name in members:

@@ -42,7 +42,7 @@ class Advice:
     """A proposed flight or measurement, its expected log Bayes factor, and the readouts to record.
 
     `subject` is the motor to fly, or the quantity to measure. `first` and `second` are the two explanations' forecasts
-    of the apogee; nan for a measurement.
+    of the apogee [m]; nan for a measurement. `expected` is in nats.
     """
 
     what: str

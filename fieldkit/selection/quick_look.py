@@ -37,8 +37,8 @@ SIMILAR_ODDS = 0.5
 
 @dataclass(frozen=True, slots=True)
 class QuickCandidate:
-    """An effect with its probability, its log Bayes factor from a linear fit, its most likely place and strength, and
-    leave-one-out errors with it."""
+    """An effect with its probability, its log Bayes factor from a linear fit [nat], its most likely place and strength,
+    and leave-one-out errors with it."""
 
     effect: str
     probability: float
@@ -87,7 +87,10 @@ def quick_look(
     used_in_fit: Sequence[bool],
     ensemble: "Ensemble | None" = None,
 ) -> QuickLook:
-    """The network's answer for the flights of a rocket, in the order flown."""
+    """The network's answer for the flights of a rocket, in the order flown.
+
+    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the network cannot be loaded.
+    """
     network = ensemble or load_history()
     last, motor = flown[-1]
     history = History(

@@ -183,7 +183,7 @@ def associations(
 
 
 def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tuple[float, float]:
-    """Spearman's rank correlation and its p-value by Student's t."""
+    """Spearman's rank correlation and its p-value by Student's t. [1]"""
     freedom = len(one) - 2
     correlation = float(np.corrcoef(ranks(one), ranks(other))[0, 1])
     t = correlation * np.sqrt(freedom / max((1 - correlation) * (1 + correlation), 1e-300))
@@ -191,7 +191,7 @@ def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tupl
 
 
 def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
-    """Kruskal and Wallis' H, corrected for ties, and its p-value by chi-squared."""
+    """Kruskal and Wallis' H, corrected for ties, and its p-value by chi-squared. [1]"""
 
     every = ranks(np.concatenate(parts))
     count, ends = len(every), np.cumsum([len(part) for part in parts])[:-1]
@@ -209,7 +209,7 @@ def ranks(values: Float[Array, "flight"]) -> Float[Array, "flight"]:
 
 
 def holm(p: Sequence[float]) -> list[float]:
-    """p-values corrected for the probability of any false alarm among all tests (Holm, 1979)."""
+    """p-values corrected for the probability of any false alarm among all tests (Holm, 1979). [1]"""
     values = np.asarray(p, float)
     order = np.argsort(values, kind="stable")
     stepped = np.maximum.accumulate(values[order] * (len(values) - np.arange(len(values))))
@@ -225,7 +225,7 @@ def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
 
 
 def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
-    """All recorded numbers of the flights, and their flight index, hour and expected speed."""
+    """All recorded numbers of the flights, each in its unit, and their flight index, hour and expected speed."""
     flights = diagnosis.model.flights
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}
     speed = np.exp(diagnosis.base.fit.tangent.values[:, 1])

@@ -100,9 +100,9 @@ def checked(
 ) -> SetPosterior:
     """The posterior with the evidence of its probable hypotheses checked by the simulator.
 
-    A hypothesis is probable if its log odds against the best are within `window`; the plain model is always checked.
-    The others get the least correction of the probable sets with most of their effects: far from the flights the error
-    of a linear fit may be tens of nats, so a worse set lends nothing.
+    A hypothesis is probable if its log odds against the best are within `window` [nat]; the plain model is always
+    checked. The others get the smallest correction of the probable sets that share most effects with them. Corrections
+    of improbable sets are not used: far from the flights the error of a linear fit may be tens of nats.
     """
     plain, likely = posterior.best(frozenset()), _likely(posterior, window)
     every = [*likely, *([] if any(one is plain for one, _ in likely) else [(plain, around_mode(plain.fit))])]
@@ -133,7 +133,7 @@ def _likely(posterior: SetPosterior, window: float) -> list[tuple[Hypothesis, Fi
 
 
 def _borrowed(members: Members, lent: Mapping[Members, float]) -> float:
-    """The least correction of the checked sets that share the most effects with a set. [nat]"""
+    """The smallest correction of the checked sets that share the most effects with a set. [nat]"""
     shared = {own: len(own & members) for own in lent}
     return min(lent[own] for own, count in shared.items() if count == max(shared.values()))
 

@@ -49,8 +49,8 @@ class Trial:
 
 
 def strength_moments(term: Term, mean: float, sd: float) -> tuple[float, float]:
-    """Mean and standard deviation of a strength, from those of the fitted value's normal posterior before its
-    truncation at the bounds of the term.
+    """Mean and standard deviation of a strength, in the unit of its effect, from those of the fitted value's normal
+    posterior before its truncation at the bounds of the term.
 
     Derivation: the integral of the strength and of its square over the density within the bounds.
     """

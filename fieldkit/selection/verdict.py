@@ -27,8 +27,8 @@ CREDIBLE = 0.9
 class Verdict:
     """The verdict: an effect's name (several joined by `+`), "none" or "unexplained".
 
-    `confidence` is the posterior probability that the verdict is right: that all named effects are present, or one of
-    `also` instead if only their sum is probable enough. `accepted` are the named effects, each in its place.
+    `confidence` is the posterior probability that the verdict is right [1]: that all named effects are present, or one
+    of `also` instead if only their sum is probable enough. `accepted` are the named effects, each in its place.
     """
 
     effect: str

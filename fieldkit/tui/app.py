@@ -1,7 +1,6 @@
 """The app: its pages, its colors, its notices, and undo from anywhere."""
 
 import asyncio
-import time
 from collections.abc import Iterable
 from contextlib import suppress
 from functools import partial
@@ -17,7 +16,7 @@ from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
-from fieldkit.tui.hangup import CHECK_INTERVAL, gone, never_outlive, terminal
+from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
 from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
@@ -33,9 +32,6 @@ PAUSE = 0.05
 
 LOOK_INTERVAL = 3.0
 """Interval of checking for changes by other programs: terminals side by side report no change of focus. [s]"""
-
-MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
-"""Maximum number of restarts after errors [1] within a time [s]."""
 
 
 def finder() -> type[Provider]:
@@ -300,24 +296,3 @@ class FieldkitApp(Surviving):
             if active.enabled and label not in seen and (binding.tooltip or (binding.description and binding.show)):
                 seen.add(label)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
-
-
-def run(where: str | None) -> None:
-    """Open the app on a ledger until the user quits; after a bug, reopen it in the same place.
-
-    Raises FieldkitError if errors repeat.
-    """
-    began: list[float] = []
-    place: Whereabouts | None = None
-    held = terminal()
-    if held is not None:
-        never_outlive(held)
-    while True:
-        app = FieldkitApp(where, stays=True, back=place)
-        app.run()
-        place, ended = app.place, time.monotonic()
-        began = [one for one in began if ended - one < RESTART_PERIOD] + [ended]
-        if place is None or (held is not None and gone(held)):  # drawing on a closed terminal is also an error
-            return
-        if len(began) > MAX_RESTARTS or app.is_web:
-            raise FieldkitError(place.crash.line())

@@ -36,6 +36,7 @@ def fleet_ratio(earlier: Sequence[Simulated], plan: Simulated) -> Float[Array, "
 
 def ratio_posterior(logs: Float[Array, "flight"], rocket: Int[Integers, "flight"], wanted: int) -> tuple[float, float]:
     """Posterior mean and variance of the expected log ratio of one rocket, from those of flights of numbered rockets.
+    [1]
 
     A Student t is a normal whose precision has a gamma prior; its expectation given the fit so far weights each flight
     (expectation maximization; Lange, Little and Taylor, 1989).

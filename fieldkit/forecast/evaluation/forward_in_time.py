@@ -64,6 +64,7 @@ def forward(
 
     With `rocket`, only flights of that rocket are forecast, still from the flights of all. The message of a rocket to
     the fleet is updated after each of its flights. `hyperprior` replaces the learned one.
+    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the learned hyperprior cannot be read.
     """
     known = hyperprior or learned()
     past: dict[str, list[FlownFlight]] = {}
@@ -125,7 +126,8 @@ def beside_rivals(
     interval: tuple[float, float, float],
     earlier: Sequence[Simulated],
 ) -> Forecast:
-    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights."""
+    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights; `draws` and
+    `interval` in m."""
     flight = plan.flight
     assert flight.apogee is not None
     return Forecast(

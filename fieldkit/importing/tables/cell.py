@@ -45,7 +45,7 @@ _CLOCK = re.compile(
     re.ASCII,
 )
 _MAX_CLOCK_LENGTH = 80
-"""Largest length of a time with its date. [character]"""
+"""Largest length of a time with its date. [characters]"""
 
 
 def number_in(cell: str, channel: Channel) -> float | None:

@@ -14,7 +14,7 @@ MAX_CLOCK = 1e11
 
 
 def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
-    """Largest set of rows in which the clock never runs backward and contains no time that is days away."""
+    """Largest set of rows in which the clock [s] never runs backward and contains no time that is days away."""
     middle = np.quantile(clock, 0.5, method="lower")
     kept = np.asarray(np.abs(clock - middle) < TWO_DAYS)
     kept[kept] = onward(clock[kept])
@@ -22,7 +22,7 @@ def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
 
 
 def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
-    """Rows where a clock restarts: each of the three rows before is later than the three rows from there on."""
+    """Rows where a clock [s] restarts: each of the three rows before is later than the three rows from there on."""
     if len(clock) < 6:
         return np.empty(0, np.int64)
     three = np.lib.stride_tricks.sliding_window_view(clock, 3)
@@ -30,7 +30,7 @@ def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
 
 
 def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
-    """Largest set of rows in which the clock never runs backward."""
+    """Largest set of rows in which the clock [s] never runs backward."""
     if not (np.diff(clock) < 0).any():
         return np.ones(len(clock), bool)
     tails = array("d")  # the smallest last value of a run of each length, and the row that it is in

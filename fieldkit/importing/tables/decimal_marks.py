@@ -36,7 +36,10 @@ def decimal_mark(numbers: Iterable[str], separator: str) -> str:
 
 
 def precision(cell: str, column: Column, unit: str) -> float:
-    """One unit of the last digit of a number in a cell, in SI; `unit` is that of its header, or ""."""
+    """One unit of the last digit of a number in a cell, in SI; `unit` is that of its header, or "".
+
+    Raises BadValue for an unknown unit.
+    """
     digits = re.match(r"\s*[+-]?\d*(?:[.,](\d+))?", cell)
     named = unit or cell.strip().lstrip("+-0123456789.,").strip()
     scale = units.unit(column.quantity, named or column.unit)

@@ -61,7 +61,7 @@ def shape(cells: Sequence[str]) -> tuple[str, ...]:
 
 
 def table_names(head: bytes) -> tuple[str, ...]:
-    """Column names of a table of flights, and what identifies a table without headers."""
+    """Column names of a table of flights, and what identifies a table without headers. Raises DamagedLog."""
     names = first_names(head)
     return shape(names) or names
 
@@ -185,7 +185,7 @@ def _ours(words: str, taken: Collection[str]) -> str:
 
 
 def _beginnings(words: str) -> list[str]:
-    """The names that a header may be: all of it, or its first words as far as a name can be long."""
+    """The names that a header may be: all of it, or its first words, up to the length of the longest name."""
     return [words[: mark.start()] for mark in re.finditer("_", words[: _longest() + 1])] + [words]
 
 

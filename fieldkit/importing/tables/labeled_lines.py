@@ -27,13 +27,13 @@ _MIN_RECORDS, _LOOKED_AT = 10, 60
 _MIN_LABELED = 0.5
 """Smallest fraction of these lines that have a label, and of the records that have a time. [1]"""
 _MAX_SIZE, _HEAD_SIZE, _MAX_LABELS = 32 << 20, 65_536, 60
-"""Largest size of such a text, and size of its beginning, which names its labels [byte]; the most of these [1]."""
+"""Largest size of such a text, and size of its beginning, which has all labels [bytes]; most labels [1]."""
 
 _Record = Mapping[str, str]
 
 
 def labeled_table(log: bytes) -> bytes | None:
-    """The labeled values of a text as CSV, a row for each record below one of names; None if it is no such text."""
+    """The labeled values of a text as CSV, a header and a row for each record; None if the text has none."""
     if len(log) > _MAX_SIZE or not _is_labeled(first_lines(log, most=_LOOKED_AT)):
         return None
     units: dict[str, str] = {}

@@ -95,7 +95,7 @@ def remember(choice: ColumnChoice) -> None:
 def forget(number: int) -> ColumnChoice:
     """Delete and return a remembered choice by its number, counted from 1 in the order of `remembered`.
 
-    Raises BadValue if there is no such number.
+    Raises BadValue if there is no such number, FieldkitError if the file cannot be written.
     """
     with changing(mapping_file()):
         kept = _with_number(number)
@@ -105,7 +105,7 @@ def forget(number: int) -> ColumnChoice:
 
 
 def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
-    """Replace the columns of a remembered choice, for the same headers. Raises BadValue."""
+    """Replace the columns of a remembered choice, for the same headers. Raises BadValue, FieldkitError."""
     with changing(mapping_file()):
         kept = _with_number(number)
         kept[number - 1] = ColumnChoice(read_choice(texts).channels, kept[number - 1].headers)

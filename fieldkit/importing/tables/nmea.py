@@ -39,7 +39,7 @@ def _row(fix: "re.Match[bytes]") -> bytes:
 
 
 def _degrees(text: bytes, negative: bool) -> bytes:
-    """Degrees of `4807.038`, which is 48 degrees and 7.038 minutes; empty if it is no number."""
+    """Degrees of `4807.038`, which is 48 degrees and 7.038 minutes; empty if it is not a number."""
     if not (found := re.fullmatch(rb"(\d{1,3})(\d\d(?:\.\d*)?)", text)):
         return b""
     degrees = float(found[1]) + float(found[2]) / 60

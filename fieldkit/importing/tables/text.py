@@ -20,7 +20,7 @@ ENDLESS_LINE_MARK = "\0"
 
 
 MAX_TABLE_SIZE = 4 << 20
-"""Largest size of a table with a row for each flight, or of anything read in one piece. [byte]"""
+"""Largest size of a table with a row for each flight, or of anything read in one piece. [bytes]"""
 
 
 MOST_WIDE = 32 << 20
@@ -181,7 +181,7 @@ def first_row(text: str, separator: str) -> tuple[int, list[str]]:
 
 
 def first_names(head: bytes) -> tuple[str, ...]:
-    """The cells of the first row of a table, split by the separator that gives the most cells."""
+    """The cells of the first row of a table, split by the separator that gives the most cells. Raises DamagedLog."""
     text = decode(head)
     cells = max((first_row(text, separator)[1] for separator in (",", ";", "\t")), key=len)
     return tuple(cell.strip() for cell in cells)

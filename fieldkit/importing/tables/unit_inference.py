@@ -164,7 +164,7 @@ def height_unit_by_pressure(raw: Mapping[str, Float[Array, "time"]]) -> str:
 def height_of_ratio(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
     """Height above the beginning of a log from pressures in any unit. [m]
 
-    Source: U.S. Standard Atmosphere 1976, with the pad assumed at sea level: the scale is within about 5 % of the true
+    Source: U.S. Standard Atmosphere 1976, with the pad assumed at sea level: the scale is within about 5% of the true
     one.
     """
     pad = _median(pressure[:5])
@@ -246,7 +246,7 @@ _COAST_END = (1.0, 0.2)
 
 
 def last_of_climb(time: Float[Array, "time"], height: Float[Array, "time"], values: Float[Array, "time"]) -> float:
-    """The median of some values in the last second of a climb, in their unit [SI]; nan if there are none."""
+    """The median of some values in the last second of a climb, in their own unit; nan if there are none."""
     climb, _ = _ascent(_with_heights({"time": time, "altitude": height}), {"time": "s", "altitude": "m"})
     if climb is None:
         return float("nan")

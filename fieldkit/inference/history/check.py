@@ -1,4 +1,4 @@
-"""Checks the network's forecast of a plan against the model, by importance sampling.
+"""Check the network's forecast of a plan against the model, by importance sampling.
 
 The network's draws are weighted by the model's posterior density over the density they were drawn from (Robert and
 Casella, Monte Carlo Statistical Methods, 2004, chapter 3), and the readouts of every draw are simulated. Log Cd and log

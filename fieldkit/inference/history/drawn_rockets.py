@@ -37,7 +37,8 @@ WORKABLE_THRUST_TO_WEIGHT = (2.8, 40.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stock:
-    """Motors to draw from, with the figures that decide which fit the same rocket."""
+    """Motors to draw from, with the figures that decide which fit the same rocket: average thrust [N], loaded mass
+    [kg], diameter [m], and the odds of drawing it [1]."""
 
     motors: tuple[Motor, ...]
     thrust: Float[Array, "motor"]

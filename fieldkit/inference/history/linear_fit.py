@@ -80,6 +80,7 @@ def history_model(
     """The model of a history and its alternative plans; a `declared` wind acts with the prior of its effect.
 
     Plans on motors that neither this rocket nor the others of the flyer have flown share the terms of one new motor.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     order = [*range(flown), *[flown] * (len(flights) - flown)]
     elsewhere = {name.partition(" of ")[2] for name in (shared.names if shared else ())}

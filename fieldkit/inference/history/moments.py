@@ -75,8 +75,8 @@ FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("ap
 @dataclass(frozen=True, slots=True)
 class ReadoutMoments:
     """A linear fit's forecast of the other readouts of plans, without reading errors: mean and standard deviation of
-    each of `FORECAST_READOUTS` in the form that is compared, and its covariance with the plan's log Cd and log
-    alpha."""
+    each of `FORECAST_READOUTS` in the form that is compared ([1] or [s]), and its covariance with the plan's log Cd and
+    log alpha."""
 
     mean: Float[Array, "plan readout"]
     sd: Float[Array, "plan readout"]
@@ -107,7 +107,7 @@ def parameter_moments(
     alpha_sd: Float[Array, "plan"],
     correlation: Float[Array, "plan"],
 ) -> ParameterMoments:
-    """Means, standard deviations and a correlation as a mean and a covariance."""
+    """Means, standard deviations and a correlation as a mean and a covariance, all of log Cd and log alpha. [1]"""
     both = np.asarray(correlation * cd_sd * alpha_sd)
     covariance = np.array([[np.asarray(cd_sd) ** 2, both], [both, np.asarray(alpha_sd) ** 2]])
     return ParameterMoments(np.stack([cd, alpha], axis=-1), np.moveaxis(covariance, -1, 0))

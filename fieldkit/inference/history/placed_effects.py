@@ -34,7 +34,7 @@ class Directions:
     """Directions in which strengths move the readouts, one entry each.
 
     `number` is the number of the candidate, and `family` its name in a verdict. `moves` are the properties and effects
-    that some strength changes, as named in a response, and `kind` is the place among them of the one that each
+    that some strength changes, as named in a response, and `kind` is the index of the one that each
     changes. `weight` is how strongly it acts on each flight. `log_prior_mass` is that of the strength's prior between
     its bounds.
     """

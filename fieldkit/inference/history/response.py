@@ -60,7 +60,8 @@ class FlightResponse:
 
 
 def secant(effect: Effect) -> tuple[float, ...]:
-    """The fitted values at which the shift of an effect is simulated, neither small nor extreme."""
+    """The fitted values at which the shift of an effect is simulated, neither small nor extreme, in the unit of the
+    effect."""
     prior = effect.prior
     if effect.starts:
         return effect.starts
@@ -68,7 +69,10 @@ def secant(effect: Effect) -> tuple[float, ...]:
 
 
 def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
-    """The response of flights, of any rockets, with coarse thrust curves and steps."""
+    """The response of flights, of any rockets, with coarse thrust curves and steps.
+
+    `area` is the reference area of each flight. [m^2]
+    """
     known = effects()
     count = len(flights)
     places = [(name, value) for name, effect in known.items() for value in secant(effect)]
@@ -116,7 +120,7 @@ def _interpolation(offset: float) -> tuple[Float[Array, "drag"], Float[Array, "d
 
 
 def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, "flight readout"]]:
-    """Every quantity of a response at an offset of the drag, and its derivative with respect to drag."""
+    """Every quantity of a response at an offset of the log drag [1], and its derivative with respect to drag."""
     weights, steeper = _interpolation(offset)
     along = np.tensordot(weights, response.moved, axes=(0, 1))
     found = dict(zip(response.names, along, strict=True))

@@ -36,7 +36,10 @@ class RocketFit:
 
 
 def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
-    """Fit the clean flights of one rocket without information from others."""
+    """Fit the clean flights of one rocket without information from others.
+
+    Raises ImpossibleFlight for a flight without a dry mass.
+    """
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     model = replace(base_model(flights, found, hyperprior), coarse=True)
     result = fit_robustly(model, observe(flights, [flight.clean for flight in flights], hyperprior))

@@ -1,6 +1,6 @@
 """Leave-one-out predictions of a fit.
 
-Derivation: Woodbury's identity, as `leave_one_out` says.
+Derivation: Woodbury's identity; see `leave_one_out`.
 """
 
 from dataclasses import dataclass, replace
@@ -20,8 +20,8 @@ from fieldkit.shapes import Array, Float
 class LeaveOneOut:
     """The leave-one-out prediction of each flight.
 
-    For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair (times the
-    evidence of the other flights). The variance is scaled by the scatter of the other flights' apogees (`spread`).
+    For every pair of scales: mean and variance of the compared (log) apogee [1], and the log weight of the pair (times
+    the evidence of the other flights). The variance is scaled by the scatter of the other flights' apogees (`spread`).
     `distance` is the squared Mahalanobis distance of the flight's readouts from the prediction, and `residual` the
     standardized residual of each readout, flown minus expected.
     """

@@ -27,7 +27,8 @@ _PERTURBATIONS = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_W
 
 @dataclass(frozen=True, slots=True)
 class Tangent:
-    """The readouts near a point: values, derivatives, and the effect of one standard deviation of scatter."""
+    """The readouts near a point: values, derivatives, and the effect of one standard deviation of scatter. [1] or
+    [s]"""
 
     at: Float[Array, "term"]
     values: Float[Array, "flight readout"]

@@ -113,7 +113,7 @@ class Fit:
         return np.asarray(np.exp(self.log_weight - np.logaddexp.reduce(self.log_weight)))
 
     def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
-        """Posterior mean and standard deviation of every term."""
+        """Posterior mean and standard deviation of every term, in its unit."""
         weights, variance = self.weights, np.diagonal(self.covariance, axis1=1, axis2=2)
         mean = weights @ self.mean
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))

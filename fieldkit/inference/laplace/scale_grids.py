@@ -1,6 +1,6 @@
 """Grids of scales around their posterior, on which the evidence of a fit is accurate.
 
-Some twenty flights determine a scale within 10%, but the grids that a fit walks with have steps of 60%. On them nearly
+Some twenty flights determine a scale within 10%, but the grids used during a fit have steps of 60%. On them nearly
 all weight is on one value, and the log evidence has an error of up to several nats, depending on how far that value is
 from the mode. Derivation: the midpoint rule on an even grid, whose error falls exponentially for a normal density
 (Trefethen and Weideman, SIAM Review 56, 2014).

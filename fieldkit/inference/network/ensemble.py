@@ -22,7 +22,7 @@ ENDS = ("mean", "spread")
 """Outputs of a graph, unless its card names the shape of `parts`, the outputs of every member."""
 LARGEST_CARD = 1 << 20
 LARGEST_GRAPH = 32 << 20
-"""Maximum file size. [byte]"""
+"""Maximum file size. [bytes]"""
 
 
 @dataclass(frozen=True, slots=True)

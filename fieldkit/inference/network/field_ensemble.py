@@ -82,7 +82,7 @@ def infer_field(
 ) -> FieldPosterior:
     """Drag and thrust of flights from any of their readouts, by default with the shipped ensemble.
 
-    Raises ImpossibleFlight for a flight without a dry mass.
+    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the ensemble cannot be loaded.
     """
     return infer_observed(observe(flights, found), ensemble or load_field())
 

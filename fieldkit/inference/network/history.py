@@ -99,7 +99,10 @@ def checked(ensemble: "Ensemble") -> "Ensemble":
 
 
 def response_of(history: History) -> FlightResponse:
-    """The response of a history's flights and plan, from one batch of simulated flights."""
+    """The response of a history's flights and plan, from one batch of simulated flights.
+
+    Raises ImpossibleFlight for a flight without a dry mass.
+    """
     return respond(history.flights, history.found, reference_area(history.flights, len(history.used_in_fit)))
 
 

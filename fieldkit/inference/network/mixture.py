@@ -108,11 +108,12 @@ class Margin:
         return np.stack([np.interp(levels, row, at) for row, at in zip(self.below, self.values, strict=True)])
 
     def moments(self) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-        """Mean and standard deviation."""
+        """Mean and standard deviation, in the unit of the parameter."""
         return self.moments_of(self.values)
 
     def moments_of(self, values: Float[Array, "flight node"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-        """Mean and standard deviation of a function of the parameter, given by its values at the nodes."""
+        """Mean and standard deviation of a function of the parameter, given by its values at the nodes, in their
+        unit."""
         share = np.diff(self.below, axis=1)
         middle = 0.5 * (values[:, 1:] + values[:, :-1])
         mean = (share * middle).sum(axis=1)
@@ -127,7 +128,7 @@ class Margin:
 def mixture(
     outputs: Float[Array, "flight member output"], low: Float[Array, "flight 2"], high: Float[Array, "flight 2"]
 ) -> Mixture:
-    """The members' outputs as one mixture with equal weights."""
+    """The members' outputs as one mixture with equal weights; `low` and `high` are in the units of the parameters."""
     flights, members, _ = outputs.shape
     parts = outputs[..., :WIDTH].reshape(flights, members, 6, COMPONENTS).swapaxes(1, 2)
     weight = np.exp(parts[:, 0] - parts[:, 0].max(axis=-1, keepdims=True))

@@ -86,7 +86,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     """The outlier, as an index into `INDEPENDENT_READOUTS`, or -1.
 
     Of the readouts too far from their prediction, it is the one without which the others agree best. An unusually
-    uncertain readout counts as its most likely value, so it is no outlier if its uncertainty explains its distance.
+    uncertain readout counts as its most likely value, so it is not an outlier if its uncertainty explains its distance.
     """
     if (excess_sd(observed) > 0).any():
         predicted = predict_readouts(ensemble, observed)

@@ -33,7 +33,7 @@ def infer_paper(flights: Sequence[Flight], ensemble: "Ensemble | None" = None) -
 
     The standard deviation is over the members, as in the paper: it measures their disagreement, not the distance from
     the truth. Raises UnknownMotor for a motor the paper does not have, ImpossibleFlight for another rocket and for a
-    flight without an apogee.
+    flight without an apogee, DamagedModel if the ensemble cannot be loaded.
     """
 
     ensemble = ensemble or load("paper")

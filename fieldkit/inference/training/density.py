@@ -20,7 +20,7 @@ MEMBERS = 5
 HIDDEN_UNITS = 128
 LAYERS = 3
 GUARD_SHARE = 0.1
-"""Weight of the guard's loss relative to the posterior's. [1]"""
+"""Weight of the loss of the predicted readouts relative to that of the posterior. [1]"""
 MAX_FEATURE_SDS = 8.0
 """Features are clipped to this many standard deviations from their mean. [1]"""
 MAX_GRADIENT_NORM = 5.0
@@ -33,7 +33,7 @@ class Members(nn.Module):  # type: ignore[misc]
     """Members that each map standardized features to their outputs; the first axis is the member.
 
     A member's outputs are the mixture's (see `fieldkit.inference.network.mixture`), then for each readout the mean
-    and the log precision with which the guard predicts it.
+    and the log precision of its prediction from the other readouts, which detects outliers.
     """
 
     def __init__(self, inputs: int, seen: int, members: int = MEMBERS, hidden: int = HIDDEN_UNITS) -> None:
@@ -79,7 +79,7 @@ def guard_loss(outputs: Tensor, shown: Tensor) -> Tensor:
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """Training data of the members: features, logits of the truth, readouts for the guard; float32."""
+    """Training data of the members: features, logits of the truth, readouts to predict; float32."""
 
     features: np.ndarray[Any, np.dtype[np.float32]]
     target: np.ndarray[Any, np.dtype[np.float32]]

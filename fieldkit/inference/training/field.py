@@ -55,7 +55,7 @@ def train_field(
 
     Named effects act in every simulated flight of training and evaluation, with strengths drawn from their priors, so
     that the posterior allows for them. Raises BadValue for an unknown schedule or effect, too few flights, or a folder
-    that already contains an ensemble.
+    that already contains an ensemble, FieldkitError if the cluster cannot be used.
     """
     known_effects(effects)
     if schedule not in PLANS:

@@ -37,7 +37,7 @@ SCHEDULES = {
 
 @contextmanager
 def one_thread(seed: int) -> Iterator[None]:
-    """Runs torch seeded on one thread and restores its state afterward; on a busy machine a second thread slows it."""
+    """Run torch seeded on one thread and restore its state afterward; on a busy machine a second thread slows it."""
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:

@@ -76,7 +76,8 @@ def train_history(
 
     Shards and the state of training are saved in the folder until the end, so that an interrupted run can resume.
     `candidates_of` returns the candidates for a history, and `inclusion` has the prior probabilities of the effects.
-    Raises BadValue for an unknown schedule or a folder that already contains an ensemble.
+    Raises BadValue for an unknown schedule or a folder that already contains an ensemble, FieldkitError if the cluster
+    cannot be used.
     """
     if schedule not in PLANS:
         raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")

@@ -12,7 +12,11 @@ from fieldkit.inference.network.ensemble import CARD, GRAPH
 
 
 def claim(out: Path) -> None:
-    """Make the folder. Raises BadValue if it already contains an ensemble, which is never overwritten."""
+    """Make the folder.
+
+    Raises BadValue if it already contains an ensemble, which is never overwritten, or if it cannot be made, and
+    FieldkitError if the graph cannot be written there.
+    """
     if any((out / name).exists() for name in (CARD, GRAPH)):
         raise BadValue(f"{out}: found an existing ensemble, expected a new or empty folder")
     check_target(out / GRAPH)

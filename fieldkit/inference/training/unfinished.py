@@ -25,7 +25,7 @@ def save_state(
     losses: list[float],
     best: Mapping[str, torch.Tensor],
 ) -> None:
-    """Save members, optimizer, rate and losses, and the members of the best epoch."""
+    """Save members, optimizer, rate and losses, and the members of the best epoch. Raises FieldkitError."""
     own = optimizer.state_dict()
     arrays = {f"members/{name}": value for name, value in members.state_dict().items()}
     arrays |= {f"best/{name}": value for name, value in best.items()}

@@ -30,7 +30,10 @@ BLOCK = 1000
 def judge(
     ensemble: "Ensemble", rng: np.random.Generator, motors: Sequence[Motor], count: int, effects: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """The evaluation by subset of the readouts, on new flights with these motors and all conditions declared."""
+    """The evaluation by subset of the readouts, on new flights with these motors and all conditions declared.
+
+    Raises BadValue for an unknown effect.
+    """
     truth = simulate(rng, motors, count, effects)
     whole = measure(rng, truth)
     verdict = {name: _verdict(rng, ensemble, truth, whole.only(*kept)) for name, kept in SUBSETS.items()}

@@ -50,7 +50,7 @@ class Restricted:
 
 
 def intervals(count: int) -> tuple[Float[Array, "flight 2"], Float[Array, "flight 2"]]:
-    """Bounds of the prior of log drag area and alpha."""
+    """Bounds of the prior of log drag area and alpha. [log m^2], [1]"""
     area = np.log(disc(np.asarray(paper.DIAMETER)))
     ends = np.array([[np.log(cd) + area, alpha] for cd, alpha in zip(CD_RANGE, ALPHA_RANGE, strict=True)])
     low, high = (np.broadcast_to(end, (count, 2)) for end in ends)
@@ -78,7 +78,7 @@ def measured(
     motor: Int[Any, "flight"],
     config: Int[Any, "flight"],
 ) -> Observed:
-    """The flights with noise on their readouts."""
+    """The flights with noise on their readouts, in SI."""
     readouts = np.full(clean.shape, np.nan)
     for name, (floor, share) in NOISE.items():
         column = READOUT_NAMES.index(name)

@@ -17,8 +17,10 @@ MIN_SPEED = 5.0
 
 @dataclass(frozen=True, slots=True)
 class FoundTerm:
-    """A selected term with its coefficient; `gain` is its reduction of the criterion. `also` are terms that would do
-    nearly as well in its place."""
+    """A selected term with its coefficient, in its unit; `gain` is its reduction of the criterion.
+
+    `also` are terms that would do nearly as well in its place.
+    """
 
     term: ForceTerm
     value: float

@@ -25,7 +25,7 @@ INTERVAL_LEVEL = 0.98
 
 @dataclass(frozen=True, slots=True)
 class Common:
-    """A recurring term: its mean over the flights and the standard deviation of the mean.
+    """A recurring term: its mean over the flights and the standard deviation of the mean, in its unit.
 
     `gain` is its reduction of the criterion without the flight that supports it most; it reduces the criterion in
     `flights` of the `seen` flights that could show it. `also` are terms that would do nearly as well in its place.
@@ -42,8 +42,8 @@ class Common:
 
 @dataclass(frozen=True, slots=True)
 class Mean:
-    """A coefficient's mean over the flights and its standard deviation: `observed` from their variation, and `expected`
-    its lower bound, from the scatter of single flights."""
+    """A coefficient's mean over the flights and its standard deviation, in the unit of the term: `observed` from their
+    variation, and `expected` its lower bound, from the scatter of single flights."""
 
     value: float
     observed: float
