@@ -135,7 +135,7 @@ def outlook_in_words(
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
-    yield f"  descent   {descent_in_words(ahead.fall)}"
+    yield f"  descent   {descent_in_words(ahead.fall, prediction.plan)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
