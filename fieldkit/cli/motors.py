@@ -247,10 +247,7 @@ def _own_corrections(json: bool) -> None:
     if not rows:
         say(f"  one row per figure: {HEADER.strip()}")
         say_wrapped(f"  field: {', '.join(OWN_FIELDS)}", "    ")
-        say_wrapped(
-            "  lot and date, if a row is for one lot alone: 0412,2024-04-12; name it with the motor: F24-4W lot 0412",
-            "    ",
-        )
+        say_wrapped("  lot and date: for a row about one lot, named with the motor: F24-4W lot 0412", "    ")
 
 
 def _about(json: bool) -> None:

@@ -150,6 +150,8 @@ def test_the_commands_compare_and_name_the_file_of_corrections(
     table.write_text(TESTS)
     assert main(["motors", "--compare", str(table), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["differences"][0]["motor"] == "F24W"
+    assert main(["motors", "--corrections"]) == 0
+    assert "named with the motor: F24-4W lot 0412" in " ".join(capsys.readouterr().out.split())
     assert main(["motors", "--corrections", "--json"]) == 0
     file = Path(json.loads(capsys.readouterr().out)["file"])
     file.write_text(file.read_text(encoding="utf-8") + ROWS, encoding="utf-8")
