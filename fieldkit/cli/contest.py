@@ -1,5 +1,6 @@
 """`fieldkit contest`, `finals`: flights and plans scored by the rule of a season."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -193,7 +194,7 @@ def contest(
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
     for flight, points in scored:
-        if why := why_no_score(flight):
+        if why := why_no_score(flight, rule.egg_count):
             say(f"  {flight.flight_id:>8}  no score      {why}; counts as an attempt")
             continue
         say(f"  {flight.flight_id:>8}  {points:6.1f} points  {_flown(flight)}")
@@ -237,8 +238,8 @@ def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[
     flights = [
         {
             "flight_id": flight.flight_id,
-            "points": None if why_no_score(flight) else points,
-            "no_score": why_no_score(flight),
+            "points": None if math.isnan(points) else points,
+            "no_score": why_no_score(flight, rule.egg_count),
             "timed": judged_duration(flight) is not None,
         }
         for flight, points in scored

@@ -36,7 +36,9 @@ def print_guide(
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
     points."""
+    from fieldkit.paths import data_file
     from fieldkit.planning.check import ADVICE_NOTE
+    from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
 
@@ -49,9 +51,10 @@ def print_guide(
         names = {motor: _called(motor, plan.motors) for motor in motors}
         weak = [motor for motor in motors if not lifts(motor, mass)] if strong is not motors else []
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
-    advice = None
+    advice, approved = None, None
     if season is not None:
-        found, advice = _in_season(plan, found, season)
+        approved = approved_motors(season, data_file("seasons"))
+        found, advice = _in_season(plan, found, season, approved)
         target = target or season_rule(season).target
     choices = by_closeness(found, target)
     if json:
@@ -66,7 +69,7 @@ def print_guide(
     else:
         say("  every one of these motors is excluded by a check")
     if advice is not None:
-        for line in advice_in_words(advice, season_rule(season or 0)):
+        for line in advice_in_words(advice, season_rule(season or 0), listed=approved is not None):
             say_wrapped(line, "    ")
     if weak:
         left_out = ", ".join(names[motor] for motor in weak)
@@ -76,15 +79,15 @@ def print_guide(
     say_wrapped(f"eject: seconds after apogee, with {delays}. Checks not listed pass. {ADVICE_NOTE}")
 
 
-def _in_season(plan: PlanContext, found: "list[MotorChoice]", year: int) -> "tuple[list[MotorChoice], MotorAdvice]":
-    """The motors checked against the limits of a season, and advice by its points, compared with the motor last
-    flown."""
-    from fieldkit.paths import data_file
-    from fieldkit.planning.contest_limits import approved_motors
+def _in_season(
+    plan: PlanContext, found: "list[MotorChoice]", year: int, approved: frozenset[str] | None
+) -> "tuple[list[MotorChoice], MotorAdvice]":
+    """The motors checked against the limits of a season and the flyer's copy of its list, and advice by its points,
+    compared with the motor last flown."""
     from fieldkit.planning.motor_advice import in_season, motor_advice
     from fieldkit.planning.motor_guide import label
 
-    rule, approved = season_rule(year), approved_motors(year, data_file("seasons"))
+    rule = season_rule(year)
     last = plan.rocket.motors[-1].motor if plan.rocket.motors else None
     held = [in_season(one, rule, approved) for one in found]
     return held, motor_advice(held, rule, label(last) if last is not None else None)

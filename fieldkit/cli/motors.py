@@ -9,7 +9,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import dashed, takes_plan
-from fieldkit.cli.screen import complain, print_json, print_table, say, system
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.quantities import counted
 
@@ -130,6 +130,8 @@ def motors(
         found = known.search(text)
         if not known.knows(text):
             _check_near(text, found, known.complaint(text), strict=json or shortlist_for is not None)
+        if note := known.unknown_lot(text, found):
+            complain(f"note: {note}")
     if shortlist_for is not None and found:
         _put_by(context, shortlist_for, found)
     if json:
@@ -227,7 +229,7 @@ def _compared(file: Path, json: bool) -> None:
 
 def _own_corrections(json: bool) -> None:
     """Print the flyer's own corrections and their file, which is created if missing."""
-    from fieldkit.motors.own_corrections import HEADER, correction_file, read_own_corrections
+    from fieldkit.motors.own_corrections import HEADER, OWN_FIELDS, correction_file, read_own_corrections
     from fieldkit.paths import motor_folder
 
     folder = motor_folder()
@@ -244,6 +246,8 @@ def _own_corrections(json: bool) -> None:
         say(f"  {one.maker} {one.designation}{lot}{f' of {one.date}' if one.date else ''}: {one.text()}")
     if not rows:
         say(f"  one row per figure: {HEADER.strip()}")
+        say_wrapped(f"  field: {', '.join(OWN_FIELDS)}", "    ")
+        say_wrapped("  lot and date: for a row about one lot, named with the motor: F24-4W lot 0412", "    ")
 
 
 def _about(json: bool) -> None:

@@ -54,6 +54,8 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 
     if given.get("dry_mass") and given.get(LIFT_OFF):
         raise typer.BadParameter("found --dry-mass and --lift-off-mass, expected one of them")
+    if given.get("main_speed") and given.get("parachute_diameter"):
+        complain("note: --main-speed is used; --parachute-diameter only selects earlier flights on this parachute")
     changes = {
         name: text for name, text in given.items() if text is not None and name not in (*dict(FIELD), *RECOVERY_NAMES)
     }

@@ -18,7 +18,7 @@ from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
 from fieldkit.motors.names import MAX_NAME, parse, tidy
-from fieldkit.motors.own_corrections import OwnCorrection, corrected
+from fieldkit.motors.own_corrections import FILE_NAME, OwnCorrection, corrected
 from fieldkit.motors.search import Found, Listing, Listings
 from fieldkit.motors.several import Booster, names_several, resolve_several
 from fieldkit.safe_text import printable
@@ -68,10 +68,9 @@ class Catalogue:
 
     def _of_lot(self, found: Found, plain: str, lot: str) -> Found:
         """The motor of a lot if its data is known, else the motor type, with a note."""
-        own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
+        own = self.lots.get(_lot_key(found.motor, lot))
         if own is None:
-            note = f"no figures for lot {printable(lot)} in your corrections: treated like any other of its type"
-            return replace(found, notes=(*found.notes, note))
+            return replace(found, notes=(*found.notes, _no_figures(lot)))
         motor = search.as_printed(own, parse(plain))
         return replace(found, motor=motor, notes=(*found.notes, *(one.text() for one in own.corrections)))
 
@@ -96,11 +95,18 @@ class Catalogue:
         if names_several(text):
             with suppress(UnknownMotor):
                 return [self.resolve_several(text).motor]
-        return search.search(self.listings, text)
+        plain, lot = split_lot(text)
+        found = search.search(self.listings, plain)
+        return [self.lots.get(_lot_key(one, lot), one) for one in found] if lot else found
 
     def knows(self, text: str) -> bool:
         """Whether `search` finds motors that a text could mean, and not only motors with similar names."""
-        return names_several(text) or bool(search.matches(self.listings, text))
+        return names_several(text) or bool(search.matches(self.listings, split_lot(text)[0]))
+
+    def unknown_lot(self, text: str, found: Iterable[Motor]) -> str:
+        """A note if a text names a lot that none of the motors found for it has data of, else empty."""
+        lot = split_lot(text)[1]
+        return _no_figures(lot) if lot and not any(_lot_key(one, lot) in self.lots for one in found) else ""
 
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
         """The same catalog with the user's own motors, which override others of the same name."""
@@ -110,10 +116,14 @@ class Catalogue:
         return Catalogue(MappingProxyType(listings), self.about, self.lots)
 
     def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
-        """The same catalog with the user's own corrections. Raises BadValue for a motor that is not in it."""
+        """The same catalog with the user's own corrections. Raises UnknownMotor that names the row of a motor that
+        is not in it."""
         own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
-        for row in rows:
-            motor = self.find(f"{row.maker} {row.designation}").motor
+        for number, row in enumerate(rows, start=2):
+            try:
+                motor = self.find(f"{row.maker} {row.designation}").motor
+            except UnknownMotor as error:
+                raise UnknownMotor(f"{FILE_NAME}, row {number}: {error}") from error
             own.setdefault((motor.maker, motor.designation, row.lot.casefold()), []).append(row)
         listings = {
             name: tuple([_corrected(one, own.get((one.maker, one.designation, ""), ())) for one in group])
@@ -124,13 +134,22 @@ class Catalogue:
         return replace(made, lots=MappingProxyType(lots))
 
 
-_LOT = re.compile(r"[\s,;(]+lot[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
+_LOT = re.compile(r"[\s,;(]+(?:lot|batch)(?:\s+no\.?)?[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
 
 
 def split_lot(text: str) -> tuple[str, str]:
     """Split a motor's name from its lot, empty if none is given: `F24-4W lot 0412`."""
     found = _LOT.search(text) if len(text) <= MAX_NAME else None
     return (text[: found.start()], found[1]) if found else (text, "")
+
+
+def _lot_key(motor: Motor, lot: str) -> tuple[str, str, str]:
+    """The key of a motor in `Catalogue.lots`."""
+    return motor.maker, motor.designation, lot.casefold()
+
+
+def _no_figures(lot: str) -> str:
+    return f"no figures for lot {printable(lot)} in your corrections: treated like any other of its type"
 
 
 def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:

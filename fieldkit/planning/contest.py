@@ -97,6 +97,12 @@ class Season:
         )
 
     @property
+    def egg_count(self) -> int | None:
+        """The number of eggs that a flight carries, which the text about them starts with; None if it does not. [1]"""
+        number = self.eggs.partition(" ")[0]
+        return int(number) if number.isdecimal() else None
+
+    @property
     def by_hand(self) -> list[tuple[str, str]]:
         """Its rules about eggs, body and launch, which the program cannot check, each with its name."""
         return [(name, text) for name in ("eggs", "body", "launch") if (text := getattr(self, name))]
@@ -194,7 +200,7 @@ def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]
 
 
 def _points(rule: Season, flight: Flight) -> float:
-    if why_no_score(flight) or flight.apogee is None:
+    if why_no_score(flight, rule.egg_count) or flight.apogee is None:
         return math.nan
     duration = judged_duration(flight)
     height = np.array(whole_feet(flight.apogee) * FOOT)
@@ -215,7 +221,9 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
         raise BadValue(f"declared flights: found {len(set(names))}, expected {wanted} such as 4,5,6")
     known = [points[name] for name in dict.fromkeys(names) if not math.isnan(points[name])]
     if len(known) < rule.best:
-        without = [f"{flight.flight_id} ({why_no_score(flight)})" for flight, own in scored if math.isnan(own)]
+        without = [
+            f"{flight.flight_id} ({why_no_score(flight, rule.egg_count)})" for flight, own in scored if math.isnan(own)
+        ]
         reason = f"{', '.join(without)} have no score"
         raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {reason}")
     return float(rule.sums(np.array([known]))[0])

@@ -7,6 +7,7 @@ Source: the rules of the seasons, as the files in `fieldkit/data/seasons` name t
 """
 
 import math
+import re
 from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 
 from fieldkit.errors import BadValue
@@ -15,7 +16,10 @@ from fieldkit.units import FOOT
 
 TIMERS = ("timer_1_s", "timer_2_s")
 WHOLE_EGGS = ("intact", "whole", "ok", "okay", "uncracked", "unbroken", "good", "fine", "survived", "not cracked")
-"""Texts in the column `eggs` that mean intact eggs, also after `all`, `both` or `eggs`."""
+"""Texts in the column `eggs` that mean intact eggs, also after `all`, `eggs`, or their number as in `2 intact`."""
+EGG_COUNTS = {"one": 1, "two": 2, "both": 2, "three": 3}
+"""Numbers of eggs that are written as words. [1]"""
+_COUNTED = re.compile(r"(?:(all|\d{1,2}|" + "|".join(EGG_COUNTS) + r")\s+)?(?:eggs?\s+)?(.*)", re.DOTALL)
 NO_SCORE_TAGS = {"cracked_egg": "a cracked egg", "damaged": "a damaged rocket", "disqualified": "disqualified"}
 """Tags of a flight without a score, with the reason."""
 NOT_TRUE = ("", "no", "n", "false", "f", "0", "-", "none")
@@ -49,21 +53,29 @@ def whole_feet(apogee: float) -> float:
     return math.floor(apogee / FOOT + 0.5 + 1e-9)
 
 
-def why_no_score(flight: Flight) -> str:
-    """Why a flight has no score, empty if it has one; it counts as an attempt in either case."""
+def why_no_score(flight: Flight, eggs: int | None = None) -> str:
+    """Why a flight has no score in a season with this number of eggs, if known; empty if it has one. It counts as an
+    attempt in either case."""
     for tag, why in NO_SCORE_TAGS.items():
         if tag in flight.tags:
             return why
-    if not _whole(flight.extra.get("eggs", "")):
-        return f"eggs: {flight.extra['eggs'].strip()[:30]}"
+    if why := _why_not_whole(flight.extra.get("eggs", "").strip(), eggs or 1):
+        return why
     if flight.extra.get("disqualified", "").strip().casefold() not in NOT_TRUE:
         return "disqualified"
     return "no altitude" if flight.apogee is None else ""
 
 
-def _whole(eggs: str) -> bool:
-    """Whether a text about the eggs means that they are intact, or is empty. A count does not mean that."""
-    condition = eggs.strip().casefold()
-    for word in ("all", "both", "eggs", "egg"):
-        condition = condition.removeprefix(f"{word} ")
-    return condition in ("", "-", *WHOLE_EGGS)
+def _why_not_whole(text: str, wanted: int) -> str:
+    """Why a text about the eggs does not mean that all are intact; empty if it does, or if it is empty itself. A count
+    without their condition does not mean that."""
+    if text in ("", "-"):
+        return ""
+    found = _COUNTED.fullmatch(text.casefold())
+    if found is None or found[2] not in WHOLE_EGGS:
+        return f"eggs: {text[:30]}"
+    number = found[1]
+    counted = None if number in (None, "all") else EGG_COUNTS.get(number) or int(number)
+    if counted is not None and counted < wanted:
+        return f"eggs: {text[:30]}, {wanted} needed"
+    return ""

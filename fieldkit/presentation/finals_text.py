@@ -53,7 +53,7 @@ def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI")
 def finals_basis(flown: TrialFlights, table: Sequence[FinalsRow]) -> Iterator[str]:
     """What the table is based on, and how much one more flight at its middle target would narrow it."""
     prediction, fall = flown.forecast_at(table[len(table) // 2].mass), flown.fall
-    yield f"based on {rests_in_words(prediction)}; descent: {descent_in_words(fall)}"
+    yield f"based on {rests_in_words(prediction)}; descent: {descent_in_words(fall, prediction.plan)}"
     apogee = f"the apogee by {1 - prediction.narrowed(1):.0%}" if prediction.rests_on else ""
     descent = f"the descent speed by {1 - fall.relative_sd(1) / fall.relative_sd():.0%}" if fall.flights else ""
     if narrower := " and ".join(part for part in (apogee, descent) if part):

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.flight.recovery import Recovery, recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
@@ -47,7 +48,7 @@ def landing_in_words(
         yield f"            {above:.0%} chance of an apogee below that: the main opens at apogee"
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
-    yield f"  descent   {descent_in_words(fall)}"
+    yield f"  descent   {descent_in_words(fall, plan)}"
     yield f"  based on  {rests_in_words(prediction)}"
     if plan.wind is None:
         yield "  wind      not given: use --wind for the pad, --wind-aloft for higher up"
@@ -115,14 +116,22 @@ def _main_above_apogee(prediction: Prediction, recovery: Recovery) -> float:
     return float(np.mean(prediction.true_apogee < (recovery.main_altitude or 0.0)))
 
 
-def descent_in_words(fall: Fall) -> str:
+def descent_in_words(fall: Fall, plan: Flight) -> str:
     """What the descent speed is based on, and without a measured one, how much a flight would narrow it."""
     if fall.flights:
         return f"fitted to {counted(fall.flights, 'flight')} with a duration or descent speed"
     narrower = 1 - fall.relative_sd(1) / fall.relative_sd()
     basis = (
-        "speed or parachute as entered"
+        entered_in_words(recovery_of(plan))
         if fall.typed
         else f"assumes a typical parachute or streamer, ± {DEFAULT_DESCENT_SD:.0%}"
     )
     return f"{basis}; one flight with a duration would narrow the descent speed by {narrower:.0%}"
+
+
+def entered_in_words(recovery: Recovery) -> str:
+    """Which entered value gives the descent speed: the speed itself rather than the diameter of the parachute."""
+    if recovery.main_speed is None:
+        return "diameter of the parachute as entered"
+    unused = " and not its diameter" if recovery.parachute_diameter is not None else ""
+    return f"speed under the parachute as entered{unused}"

@@ -135,7 +135,7 @@ def outlook_in_words(
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
-    yield f"  descent   {descent_in_words(ahead.fall)}"
+    yield f"  descent   {descent_in_words(ahead.fall, prediction.plan)}"
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
@@ -149,8 +149,9 @@ MAX_ADVISED_MOTORS = 5
 """Maximum number of motors whose points are printed. [1]"""
 
 
-def advice_in_words(advice: MotorAdvice, rule: Season) -> Iterator[str]:
-    """The motors with the fewest expected points, and whether a change of motor pays off."""
+def advice_in_words(advice: MotorAdvice, rule: Season, *, listed: bool) -> Iterator[str]:
+    """The motors with the fewest expected points, and whether a change of motor pays off. `listed` if the flyer has
+    the season's motor list, so that only motors on it are ranked."""
     if not advice.ranked:
         yield f"season {rule.year}: no motor that fits is within the season's limits"
         return
@@ -168,7 +169,9 @@ def advice_in_words(advice: MotorAdvice, rule: Season) -> Iterator[str]:
     else:
         gain = f"{name} scores {advice.gain:.0f} ± {advice.gain_error:.0f} points per flight fewer"
         yield f"no change from {advice.current.choice.motor.designation}: {gain}, which is not significant"
-    yield "check the season's motor list and the rule; `fieldkit ballast --season` finds the mass"
+    to_check = "the rule" if listed else "the season's motor list and the rule"
+    motors = "only motors on your copy of the season's list; " if listed else ""
+    yield f"{motors}check {to_check}; `fieldkit ballast --season` finds the mass"
 
 
 def _delay(one: Delay, shown: ShownUnits) -> str:

@@ -51,6 +51,28 @@ def test_a_lot_has_its_own_figures_and_an_unknown_one_reports_it(tmp_path: Path)
     assert split_lot("Lots of F24") == ("Lots of F24", "")
 
 
+@pytest.mark.parametrize("name", ["F24W lot 0412", "F24-4W (Lot: 0412)", "f24w batch 0412", "F24W lot no. 0412"])
+def test_a_search_for_a_lot_shows_its_own_figures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    (tmp_path / "motors").mkdir()
+    (tmp_path / "motors" / FILE_NAME).write_text(HEADER + ROWS)
+    assert main(["motors", *name.split(), "--json"]) == 0
+    (motor,) = json.loads(capsys.readouterr().out)["motors"]
+    assert motor["total_impulse_ns"] == pytest.approx(50.0)
+    assert main(["motors", "F24W", "lot", "99"]) == 0
+    shown = capsys.readouterr()
+    assert shown.out.count("AeroTech F24W") == 1
+    assert "no figures for lot 99" in shown.err
+
+
+def test_a_correction_of_an_unknown_motor_is_named_by_its_row(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_text(HEADER + ROWS + "Aerotek,F24W,total_impulse_ns,,46,,my stand,,\n")
+    _, (error,) = known_motors(tmp_path)
+    assert str(error).startswith(f"{FILE_NAME}, row 6: ")
+
+
 def test_a_lot_is_drilled_from_the_delay_on_its_bag(tmp_path: Path) -> None:
     (tmp_path / FILE_NAME).write_text(HEADER + "AeroTech,H128W,total_impulse_ns,,200,sure,own test,7,\n")
     motors, _ = known_motors(tmp_path)
@@ -128,6 +150,8 @@ def test_the_commands_compare_and_name_the_file_of_corrections(
     table.write_text(TESTS)
     assert main(["motors", "--compare", str(table), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["differences"][0]["motor"] == "F24W"
+    assert main(["motors", "--corrections"]) == 0
+    assert "named with the motor: F24-4W lot 0412" in " ".join(capsys.readouterr().out.split())
     assert main(["motors", "--corrections", "--json"]) == 0
     file = Path(json.loads(capsys.readouterr().out)["file"])
     file.write_text(file.read_text(encoding="utf-8") + ROWS, encoding="utf-8")

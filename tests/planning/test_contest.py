@@ -526,6 +526,30 @@ def test_eggs_and_disqualification_as_teams_write_them(extra: dict[str, str], wh
     assert why_no_score(Flight(apogee=240.0, extra=extra)) == why
 
 
+@pytest.mark.parametrize(
+    ("year", "eggs", "why"),
+    [
+        (2027, "2 intact", ""),
+        (2027, "2 eggs intact", ""),
+        (2027, "Two OK", ""),
+        (2027, "both ok", ""),
+        (2027, "3 intact", ""),
+        (2019, "all intact", ""),
+        (2026, "1 intact", ""),
+        (2027, "1 intact", "eggs: 1 intact, 2 needed"),
+        (2019, "both ok", "eggs: both ok, 3 needed"),
+        (2026, "0 intact", "eggs: 0 intact, 1 needed"),
+        (2027, "2 intact, 1 cracked", "eggs: 2 intact, 1 cracked"),
+        (2027, "2 eggs", "eggs: 2 eggs"),
+    ],
+)
+def test_counted_eggs_are_enough_for_their_season(year: int, eggs: str, why: str) -> None:
+    rule, flight = season(year), Flight(apogee=240.0, duration=38.0, extra={"eggs": eggs})
+    assert why_no_score(flight, rule.egg_count) == why
+    ((_, points),) = score(rule, [flight])
+    assert np.isnan(points) == bool(why)
+
+
 def test_a_score_without_a_duration_says_that_it_counts_the_altitude_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

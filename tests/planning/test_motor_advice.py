@@ -1,10 +1,12 @@
 """Motors by expected points: the fewest first, and a change only if the gain is clear."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.motors import catalogue
@@ -50,7 +52,7 @@ def test_no_change_is_advised_unless_the_gain_is_clear(choices: list[MotorChoice
     best, worst = usable[0].choice, usable[-1].choice
     stay = motor_advice(choices, RULE, label(best.motor))
     assert (stay.gain, stay.clear) == (0.0, False)
-    assert f"no change: {best.motor.designation}, flown last" in " ".join(advice_in_words(stay, RULE))
+    assert f"no change: {best.motor.designation}, flown last" in " ".join(advice_in_words(stay, RULE, listed=False))
     on_target = np.full(100, RULE.target)
     sharp = [
         replace(one, prediction=replace(one.prediction, apogee=on_target + shift))
@@ -61,3 +63,18 @@ def test_no_change_is_advised_unless_the_gain_is_clear(choices: list[MotorChoice
     assert move.clear == (move.gain > max(2 * (move.gain_error or 0.0), 1.0))
     assert move.gain > 50
     assert move.json()["change"] == move.clear
+
+
+@pytest.mark.parametrize("listed", [False, True])
+def test_the_list_is_to_be_checked_unless_the_flyer_has_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, listed: bool
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    if listed:
+        (tmp_path / "seasons").mkdir()
+        (tmp_path / "seasons" / "2027_motors.txt").write_text("AeroTech F39T\n")
+    plan = ["--fit", "new", "--class", "F", "--mount", "24mm", "--dry-mass", "400g", "--diameter", "66mm"]
+    assert main(["--ledger", f"{tmp_path}/ledger.db", "motors", *plan, "--season", "2027"]) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    assert ("check the season's motor list" in words) != listed
+    assert ("only motors on your copy of the season's list; check the rule" in words) == listed

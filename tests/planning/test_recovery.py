@@ -304,6 +304,28 @@ def test_a_plan_on_another_parachute_does_not_take_the_speed_of_the_former_one(
         assert completed_plan(ledger, catalogue(), plan, Settings()).extra == completed
 
 
+@pytest.mark.parametrize(
+    ("given", "basis", "noted"),
+    [
+        (["--main-speed", "5m/s"], "speed under the parachute as entered; one flight", False),
+        (["--parachute-diameter", "450mm"], "diameter of the parachute as entered; one flight", False),
+        (
+            ["--main-speed", "5m/s", "--parachute-diameter", "450mm"],
+            "speed under the parachute as entered and not its diameter; one flight",
+            True,
+        ),
+    ],
+)
+def test_of_an_entered_speed_and_diameter_the_one_used_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], given: list[str], basis: str, noted: bool
+) -> None:
+    plan = ["landing", "--rocket", "Fresh", "--motor", "F39T-6", "--dry-mass", "400g", "--diameter", "66mm"]
+    assert main(["--ledger", f"{tmp_path}/ledger.db", *plan, *given]) == 0
+    shown = capsys.readouterr()
+    assert basis in " ".join(shown.out.split())
+    assert ("--main-speed is used" in shown.err) == noted
+
+
 def test_the_command_says_where_it_lands_and_writes_it_as_kml(
     tmp_path: object, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -139,7 +139,7 @@ class Decision:
         last = scored[-MAX_SCORED_FLIGHTS:]
         per_flight = [(one, own) for one, own in last if isfinite(own)]
         alone = [one.flight_id for one, _ in per_flight if judged_duration(one) is None]
-        none = [f"{one.flight_id} ({why_no_score(one)})" for one, own in last if not isfinite(own)]
+        none = [f"{one.flight_id} ({why_no_score(one, rule.egg_count)})" for one, own in last if not isfinite(own)]
         if per_flight:
             yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in per_flight)}"
         if none:
