@@ -49,6 +49,21 @@ def test_a_forecast_that_cannot_be_saved_is_printed_all_the_same(
     assert "saving the forecast failed: ledger.db: the disk is full" in printed.err
 
 
+def test_scores_that_cannot_be_saved_are_printed_all_the_same(
+    ledger: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nor is a table lost because its forecasts are not kept for the next ones."""
+
+    def full(*_: object, **__: object) -> None:
+        raise LedgerError("ledger.db: the disk is full")
+
+    monkeypatch.setattr(Ledger, "keep_predictions", full)
+    assert main(["--ledger", ledger, "score"]) == 1
+    printed = capsys.readouterr()
+    assert "fieldkit" in printed.out
+    assert "saving the forecasts failed: ledger.db: the disk is full" in printed.err
+
+
 REFUSED = {
     "a motor colder than anything": ["--motor-temperature=-300"],
     "a motor of a thousand degrees": ["--motor-temperature", "1000"],
