@@ -64,6 +64,24 @@ def test_scores_that_cannot_be_saved_are_printed_all_the_same(
     assert "saving the forecasts failed: ledger.db: the disk is full" in printed.err
 
 
+@pytest.mark.parametrize("column", ["flight_id", "rocket", "config", "site", "tags"])
+def test_an_endless_name_is_refused_in_one_line_wherever_it_comes_from(
+    ledger: str, column: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every table of the ledger would be as wide as it."""
+    flight = {"flight_id": "9", "rocket": "Astra", "motor": "F24-4W", "apogee_m": "250", column: "N" * 20_000}
+    (tmp_path / "endless.csv").write_text("\n".join(",".join(row) for row in (flight.keys(), flight.values())) + "\n")
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "edit", "1", f"{column}={'N' * 20_000}"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{column}: found 20000 characters" in line and len(line) < 200
+    assert column != "tags" or main(["--ledger", ledger, "tag", "1", "N" * 20_000]) == 1
+    main(["--ledger", ledger, "import", str(tmp_path / "endless.csv")])
+    printed = capsys.readouterr()
+    assert "Imported 0, 0 duplicates, 1 rejected" in printed.out
+    assert f"{column}: found 20000 characters" in printed.out + printed.err
+
+
 REFUSED = {
     "a motor colder than anything": ["--motor-temperature=-300"],
     "a motor of a thousand degrees": ["--motor-temperature", "1000"],
