@@ -65,7 +65,7 @@ def test_scores_that_cannot_be_saved_are_printed_all_the_same(
 
 
 @pytest.mark.parametrize("column", ["flight_id", "rocket", "config", "site", "tags"])
-def test_an_endless_name_is_refused_in_one_line_wherever_it_comes_from(
+def test_a_name_of_20_000_characters_is_refused_in_one_line(
     ledger: str, column: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Every table of the ledger would be as wide as it."""
@@ -74,12 +74,24 @@ def test_an_endless_name_is_refused_in_one_line_wherever_it_comes_from(
     capsys.readouterr()
     assert main(["--ledger", ledger, "edit", "1", f"{column}={'N' * 20_000}"]) == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert f"{column}: found 20000 characters" in line and len(line) < 200
+    assert f"{column}: found 20000 characters" in line
+    assert len(line) < 200
     assert column != "tags" or main(["--ledger", ledger, "tag", "1", "N" * 20_000]) == 1
     main(["--ledger", ledger, "import", str(tmp_path / "endless.csv")])
     printed = capsys.readouterr()
     assert "Imported 0, 0 duplicates, 1 rejected" in printed.out
     assert f"{column}: found 20000 characters" in printed.out + printed.err
+
+
+def test_a_number_that_no_float_holds_is_quoted_as_the_file_has_it(
+    ledger: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "flights.json"
+    file.write_text('{"flights": [{"flight_id": "9", "rocket": "Astra", "apogee_m": 2e999}]}')
+    capsys.readouterr()
+    main(["--ledger", ledger, "import", str(file)])
+    printed = capsys.readouterr()
+    assert "apogee_m: found '2e999', expected a number" in printed.out + printed.err
 
 
 REFUSED = {

@@ -11,9 +11,9 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import QUESTIONS
-from fieldkit.flight.recovery import recovery_of
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
