@@ -141,12 +141,12 @@ def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 
 def _flight(reading: Reading) -> Flight:
-    """The flight that a reading states. Raises DamagedLog for an impossible figure and an endless name."""
+    """The flight that a reading states. Raises DamagedLog for an impossible figure and a name that is too long."""
     for name, value in reading.stated.items():
         try:
             if isinstance(value, float):
                 check(BY_NAME[name], value)
-            for text in value if name == "tags" else [value] if name in NAMES else []:
+            for text in value if isinstance(value, tuple) else (value,) if name in NAMES else ():
                 check_name(text)
         except BadValue as error:
             raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error

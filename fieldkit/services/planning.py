@@ -114,7 +114,7 @@ def _has(flight: Flight, names: Sequence[str]) -> bool:
         if "recovery" in names:
             device_of(flight)
         if "drogue_speed" in names:
-            recovery_of(flight)  # a drogue without a main says nothing of what opens when
+            recovery_of(flight)  # raised for a drogue without a main
         if STABILITY in names:
             stability(flight)
     except BadValue:

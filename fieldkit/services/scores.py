@@ -73,7 +73,7 @@ def score_forecasts(
 
 
 def _unsaved(ledger: Ledger, rows: Sequence[Forecast]) -> LedgerError | None:
-    """Save the replayed forecasts; or return why not, because a full or read-only disk leaves the scores as they are."""
+    """Save the replayed forecasts; or return why not: the scores do not depend on a full or read-only disk."""
     try:
         keep_forecasts(ledger, rows)
     except LedgerError as error:
