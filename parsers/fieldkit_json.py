@@ -9,6 +9,7 @@ import json
 import re
 import sys
 from collections.abc import Mapping
+from math import isfinite
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
@@ -30,7 +31,7 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     try:
-        document = json.loads(decode_whole(log))
+        document = json.loads(decode_whole(log), parse_float=_finite)
     except (ValueError, RecursionError) as error:
         line = error.lineno if isinstance(error, json.JSONDecodeError) else None
         raise DamagedLog("found no complete JSON document, expected one that export wrote", row=line) from error
@@ -39,6 +40,11 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog('found no list of flights, expected {"flights": [...]}')
     found = [_reading(row, flight) for row, flight in enumerate(flights, start=1)]
     return found or [Note("found a list without flights")]
+
+
+def _finite(text: str) -> float | str:
+    """A number, or its text if no float is as large: the message then shows what the file has."""
+    return number if isfinite(number := float(text)) else text
 
 
 def _reading(row: int, flight: object) -> Found:

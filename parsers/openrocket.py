@@ -28,7 +28,7 @@ EVENTS = {
 MOST_EVENTS = 200
 """Largest number of events. [1]"""
 _EVENT = re.compile(r"Event ([A-Z][A-Z_]{1,40}) occurred at t=([+-]?[\d.]+(?:[eE][+-]?\d+)?) seconds")
-_POINTS = re.compile(r"\d+ data points written for \d+ variables")
+_POINTS = re.compile(r"\d{1,9} data points written for \d{1,9} variables")
 _STATE = re.compile(
     r"(?P<name>.*) \((?P<state>Up to date|Out of date|Data loaded from a file|Imported data|Not simulated yet)\)\s*$"
 )

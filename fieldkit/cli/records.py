@@ -169,9 +169,11 @@ def edit(
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Add tags to a flight; a flight tagged as an anomaly is not used in the model."""
     from fieldkit.flight import read_tags
+    from fieldkit.flight.limits import check_name
 
+    named = [check_name(one) for one in read_tags(";".join(tags))]
     with open_ledger(context) as ledger:
-        _say_tags(flight, ledger.flight(flight).tags, ledger.tag(flight, *read_tags(";".join(tags))).tags)
+        _say_tags(flight, ledger.flight(flight).tags, ledger.tag(flight, *named).tags)
 
 
 @app.command()

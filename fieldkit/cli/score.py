@@ -45,6 +45,7 @@ def score(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Score saved forecasts, and forecasts of each flight from the earlier ones, against simpler methods."""
+    from fieldkit.errors import LedgerError
     from fieldkit.services.scores import score_forecasts
 
     if out is not None:
@@ -67,6 +68,8 @@ def score(
         print_json(scores_document(found))
     else:
         _print_scores(found)
+    if found.unsaved is not None:
+        raise LedgerError(f"saving the forecasts failed: {found.unsaved}") from found.unsaved
 
 
 def _print_scores(found: "LedgerScores") -> None:

@@ -54,6 +54,19 @@ def check(column: Column, value: float, unit: str = "") -> float:
     return value
 
 
+NAMES = ("flight_id", "rocket", "config", "site")
+"""The columns that name something, and are printed in every table."""
+MAX_NAME = 200
+"""Longest name, many times as long as any that fits in a table. [characters]"""
+
+
+def check_name(name: str) -> str:
+    """Return a name if it is short enough to be printed in a table. Raises BadValue."""
+    if len(name) > MAX_NAME:
+        raise BadValue(f"found {len(name)} characters, {name[:20] + '…'!r}, expected a name of at most {MAX_NAME}")
+    return name
+
+
 def rounded(number: float) -> str:
     """A number with four significant digits and no exponent in the range of the limits."""
     return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"

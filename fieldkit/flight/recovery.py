@@ -177,7 +177,7 @@ def stability(flight: Flight) -> float | None:
     except ValueError:
         margin = math.nan
     if not 1 / MAX_STABILITY <= margin <= MAX_STABILITY:
-        raise BadValue(f"{STABILITY}: found {text!r}, expected body diameters above zero, such as 2.5")
+        raise BadValue(f"{STABILITY}: found {text[:40]!r}, expected body diameters above zero, such as 2.5")
     return margin
 
 

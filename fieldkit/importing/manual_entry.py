@@ -25,7 +25,7 @@ from fieldkit.flight import (
     read_date,
     read_tags,
 )
-from fieldkit.flight.limits import check
+from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
 from fieldkit.quantities import significant
@@ -107,7 +107,9 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
     if name in BY_NAME:
         return _number(BY_NAME[name], text, unit)
     if name == "tags":
-        return read_tags(text)
+        return tuple(check_name(tag) for tag in read_tags(text))
+    if name in NAMES:
+        return check_name(text)
     return read_date(_day_in_words(text)) if name == "date_time" else text
 
 

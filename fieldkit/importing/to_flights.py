@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
-from fieldkit.flight.limits import check
+from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
@@ -141,13 +141,15 @@ def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 
 def _flight(reading: Reading) -> Flight:
-    """The flight that a reading states. Raises DamagedLog for an impossible figure."""
+    """The flight that a reading states. Raises DamagedLog for an impossible figure and a name that is too long."""
     for name, value in reading.stated.items():
-        if isinstance(value, float):
-            try:
+        try:
+            if isinstance(value, float):
                 check(BY_NAME[name], value)
-            except BadValue as error:
-                raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
+            for text in value if isinstance(value, tuple) else (value,) if name in NAMES else ():
+                check_name(text)
+        except BadValue as error:
+            raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
     return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
 
 

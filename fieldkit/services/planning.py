@@ -11,6 +11,7 @@ from fieldkit.flight.recovery import (
     check_recovery,
     device_of,
     recovery_column,
+    recovery_of,
     stability,
 )
 from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
@@ -112,6 +113,8 @@ def _has(flight: Flight, names: Sequence[str]) -> bool:
         check_recovery(flight, [name for name in names if name in RECOVERY_LIMITS])
         if "recovery" in names:
             device_of(flight)
+        if "drogue_speed" in names:
+            recovery_of(flight)  # raised for a drogue without a main
         if STABILITY in names:
             stability(flight)
     except BadValue:

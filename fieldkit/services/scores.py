@@ -6,7 +6,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from fieldkit.errors import NoFlights
+from fieldkit.errors import LedgerError, NoFlights
 from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage, next_weights
 from fieldkit.ledger import Ledger
@@ -21,7 +21,9 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 class LedgerScores:
     """Scores of saved forecasts (None if there are none; `stale` counts those whose inputs have changed), of replayed
     flights after earlier ones of their rocket, and of first flights; the stacking weights of the next forecast, and the
-    coverage of corrected intervals."""
+    coverage of corrected intervals.
+
+    `unsaved` is why the replayed forecasts were not saved, None if they were or need not be."""
 
     saved: ScoreReport | None
     stale: int
@@ -29,6 +31,7 @@ class LedgerScores:
     first: ScoreReport
     weights: dict[str, float]
     corrected: Mapping[str, Any] | None
+    unsaved: LedgerError | None = None
 
 
 def score_forecasts(
@@ -52,8 +55,7 @@ def score_forecasts(
     made = [one for one in list_forecasts(ledger, motors) if name in (None, one.made.rocket)]
     before = _since(record(ledger, motors, made), since)
     rows = replayed(ledger, motors, name, hyperprior=other, on_progress=on_progress)
-    if other is None:
-        keep_forecasts(ledger, rows)
+    unsaved = _unsaved(ledger, rows) if other is None else None
     judged = _since(rows, since)
     if not judged:
         limit = f" since {since}" if since else ""
@@ -66,7 +68,17 @@ def score_forecasts(
         first,
         next_weights(rows),
         corrected_coverage(rows),
+        unsaved,
     )
+
+
+def _unsaved(ledger: Ledger, rows: Sequence[Forecast]) -> LedgerError | None:
+    """Save the replayed forecasts; or return why not: the scores do not depend on a full or read-only disk."""
+    try:
+        keep_forecasts(ledger, rows)
+    except LedgerError as error:
+        return error
+    return None
 
 
 def _since(rows: Sequence[Forecast], day: date | None) -> list[Forecast]:

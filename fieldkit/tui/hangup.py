@@ -31,6 +31,12 @@ def gone(terminal: int) -> bool:
     return any(event & (POLLHUP | POLLERR) for _, event in held.poll(0))
 
 
+def nobody_looks(error: BaseException) -> bool:
+    """Whether an error is only that the other end is closed, or comes after that: nothing in the app has failed."""
+    held = terminal()
+    return isinstance(error, BrokenPipeError) or (held is not None and gone(held))
+
+
 def never_outlive(terminal: int) -> None:
     """End this process soon after the other end is gone, whatever keeps it alive: a computing thread, an open question,
     an event loop left idle by a write error.

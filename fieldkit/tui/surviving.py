@@ -9,6 +9,7 @@ from textual import events
 
 from fieldkit.tui.choosing import Choosing
 from fieldkit.tui.crash import Crash, place_of, record
+from fieldkit.tui.hangup import nobody_looks
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import Resources
 
@@ -43,6 +44,9 @@ class Surviving(Choosing):
 
     def survive(self, error: Exception) -> None:
         """Log an unexpected error, once for each place that it comes from, and show a notice."""
+        if nobody_looks(error):
+            self.exit()
+            return
         self.errors.append(error)
         self.show_notice(self._crash(error).line(), error=True)
 
@@ -53,7 +57,7 @@ class Surviving(Choosing):
     def bell(self) -> None:
         """Save the state before an error ends the app: Textual rings the bell only then."""
         error = sys.exception()
-        if error is not None and self.place is None:
+        if error is not None and self.place is None and not nobody_looks(error):
             self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))
         super().bell()
 

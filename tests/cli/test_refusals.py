@@ -49,6 +49,51 @@ def test_a_forecast_that_cannot_be_saved_is_printed_all_the_same(
     assert "saving the forecast failed: ledger.db: the disk is full" in printed.err
 
 
+def test_scores_that_cannot_be_saved_are_printed_all_the_same(
+    ledger: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nor is a table lost because its forecasts are not kept for the next ones."""
+
+    def full(*_: object, **__: object) -> None:
+        raise LedgerError("ledger.db: the disk is full")
+
+    monkeypatch.setattr(Ledger, "keep_predictions", full)
+    assert main(["--ledger", ledger, "score"]) == 1
+    printed = capsys.readouterr()
+    assert "fieldkit" in printed.out
+    assert "saving the forecasts failed: ledger.db: the disk is full" in printed.err
+
+
+@pytest.mark.parametrize("column", ["flight_id", "rocket", "config", "site", "tags"])
+def test_a_name_of_20_000_characters_is_refused_in_one_line(
+    ledger: str, column: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every table of the ledger would be as wide as it."""
+    flight = {"flight_id": "9", "rocket": "Astra", "motor": "F24-4W", "apogee_m": "250", column: "N" * 20_000}
+    (tmp_path / "endless.csv").write_text("\n".join(",".join(row) for row in (flight.keys(), flight.values())) + "\n")
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "edit", "1", f"{column}={'N' * 20_000}"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{column}: found 20000 characters" in line
+    assert len(line) < 200
+    assert column != "tags" or main(["--ledger", ledger, "tag", "1", "N" * 20_000]) == 1
+    main(["--ledger", ledger, "import", str(tmp_path / "endless.csv")])
+    printed = capsys.readouterr()
+    assert "Imported 0, 0 duplicates, 1 rejected" in printed.out
+    assert f"{column}: found 20000 characters" in printed.out + printed.err
+
+
+def test_a_number_that_no_float_holds_is_quoted_as_the_file_has_it(
+    ledger: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "flights.json"
+    file.write_text('{"flights": [{"flight_id": "9", "rocket": "Astra", "apogee_m": 2e999}]}')
+    capsys.readouterr()
+    main(["--ledger", ledger, "import", str(file)])
+    printed = capsys.readouterr()
+    assert "apogee_m: found '2e999', expected a number" in printed.out + printed.err
+
+
 REFUSED = {
     "a motor colder than anything": ["--motor-temperature=-300"],
     "a motor of a thousand degrees": ["--motor-temperature", "1000"],

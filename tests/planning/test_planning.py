@@ -11,6 +11,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
@@ -431,3 +432,13 @@ def test_what_grows_from_flight_to_flight_has_not_grown_between_motors_to_choose
     some = [motors.resolve(name).motor for name in ("F39T", "E35W", "F24-4W")]
     beside, alone = (guide(worn, plan, chosen, limits(), Site(), 60)[-1] for chosen in (some, some[-1:]))
     assert beside.prediction.apogee == pytest.approx(alone.prediction.apogee, rel=1e-9)
+
+
+def test_a_drogue_without_a_main_in_a_past_flight_stops_no_plan(tmp_path: Path) -> None:
+    """It does not say what opens when, so a plan takes it from an earlier flight or from none."""
+    flown = Flight(flight_id="1", rocket="A", config="A", motor="F24-4W", dry_mass=0.322, diameter=0.066, apogee=250.0)
+    half = flown.with_changes(flight_id="2", extra={"drogue_speed_mps": "20"})
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
+        ledger.add([flown, half])
+        plan = Flight(rocket="A", config="A", motor="F24-4W")
+        assert not recovery_of(completed_plan(ledger, catalogue(), plan, Settings())).dual

@@ -160,3 +160,11 @@ def test_an_app_that_fails_again_and_again_gives_up_in_a_line(file: Path, monkey
     with pytest.raises(FieldkitError, match="an error in fieldkit itself"):
         module.run(str(file))
     assert len(scripts) == 10 - module.MAX_RESTARTS - 1
+
+
+async def test_an_app_whose_terminal_is_gone_leaves_no_crash_file(file: Path) -> None:
+    """Drawing on a closed terminal is no error in fieldkit: the app ends."""
+    async with opened(file) as pilot:
+        pilot.app.survive(BrokenPipeError())  # type: ignore[attr-defined]
+        assert pilot.app._exit
+    assert not crash_files(file)
