@@ -37,7 +37,7 @@ def falls(ascent: Ascent) -> bool:
 
 def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
     """The top of the curve, or None if it is still rising when the log ends."""
-    has_samples = _has_samples(ascent.time, track)
+    has_samples = _has_samples(ascent.time, track, seen.top)
     place = int(np.argmax(np.where(has_samples, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:
         return None
@@ -59,11 +59,16 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     return event, Figure(float(ascent.height[place]), sd, track.source)
 
 
-def _has_samples(time: Float[Array, "knot"], track: Heights) -> Flags:
-    """Which knots of a curve lie among samples rather than in a long gap, in which the curve is unconstrained."""
-    after = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
-    gap = track.time[after] - track.time[after - 1]
-    has_samples = np.asarray(gap <= _MAX_HEARD_GAP)
+def _has_samples(time: Float[Array, "knot"], track: Heights, top: float) -> Flags:
+    """Which knots of a curve lie among the samples around the top of the heights, without a long gap between. [s]
+
+    In a gap the curve is unconstrained, and before it a curve that had to bridge the gap may be far off.
+    """
+    ends = np.flatnonzero(np.diff(track.time) > _MAX_HEARD_GAP)
+    begin = track.time[np.append(0, ends + 1)]
+    end = track.time[np.append(ends, track.time.size - 1)]
+    around = max(int(np.searchsorted(begin, top, side="right")) - 1, 0)
+    has_samples = np.asarray((time >= begin[around]) & (time <= end[around]))
     return has_samples if has_samples.any() else np.ones(time.size, bool)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.analysis.ballistic import Coast, fitted_coast
 from fieldkit.analysis.burnout import Burnout, FitStart, guess_for, likeliest_burnout
 from fieldkit.analysis.channels import Heights, Push
-from fieldkit.analysis.height_lag import NO_LAG, Lag
+from fieldkit.analysis.height_lag import NO_LAG, Lag, burnout_is_hidden
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
 from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, settled
@@ -37,8 +37,8 @@ appear to fall. [1]
 _MARGIN = 0.4
 """How long before and after an apparent fall the samples are not trusted. [s]"""
 _MAX_COAST_PART = 2.0
-"""A log that ends before apogee has too little coast to fit if its coast starts faster than this multiple of the
-highest climb rate in its heights. [1]"""
+"""A log that ends before apogee, or has a gap around burnout, shows too little of the coast to fit if the coast starts
+faster than this multiple of the highest climb rate in its heights. [1]"""
 _SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
 """Closer to apogee than this a coast is far too slow for shocks [s]. An apparent fall there is ejection gas in the
 airframe, which lasts this long [s]."""
@@ -143,7 +143,8 @@ def _fit_start(
     """Select the samples that count on a grid, and make an initial guess from them and an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
-    if coast is not None and not seen.down and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
+    is_partial = not seen.down or burnout_is_hidden(track, seen)
+    if coast is not None and is_partial and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
         coast = None
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
     samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)

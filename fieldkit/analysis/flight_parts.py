@@ -12,6 +12,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.hard_boost import hidden_lead
+from fieldkit.analysis.height_lag import MAX_HEIGHT_GAP
 from fieldkit.analysis.notes import (
     AFTER_END_NOTE,
     LOST_IN_BOOST,
@@ -33,9 +34,6 @@ from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
-_MAX_HEIGHT_GAP = 1.3
-"""Largest spacing of heights that still show a boost: beyond it a receiver lost its satellites, or a radio its rocket.
-Once per second is enough, because the coast that follows shows how fast it began. [s]"""
 _BLIND_PART = 0.75
 """Largest spacing of samples that still show a boost, as a fraction of its duration. [1]"""
 
@@ -219,7 +217,7 @@ def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool
     between = float(np.diff(time[first:last]).max(initial=0.0))
     longest = max(hole_at(time, begin), hole_at(time, burnout), between)
     usual = median_step(time[max(0, first - 5) : last + 5])
-    return longest > _MAX_HEIGHT_GAP or usual > _BLIND_PART * (burnout - begin)
+    return longest > MAX_HEIGHT_GAP or usual > _BLIND_PART * (burnout - begin)
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:

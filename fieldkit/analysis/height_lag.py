@@ -37,18 +37,28 @@ class Lag:
     lift: Event | None = None
 
 
+MAX_HEIGHT_GAP = 1.3
+"""Largest spacing of heights that still show a boost: beyond it a receiver lost its satellites, or a radio its rocket.
+Once per second is enough, because the coast that follows shows how fast it began. [s]"""
 NO_LAG = Lag(0.0, 1.0)
 """Heights without a lag."""
 
 
 def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag]:
-    """The lags that heights may have if only they show the boost; near the speed of sound shocks hide them."""
-    if lift is None or not track.is_barometric or seen.transonic:
+    """The lags that heights may have if only they show the boost; shocks near the speed of sound or a gap hide them."""
+    if lift is None or not track.is_barometric or seen.transonic or burnout_is_hidden(track, seen):
         return [replace(NO_LAG, lift=lift)]
     edges = np.append((np.array(_LAGS[1:]) + _LAGS[:-1]) / 2, np.inf)
     prior = np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
     lifts = earlier_liftoffs(lift, track, seen, _LAGS)
     return [Lag(*one) for one in zip(_LAGS, prior.tolist(), lifts, strict=True)]
+
+
+def burnout_is_hidden(track: Heights, seen: Outline) -> bool:
+    """Whether samples are missing between lift-off and the time when the heights would have followed a burnout."""
+    begin = seen.lift if seen.lift is not None else seen.fastest
+    first, last = np.searchsorted(track.time, (begin, seen.fastest + _LAGS[-1]))
+    return float(np.diff(track.time[max(first - 1, 0) : last + 1]).max(initial=0.0)) > MAX_HEIGHT_GAP
 
 
 def averaged(every: Sequence[Recorded], weights: Sequence[float]) -> Recorded:

@@ -131,6 +131,15 @@ def test_a_silence_of_the_radio_from_the_boost_on_leaves_no_figures_of_it(accele
     assert not {"top_speed", "burn_time", "avg_accel", "peak_accel"} & recorded.figures.keys()
 
 
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_silence_from_the_boost_to_near_the_top_leaves_its_apogee(seed: int) -> None:
+    """Two seconds of coast near the top do not show how fast it began, nor does a boost cut short show a lag."""
+    truth = flown(SMALL)
+    clocks = recording(truth, rate=10.0, seed=seed)
+    recorded = measure([series_without(series, 0.5 * truth.burnout, truth.apogee_time - 2) for series in clocks])
+    assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", "duration")
+
+
 def test_thrust_from_the_first_sample_on_is_no_later_lift_off() -> None:
     """A pressure error in proportion to the dynamic pressure keeps the first heights of the boost near the pad."""
     truth = flown(HARD)
