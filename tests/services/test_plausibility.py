@@ -393,9 +393,9 @@ def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_on
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("end", ["lowest", "next to zero", "highest"])
-def test_no_value_within_its_limits_makes_a_forecast_fail(end: str, told: Told, tmp_path: Path) -> None:
+def test_no_value_within_its_limits_makes_a_forecast_fail(end: str, run_command: Run, tmp_path: Path) -> None:
     """Not even one next to zero, whose logarithm and inverse are large; numpy's warnings are errors here."""
-    told(rows=season(4))
+    run_command(rows=season(4))
     odd = []
     for column in FLIGHT_COLUMNS:
         if column.name in LIMITS:
@@ -406,33 +406,33 @@ def test_no_value_within_its_limits_makes_a_forecast_fail(end: str, told: Told, 
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add(odd)
     for words in (["predict", "--rocket", "Astra", "--motor", "F24-4W", "--config", "A"], ["loop", "--quick"]):
-        status, out, said = told(*words)
-        assert status == 0, said
-        assert not re.search(r"\bnan\b|\binf\b|Warning", out + said, re.IGNORECASE)
+        status, out, messages = run_command(*words)
+        assert status == 0, messages
+        assert not re.search(r"\bnan\b|\binf\b|Warning", out + messages, re.IGNORECASE)
 
 
-def test_a_value_beyond_its_limits_in_an_old_ledger_is_named_and_not_used(told: Told, tmp_path: Path) -> None:
-    told(rows=season(4))
+def test_a_value_beyond_its_limits_in_an_old_ledger_is_named_and_not_used(run_command: Run, tmp_path: Path) -> None:
+    run_command(rows=season(4))
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([GOOD.with_changes(flight_id="odd", config="A", descent_speed=0.0)])
-    status, out, said = told("loop", "--quick")
+    status, out, messages = run_command("loop", "--quick")
     assert status == 0
-    assert "flight odd of Astra is excluded from every fit: descent_speed_mps: found 0 m/s, expected 0.1 to" in said
+    assert "flight odd of Astra is excluded from every fit: descent_speed_mps: found 0 m/s, expected 0.1 to" in messages
     assert "nan" not in out
 
 
 @pytest.mark.parametrize("text", ["x", "nan", "1e300"])
-def test_a_recovery_column_that_cannot_be_read_stops_no_forecast(text: str, told: Told, tmp_path: Path) -> None:
+def test_a_recovery_column_that_cannot_be_read_stops_no_forecast(text: str, run_command: Run, tmp_path: Path) -> None:
     """A spreadsheet's own column may have the name of one; only what a fit uses excludes the flight."""
-    told(rows=season(4))
+    run_command(rows=season(4))
     names = [recovery_header(name) for name in RECOVERY_NAMES]
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([GOOD.with_changes(flight_id=name, config="A", extra={name: text}) for name in names])
     for words in (["predict", "--rocket", "Astra", "--motor", "F24-4W", "--config", "A"], ["loop", "--quick"]):
-        status, _, said = told(*words)
-        assert status == 0, said
-        assert set(re.findall(r"flight (\w+) of Astra is excluded", said)) <= {
+        status, _, messages = run_command(*words)
+        assert status == 0, messages
+        assert set(re.findall(r"flight (\w+) of Astra is excluded", messages)) <= {
             *(recovery_header(name) for name in IN_EVERY_FIT),
             "rail_direction",
         }
-        assert "is excluded" in said
+        assert "is excluded" in messages
