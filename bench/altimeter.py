@@ -43,7 +43,7 @@ class Altimeter:
 
 
 def exact_readouts(track: Track, air: Air, gain: float = 1.0) -> dict[str, float]:
-    """The ten readouts of a device without noise and rounding; readouts of the ejection are missing if there was none.
+    """The ten readouts of a device without noise or rounding; readouts of the ejection are missing if there was none.
 
     Burn time is from lift-off to top speed, the average acceleration is top speed over burn time, the peak acceleration
     is net of gravity and under thrust, and the coast is from top speed to apogee.

@@ -17,7 +17,7 @@ GYRATION = 0.27
 
 
 def fin_slope(frame: Airframe) -> float:
-    """Slope of the normal force of all fins, with the body's interference. [1/rad]"""
+    """Slope of the normal force of all fins, including interference from the body. [1/rad]"""
     midchord = math.hypot(frame.span, frame.sweep + (frame.tip - frame.root) / 2)
     radius = frame.diameter / 2
     slender = 1 + math.hypot(1, 2 * midchord / (frame.root + frame.tip))
@@ -26,14 +26,14 @@ def fin_slope(frame: Airframe) -> float:
 
 
 def fin_centre(frame: Airframe) -> float:
-    """Station of the fins' normal force. [m]"""
+    """Center of pressure of the fins, from the tip of the nose. [m]"""
     chords = frame.root + frame.tip
     back = frame.sweep / 3 * (frame.root + 2 * frame.tip) / chords
     return frame.length - frame.root + back + (chords - frame.root * frame.tip / chords) / 6
 
 
 def centre_of_pressure(frame: Airframe) -> float:
-    """Station of the whole normal force. [m]"""
+    """Center of pressure of the rocket, from the tip of the nose. [m]"""
     fins = fin_slope(frame)
     return (NOSE_SLOPE * OGIVE_CENTRE * frame.nose + fins * fin_centre(frame)) / (NOSE_SLOPE + fins)
 

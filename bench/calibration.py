@@ -14,9 +14,10 @@ import numpy as np
 from bench.result import Result, effects
 
 BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
-"""Ends of the bins of probability. [1]"""
+"""Edges of the bins of probability. [1]"""
 WORTH_SAYING = 0.05
-"""Minimum probability of a case in the second error, because most effects are absent and have a low probability. [1]"""
+"""Minimum probability of the cases in the second calibration error: most effects are absent and have a low probability.
+[1]"""
 PRIOR_EFFECTS = 0.67
 """Prior expected number of effects, and of unexplained patterns, in the product: ten families, each with a probability
 of 1 - 0.5^(1/10). [1]"""

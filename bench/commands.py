@@ -1,4 +1,4 @@
-"""Common parts of benches of the whole product: options, and running its commands as a user does. Nothing of the
+"""Code shared by the benches of the whole product: options, and running its commands as a user does. Nothing of the
 product is imported."""
 
 import argparse

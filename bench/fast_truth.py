@@ -1,10 +1,10 @@
 """A fast simulator of a rigid rocket in three dimensions without roll, for hundreds of flights.
 
-Every flight of a batch goes through one Runge-Kutta step at a time. The state is position, velocity, the direction of
-the axis and its rate of turning. Weathercocking follows from the physics: crossflow acts on nose and fins (Barrowman),
-each at its local velocity, and turns the axis because these forces act behind the center of mass. The simulator also
-has the rail, burned propellant, thrust, drag by Mach and Reynolds number, wind shear, updraft and an opening parachute.
-Checked against RocketPy in `bench.compare`.
+All flights of a batch advance together, one Runge-Kutta step at a time. The state is position, velocity, the direction
+of the axis and its rate of turning. Weathercocking follows from the physics: crossflow acts on nose and fins
+(Barrowman), each at its local velocity, and turns the axis because these forces act behind the center of mass. The
+simulator also has the rail, burned propellant, thrust, drag by Mach and Reynolds number, wind shear, updraft and an
+opening parachute. Checked against RocketPy in `bench.compare`.
 """
 
 from collections.abc import Sequence

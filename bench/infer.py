@@ -19,7 +19,7 @@ from bench.commands import read_labels, run, sets_parser
 MODELS = ("history", "field")
 """The models to compare: the one for forecasts, and the ensemble that uses a single flight only."""
 FLIGHTS = 3
-"""Number of first flights of each set; more flights of a rocket would have the same true Cd. [1]"""
+"""Number of flights used from the start of each set; more flights of a rocket would have the same true Cd. [1]"""
 NORMAL_95 = NormalDist().inv_cdf(0.95)
 
 

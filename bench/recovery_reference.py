@@ -3,7 +3,7 @@
 `python -m bench.recovery_reference FILE` writes them.
 
 Each rocket flies a thrust curve of the catalog with one drag coefficient, opens one parachute or a drogue and a main,
-and lands in a wind that grows with height. RocketPy has six degrees of freedom and shares no code with us.
+and lands in a wind that grows with height. RocketPy has six degrees of freedom and shares no code with fieldkit.
 """
 
 import json
@@ -83,10 +83,10 @@ CASES: dict[str, dict[str, Any]] = {
     | {"motor": "K550W", "dry_mass": 6.0, "diameter": 0.130, "length": 2.3, "wind": 4.0, "rail_into": 5.0}
     | {"rail_length": 3.0, "first_speed": 25.0, "main_speed": 7.0, "main_altitude": 200.0},
 }
-"""Speeds are near the ground [m/s], the wind is at the pad [m/s], angles in degrees, the rest in SI."""
+"""Descent speeds near the ground [m/s], wind at the pad [m/s], angles in degrees, the rest in SI."""
 CHORD, TIP, SPAN, BALANCE = 0.15, 0.6, 0.8, 0.5
-"""Of the fins of a chosen case: root chord over the length, tip and span over the root chord; and where the rocket
-without its motor balances, over its length. [1]"""
+"""Proportions in the chosen cases: the fins' root chord over the rocket's length, their tip chord and span over the
+root chord, and the balance point of the rocket without its motor over its length. [1]"""
 SIZES = (
     ("C6", 0.07, 0.034, 1.0),
     ("D12", 0.11, 0.041, 1.0),
@@ -99,7 +99,7 @@ SIZES = (
     ("J350W", 3.00, 0.098, 2.6),
     ("K550W", 6.00, 0.130, 2.6),
 )
-"""Motors of the drawn cases, and about what flies on them: dry mass [kg], diameter [m], rail [m]."""
+"""Motors of the drawn cases, with a typical rocket for each: dry mass [kg], diameter [m], rail [m]."""
 DUAL_MASS = 1.0
 """Dry mass above which a drawn case has a drogue and a main. [kg]"""
 STABILITY_DRAWN = (1.0, 4.0)
@@ -108,7 +108,7 @@ DRAWN, SEED = 40, 11
 
 
 def drawn(rng: np.random.Generator, number: int) -> dict[str, Any]:
-    """A case at random, every third with a wind aloft."""
+    """A random case; every third has a stronger wind aloft."""
     motor, mass, diameter, rail = SIZES[number % len(SIZES)]
     wind = rng.uniform(2, 6)
     case = {
@@ -137,7 +137,7 @@ def drawn(rng: np.random.Generator, number: int) -> dict[str, Any]:
 
 
 def cases() -> dict[str, dict[str, Any]]:
-    """The chosen cases, and the drawn ones that are as stable as rockets are."""
+    """The chosen cases, and the drawn ones with a static margin in `STABILITY_DRAWN`."""
     rng = np.random.default_rng(SEED)
     more = {f"drawn {number}": drawn(rng, number) for number in range(DRAWN)}
     margins = {

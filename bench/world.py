@@ -14,9 +14,9 @@ class Airframe:
     """The shape of a rocket: an ogive nose, a tube and one set of trapezoidal fins at the tail."""
 
     diameter: float
-    """Of the body. [m]"""
+    """Diameter of the body. [m]"""
     length: float
-    """From tip to tail. [m]"""
+    """Length from tip to tail. [m]"""
     nose: float
     """Length of the nose. [m]"""
     fins: int
@@ -25,9 +25,9 @@ class Airframe:
     tip: float
     """Chord of a fin at its tip. [m]"""
     span: float
-    """From the body to the tip of a fin. [m]"""
+    """Distance from the body to the tip of a fin. [m]"""
     sweep: float
-    """How far the tip's leading edge lies behind the root's. [m]"""
+    """Distance of the tip's leading edge behind the root's. [m]"""
     dry_cg: float
     """Center of mass without the motor. [m]"""
 
@@ -49,7 +49,7 @@ class Motor:
 
     @property
     def burn_time(self) -> float:
-        """From ignition to burnout. [s]"""
+        """Time from ignition to burnout. [s]"""
         return float(self.time[-1])
 
     def printed(self, delay: float) -> str:
@@ -62,7 +62,7 @@ class Drag:
     """The coefficient of axial drag: a constant and its variations."""
 
     cd: float
-    """Under power, at low Mach number. [1]"""
+    """Drag coefficient under power, at low Mach number. [1]"""
     power_off: float = 1.0
     """Factor on `cd` after burnout. [1]"""
     mach_rise: float = 0.0
@@ -76,18 +76,18 @@ class Air:
     """The air over a pad. Wind blows toward +x and grows with height as a power of it."""
 
     elevation: float = 0.0
-    """Of the pad above sea level. [m]"""
+    """Elevation of the pad above sea level. [m]"""
     temperature: float = 288.15
-    """At the pad. [K]"""
+    """Temperature at the pad. [K]"""
     qnh: float = 101325.0
     """Pressure reduced to sea level. [Pa]"""
     wind: float = 0.0
-    """At `wind_height` above the pad. [m/s]"""
+    """Wind speed at `wind_height` above the pad. [m/s]"""
     wind_height: float = 5.0
     shear: float = 0.14
     """Exponent of the wind profile: 1/7 over open ground. [1]"""
     updraft: float = 0.0
-    """Of the whole air mass. [m/s]"""
+    """Upward speed of the whole air mass. [m/s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,24 +96,24 @@ class Launch:
 
     airframe: Airframe
     dry_mass: float
-    """With recovery and payload, without the motor. [kg]"""
+    """Mass with recovery and payload, without the motor. [kg]"""
     motor: Motor
     drag: Drag
     air: Air
     rail_length: float
-    """That guides the rocket. [m]"""
+    """Length of rail that guides the rocket. [m]"""
     tilt: float = 0.0
-    """Of the rail from the vertical. [rad]"""
+    """Angle of the rail from the vertical. [rad]"""
     heading: float = 0.0
-    """Of the tilted rail, from downwind: pi tilts it into the wind. [rad]"""
+    """Direction in which the rail leans, from downwind: pi is into the wind. [rad]"""
     friction: float = 0.0
     """Force that holds the rocket back while it is on the rail. [N]"""
     delay: float = 6.0
-    """From burnout to the ejection charge. [s]"""
+    """Time from burnout to the ejection charge. [s]"""
     chute_area: float = 0.3
     """Drag area of the open parachute. [m^2]"""
     opening: float = 0.4
-    """From the ejection charge to the open parachute. [s]"""
+    """Time from the ejection charge to the open parachute. [s]"""
 
     @property
     def beyond_rocketpy(self) -> bool:
@@ -128,7 +128,7 @@ class Track:
 
     time: Float[Array, "step"]
     height: Float[Array, "step"]
-    """Above the pad. [m]"""
+    """Height above the pad. [m]"""
     speed: Float[Array, "step"]
     """Speed over the ground in any direction. [m/s]"""
     push: Float[Array, "step"]

@@ -121,7 +121,7 @@ GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
 
 
 def table(found: Sequence[Ranked]) -> list[str]:
-    """Coverage at 50 and 90% with its range by chance, mean rank and uniformity, one line per group."""
+    """Coverage at 50 and 90% with the range expected by chance, mean rank and uniformity, one line per group."""
     lines = [f"{'':26s} {'':>5s} {'apogee':^34s}  {'log Cd':^34s}"]
     columns = f"{'50%':>7s} {'90%':>7s} {'rank':>6s} {'uniform':>10s}"
     lines.append(f"{'':26s} {'cases':>5s} {columns:>34s}  {columns:>34s}  90% by chance")

@@ -90,7 +90,7 @@ def random_recipe(rng: np.random.Generator, most: int = 12) -> Recipe:
 
 
 def ledger(rng: np.random.Generator, recipes: Sequence[Recipe], hyperprior: Hyperprior) -> list[History]:
-    """The histories of a flyer's rockets, one by each recipe."""
+    """The histories of a flyer's rockets, one for each recipe."""
     common: dict[str, float] = {}
     return [_rocket(rng, f"R{number}", recipe, hyperprior, common) for number, recipe in enumerate(recipes)]
 
@@ -163,7 +163,7 @@ def _flown(
     hyperprior: Hyperprior,
     common: dict[str, float],
 ) -> History | None:
-    """Simulated flights from the model; None for a rocket that barely leaves the pad or does not."""
+    """Simulated flights from the model; None for a rocket that does not leave the pad or barely does."""
     flights, found = zip(*both, strict=True)
     model = base_model(flights, found, hyperprior, flown=len(both) - 1)
     drawn = dict(common)

@@ -112,7 +112,7 @@ def _where(diagnosis: Diagnosis) -> str:
 
 
 def page(found: Sequence[History], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
-    """The histories as a page of Markdown; `unnamed` numbers the rockets and omits the places of effects.
+    """The histories as a page of Markdown; `unnamed` numbers the rockets and omits which flights an effect is in.
 
     `forecasts` are those of every flight from the earlier ones, by the model and its rivals.
     """

@@ -30,7 +30,7 @@ from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float
 
 ALWAYS = ("delay", "coast_drag", "burn_impulse")
-"""Quantities in every model: the delay does not affect the climb, and the others need logs."""
+"""Quantities in every model: the delay does not affect the climb, and the others can only be measured in logs."""
 CAUSES: Mapping[str, tuple[str, ...]] = {
     "launch angle and weathercocking": (),
     "impulse and burn against certificate": ("thrust", "stretch"),
@@ -158,9 +158,10 @@ def _together(flown: Sequence[FlownFlight], hyperprior: Hyperprior) -> tuple[Sha
 def _apogee_slopes(
     flown: Sequence[FlownFlight], hyperprior: Hyperprior, names: Sequence[str]
 ) -> Float[Array, "flight term"]:
-    """What a unit of each term does to the log apogee of the clean flights of a rocket: nothing if its model has none.
+    """Change of the log apogee of a rocket's clean flights per unit of each term; 0 if its model does not have the
+    term.
 
-    A rocket whose speeds were measured in logs has no term for what devices show of them.
+    A rocket whose speeds were measured in logs has no terms for the bias of devices in them.
     """
     flights: list[Flight] = [flight for flight, _ in flown]
     model = replace(base_model(flights, [motor for _, motor in flown], hyperprior), coarse=True)

@@ -1,7 +1,7 @@
 """Runs the benchmarks and saves the results: `python tools/benchmarks.py [NAME ...]`.
 
 Each run writes a file in `docs/benchmarks/`, named by date and commit, with the group of every benchmark, the shortest
-and the median of its rounds in seconds, and further figures (ratios, rates). A name selects a benchmark: `start` runs
+and the median of its rounds in seconds, and other figures (ratios, rates). A name selects a benchmark: `start` runs
 `tests/benchmarks/bench_start.py`. `--page` only writes `docs/speed.md` from the latest saved run of each.
 """
 

@@ -1,8 +1,8 @@
 """How a rocket's flights travel through the code: `python tools/flight_path.py` follows them through one forecast.
 
-`predict` is called with flights that make every effect and several patterns act. A pass is one function handing the
-list of flights to another, in whatever sequence it comes; each pair of functions counts once, in the order of the first
-call. A stop is an unbroken run of passes within one file, so a file that the list returns to is another stop. With
+`predict` is called with flights to which every effect and several patterns apply. A pass is one function handing the
+list of flights to another, as any kind of sequence; each pair of functions counts once, in the order of the first call.
+A stop is an unbroken run of passes within one file, so a file that the list returns to is another stop. With
 `--holders`, an object that holds the list, such as a model, counts as the list. With `--list`, every pass is printed.
 """
 
@@ -79,7 +79,7 @@ def _plan(flight: Flight) -> Flight:
 
 
 def _flight(number: int) -> Flight:
-    """A flight with all that effects and patterns ask for."""
+    """A flight with every field that effects and patterns need."""
     return Flight(
         str(number),
         rocket="Astra",
@@ -107,7 +107,7 @@ def _named(code: CodeType) -> tuple[str, str]:
 
 
 def _arguments(frame: FrameType) -> Iterator[Any]:
-    """The arguments of a call but the object whose method it is."""
+    """The arguments of a call except `self`."""
     code = frame.f_code
     names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount + bool(code.co_flags & 0x04)]
     return (frame.f_locals[name] for name in names if name != "self" and name in frame.f_locals)

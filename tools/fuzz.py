@@ -3,7 +3,7 @@
 It starts with the sample logs, saves new inputs in build/fuzz/corpus, and stops at the first failure, with its input in
 build/fuzz. `python tools/fuzz.py --again FILE` runs only that input. The requirements are those of
 tests/importing/test_bad_input.py. atheris is not a dependency: install it with pip in the same environment. Without it,
-the tool prints a message, and the test with hypothesis remains.
+the tool prints a message, and only the test with hypothesis can be run.
 """
 
 import argparse

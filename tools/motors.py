@@ -2,11 +2,11 @@
 
     python tools/motors.py [thrustcurve-db.json]
 
-Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes.
-Figures that documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors
-that are newer than the package (`fieldkit/data/motor_additions.csv`) added with a curve drawn from their letters.
-Motors without samples, or whose samples disagree with what was certified, are left out and listed;
-a mass that is missing is estimated by the rules of `motor_masses` and marked.
+Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes. Figures that
+documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors that are newer
+than the package (`fieldkit/data/motor_additions.csv`) added with a curve made from their certification letters. Motors
+without samples, or whose samples disagree with what was certified, are left out and listed; a mass that is missing is
+estimated by the rules of `motor_masses` and marked.
 """
 
 import argparse
@@ -143,7 +143,7 @@ def delays(text: str) -> list[float | str]:
 
 
 def additions(table: Path = ADDITIONS) -> list[Row]:
-    """Motors that are certified by a letter and missing in the source, in the source's format.
+    """Motors with a certification letter that are missing in the source, in the source's format.
 
     The thrust rises to its peak within a tenth of the burn, declines linearly for three quarters of it to the value
     that gives the impulse, and then to zero. Impulse, peak and burn time are those of the letter; the shape is

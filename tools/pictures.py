@@ -68,7 +68,7 @@ SIZE = (120, 44)
 
 async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
     """A page of the app as SVG, after pressing keys."""
-    from textual.pilot import Pilot  # a picture of it, not a part of it
+    from textual.pilot import Pilot  # only needed for pictures
 
     from fieldkit.tui.app import FieldkitApp
 

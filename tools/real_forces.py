@@ -87,7 +87,7 @@ HEAD = [
 
 
 def recorded(path: Path) -> Recorded | None:
-    """The flight in a log, or None if the file is no log of heights over time."""
+    """The flight in a log, or None if the file is not a log of heights over time."""
     try:
         readings = [one for one in read_recordings(path.read_bytes(), path.name) if one.describes == "flight"]
     except FieldkitError:

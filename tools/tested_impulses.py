@@ -1,4 +1,4 @@
-"""Finds the motors whose recorded impulse is only nominal, and what tests say instead.
+"""Finds the motors whose recorded impulse is only nominal, and the impulse measured in tests.
 
     python tools/tested_impulses.py TESTS.csv thrustcurve-db.json
 

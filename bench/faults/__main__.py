@@ -3,8 +3,8 @@ everything.
 
 It runs for about an hour: two laptops at a realistic pace on a server of their own, and beside them all other parts.
 `nice -n 19` leaves the cores to others, `--keep FOLDER` resumes an interrupted run, and `--only` runs the parts whose
-names start with a text and writes no page. The page is of one commit: it is written only if the checkout has no other
-files than those of the commit, at the start and at the end, and only the same commit resumes results in a folder.
+names start with a text and writes no page. The page describes one commit: it is written only if the checkout matches
+that commit at the start and at the end, and results in a folder are resumed only by the same commit.
 """
 
 import argparse
@@ -43,9 +43,9 @@ from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 PAGE = ROOT / "docs" / "faults.md"
 SEED = 8
 KILLS = 60
-"""Number of kills of the page. [1]"""
+"""Number of kills for the page. [1]"""
 OTHERS = 8
-"""Size of each other part of the page. [1]"""
+"""Size of each other part for the page. [1]"""
 MEMORY = Path("/dev/shm")
 """A file system in memory, if there is one: processes are killed, not the machine, so the results do not depend on what
 has reached a disk, and waiting for a disk would take most of the time."""
@@ -202,7 +202,7 @@ def _warm(folder: Path) -> None:
 
 
 def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
-    """The summary, in Markdown; `of` is the commit that was tried."""
+    """The summary, in Markdown; `of` is the tested commit."""
     killed = sum(one.tried for one in found if one.part == "kill -9")
     faults = [fault for one in found for fault in one.faults]
     rows = [f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |" for one in found]
@@ -249,7 +249,7 @@ def run(scratch: Path, keep: Path, given: argparse.Namespace) -> list[Outcome]:
 
 
 def _told(outcome: Outcome) -> Outcome:
-    """Print a result as progress, with the processor time so far; that of `club` and of servers does not count."""
+    """Print a result as progress, with the processor time so far, without that of `club` and of servers."""
     now, used = time.strftime("%H:%M:%S"), sum(os.times()[:4])
     what = f"{outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults"
     sys.stderr.write(f"{now}, {used:.0f} s of processor time: {what}\n")

@@ -43,7 +43,7 @@ class Bench:
         self.states: tuple[State, State] | None = None
         self.asked: dict[str, bytes] = {}
         self.new: set[str] = set()
-        """Those of them that the call creates."""
+        """Requested files that the call creates."""
         self.spoken: set[str] = set()
         """Progress output of the call without faults."""
         self.prints = False

@@ -69,7 +69,7 @@ def _with_an_import(file: Path) -> None:
 
 SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
 ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
-"""With its time: otherwise it would be the time of the trial, and every ledger would differ."""
+"""Includes a time: otherwise every trial would record its own, and every ledger would differ."""
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),

@@ -51,7 +51,7 @@ def mixed_work(
 
 
 def failed_over(ours: Server, folder: Path, laptops: int, commands: int, seed: int) -> Outcome:
-    """The same if the server does not return: a standby replaces it, and laptops know both addresses."""
+    """Mixed work if the killed server does not return: a standby replaces it, and laptops know both addresses."""
     what = f"{laptops} laptops, {commands} commands each, a standby takes the server's place"
     with standby(ours, folder.with_name(f"{folder.name}-standby")) as other:
         places = f"host=127.0.0.1,127.0.0.1&port={ours.port},{other.port}&target_session_attrs=read-write"

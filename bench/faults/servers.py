@@ -1,4 +1,4 @@
-"""The same on PostgreSQL: kills of commands, and of the server itself in the middle of a change.
+"""Kills on PostgreSQL: of commands, and of the server itself in the middle of a change.
 
 The bench starts its own server on a free port of this computer, with its data in a scratch folder and the default disk
 synchronization. It is killed with `pg_ctl stop -m immediate`, which ends every server process without notice, like a

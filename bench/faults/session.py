@@ -117,7 +117,7 @@ def more() -> list[tuple[str, ...]]:
 
 def calls(folder: Path) -> list[Call]:
     """The lines of the session, each with a copy of the files it starts from, without those that stay open or compute
-    for long. The copies are in this folder. Raises ValueError if a line fails without a fault."""
+    for long. The copies are in `folder`. Raises ValueError if a line fails without a fault."""
     desk, empty = furnished(folder / "desk"), furnished(folder / "empty")
     made: list[Call] = []
     for number, words in enumerate((*lines(), *more())):

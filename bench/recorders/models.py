@@ -38,7 +38,7 @@ class Recorder:
     accel_step: float = 0.01
     """Resolution of the accelerometer. [g]"""
     axes: int = 1
-    """Number of axes: 3 if the rocket's axis is somewhere between them."""
+    """Number of axes: 1 along the rocket's axis, or 3 in a random orientation."""
     scale: float = 0.01
     """Standard deviation of the accelerometer's scale. [1]"""
     bias: float = 0.15

@@ -1,9 +1,9 @@
-"""The exact posterior of simulated flights with all random inputs integrated out, a lower bound of the error of any
+"""The exact posterior of simulated flights with all random inputs integrated out, a lower bound on the error of any
 method.
 
 The random inputs of a flight have a normal prior and an exact likelihood (`likelihood`). The posterior is integrated by
 importance sampling from a mixture of proposals (Owen and Zhou, Safe and effective importance sampling, 2000), for many
-flights at once. It is slow and serves to evaluate the ensemble.
+flights at once. It is slow, and used only to evaluate the ensemble.
 """
 
 from collections.abc import Sequence
@@ -83,9 +83,10 @@ def integrate(
     *,
     fixed: bool = False,
 ) -> Draws:
-    """Weighted draws of the posterior of every flight, started from these numbers of Cd and alpha.
+    """Weighted draws of the posterior of every flight. The proposals start at `begin`, the normal inputs for Cd and
+    alpha.
 
-    With `fixed`, the two stay there, and the evidence is the likelihood of that point.
+    With `fixed`, these two inputs do not change, and the evidence is the likelihood of that point.
     """
     free = slice(PARAMETERS if fixed else 0, LATENTS)
     start = np.zeros((len(one), LATENTS))

@@ -125,7 +125,8 @@ class Problem:
 
 
 def problem(truth: Truth, observed: Observed, motors: Sequence[Motor]) -> Problem:
-    """Simulated flights as observed, with all conditions declared and their motors found by their figures."""
+    """Simulated flights as observed, with all conditions declared and their motors identified by mass, impulse and
+    other figures."""
     known = {figures(motor).tobytes(): number for number, motor in enumerate(motors)}
     row = np.array([known[np.ascontiguousarray(one).tobytes()] for one in truth.motor])
     flown, place = np.unique(row, return_inverse=True)

@@ -1,1 +1,1 @@
-"""Test of the reference paper on its twelve flights; every figure is computed on request."""
+"""A test of the reference paper on its twelve flights; every figure is computed on request."""

@@ -22,12 +22,12 @@ from studies.paper.reference import Reference, certified, normalised
 
 Each = Float[Array, "*draw flight"]
 Build = Callable[[Reference, Each, Each], Setup]
-"""A setup of the flights, each with a separate Cd and alpha."""
+"""Builds a setup of the flights, each with a separate Cd and alpha."""
 
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """A physics for the reference flights; the title states its change from the previous one."""
+    """Physics assumptions for the reference flights; the title states the change from the previous ones."""
 
     key: str
     title: str
@@ -40,13 +40,14 @@ class World:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """The flights reconstructed in one physics from their apogees, and forecast there from the others'. [m]"""
+    """The flights under one set of assumptions: apogees reconstructed from their own, and forecast from the others'.
+    [m]"""
 
     world: World
     rebuilt: Float[Array, "flight"]
     left_out: Float[Array, "flight"]
     below: int
-    """Flights below the lowest apogee that the prior can produce."""
+    """Number of flights below the lowest apogee that the prior can produce."""
 
 
 def worlds() -> list[World]:
@@ -65,7 +66,7 @@ def worlds() -> list[World]:
 
 
 def step(world: World, flights: Reference) -> Step:
-    """The flights reconstructed and forecast in a physics."""
+    """The flights reconstructed and forecast under one set of assumptions."""
 
     def fly(cd: Each, alpha: Each) -> Each:
         return world.heights(flights, cd, alpha)
@@ -81,7 +82,7 @@ def step(world: World, flights: Reference) -> Step:
 
 
 def _mixed(one: Burns, other: Burns, motors: tuple[int, ...]) -> Burns:
-    """The first curves, with those of some motors from the second, on the same steps."""
+    """The first curves, with those of some motors from the second, on the same time steps."""
     mixed = {}
     for name in one.__dataclass_fields__:
         values, others = getattr(one, name), getattr(other, name)

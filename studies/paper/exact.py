@@ -13,11 +13,11 @@ from fieldkit.shapes import Array, Float
 from studies.paper.reference import Reference, heights
 
 Heights = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]], Float[Array, "*draw flight"]]
-"""Apogees of all flights at a Cd and an alpha of each. [m]"""
+"""Apogees of all flights, given a Cd and an alpha for each. [m]"""
 
 
 def cells(ends: tuple[float, float], count: int) -> Float[Array, "cell"]:
-    """Middles of equal cells between two ends."""
+    """Midpoints of equal cells between two ends."""
     return np.linspace(*ends, 2 * count + 1)[1::2]
 
 
@@ -56,7 +56,7 @@ def lowest(flights: Reference, curves: Burns) -> Float[Array, "flight"]:
 
 
 def lowest_in(flights: Reference, fly: Heights) -> Float[Array, "flight"]:
-    """As `lowest`, in any physics. [m]"""
+    """The lowest apogee that the prior can produce, with any simulator `fly`. [m]"""
     return fly(np.full(len(flights), CD_RANGE[1]), np.full(len(flights), ALPHA_RANGE[0]))
 
 

@@ -118,7 +118,7 @@ def _apogee(flights: Reference, row: int, cd: float, alpha: float, curves: Burns
 
 
 def rules(flights: Reference) -> list[Rule]:
-    """The rules that the report compares, the best first on the eight valid flights."""
+    """The rules that the report compares, starting with the best on the eight valid flights."""
     curves = certified()
     return [
         Rule("motor_mean", "mean of the same motor's other flights", "no physics at all", _same_motor),

@@ -90,7 +90,7 @@ def _errors(flights: Reference, forecast: Float[Array, "flight"]) -> dict[str, f
 
 
 def _reflown(flights: Reference) -> dict[str, float]:
-    """How far the published parameters, flown here, end from the published apogees. [m]"""
+    """Differences between apogees simulated here from the published parameters and the published apogees. [m]"""
     here = heights(flights, flights.published_cd, flights.published_alpha, paper.paper_burns())
     return {"largest_difference_m": float(np.abs(here - flights.published_apogee).max())}
 

@@ -43,15 +43,15 @@ SHORT_DELAY = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Everything on the page: the paper's report, the steps from its physics to ours, the parts of the bias, and the
-    rest."""
+    """Everything on the page: the paper's report, the steps from its physics to fieldkit's, the parts of the bias, and
+    the rest."""
 
     report: PaperReport
     flights: Reference
     steps: tuple[Step, ...]
     parts: tuple[BiasPart, ...]
     lowered: tuple[float, ...]
-    """The mean reduction of the apogees of the published Cd and alpha by each step. [m]"""
+    """Mean reduction by each step of the apogees at the published Cd and alpha. [m]"""
     ejection: Ejection
     loop: Diagnosis
     left_out: Judged
@@ -100,7 +100,7 @@ def _loop(flights: tuple[Flight, ...]) -> Diagnosis:
 
 
 def _ejection(flights: Reference) -> Ejection:
-    """The flights on the F24-4W at the published Cd and alpha, certified thrust, casing and all."""
+    """The flights on the F24-4W at the published Cd and alpha, with certified thrust and the casing's mass."""
     rows = flights.part(np.array([flight.motor.startswith("F24") for flight in flights.flights]))
     world = next(one for one in worlds() if one.key == "ejection")
     setup = world.build(rows, rows.published_cd, rows.published_alpha)
@@ -113,7 +113,7 @@ def _ejection(flights: Reference) -> Ejection:
 
 
 def interval(misses: Float[Array, "flight"], absolute: bool = False) -> Interval:
-    """The 90% bootstrap interval of a mean miss. [m]"""
+    """The 90% bootstrap interval of a mean error. [m]"""
     values: Any = np.abs(misses) if absolute else misses
     low, high = np.quantile(values[resampled(len(misses))].mean(axis=1), LEVELS)
     return float(low), float(high)

@@ -1,4 +1,4 @@
-"""The two E35 flights: the rocket 126 g lighter flew 5 m higher, where straight flight predicts about sixty.
+"""The two E35 flights: 126 g lighter, the rocket flew 5 m higher; straight flight predicts about 60 m.
 
 For each effect, the study computes the strength that explains the lighter flight, with the drag fitted to the heavier
 one, and the next flight that would distinguish the possible causes.
@@ -32,7 +32,7 @@ STRENGTHS_TRIED = 60
 MAX_APOGEE_MISS = 3.0
 """Tolerance for a strength to explain the flown apogee; an effect may have a jump there. [m]"""
 MIN_SEPARATION_SDS = 2.0
-"""Two causes are distinguishable from this separation on, in standard deviations. [1]"""
+"""Two causes are distinguishable at this separation or more, in standard deviations. [1]"""
 OWN_DRAG = "another drag of configuration A"
 
 
@@ -61,8 +61,8 @@ READOUT_SCATTER = {
     "coast_to_apogee": 0.04,
     "apogee_to_eject": 0.4,
 }
-"""Scatter of single flights and of reading: apogee [m] as these flights have it; top speed, peak and coast by share
-[1], motors and altimeter together; ejection [s], delays being certified to a tenth."""
+"""Standard deviations of the readouts of single flights: apogee [m], from these flights; top speed, peak acceleration
+and coast as fractions [1], motors and altimeter together; ejection [s], because delays are certified to 10%."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
 """Sample exact posteriors, and compare the fit with them: python -m studies.reference_posterior.
 
 `--store FILE` saves the references for the tests. `--cases FILE` uses the histories and the hyperprior of such a file
-instead of new ones; `--only` samples some of them and keeps the others, or keeps all of them without a number. `--table
-FILE` saves the comparison.
+instead of new ones; `--only NUMBER ...` samples these cases and keeps the others as they are; without a number it keeps
+all. `--table FILE` saves the comparison.
 """
 
 import argparse
