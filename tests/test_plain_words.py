@@ -116,6 +116,7 @@ def _read() -> Iterator[tuple[str, int, str]]:
             if name not in THIS and not name.startswith(MIGRATIONS):
                 yield from ((name, line, text) for line, text in _python_texts(file))
     data = [file for kind in ("toml", "md", "html") for file in sorted((ROOT / "fieldkit").rglob(f"*.{kind}"))]
+    data += [ROOT / "bench/README.md", ROOT / "bench/faults/page.md"]
     for page in (ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md")), *data):
         if page != GLOSSARY:
             name = page.relative_to(ROOT).as_posix()

@@ -1,1 +1,1 @@
-"""Simulated recorders: the logs that sixty kinds of loggers write of known flights, and how well they are read."""
+"""Simulated recorders: the logs that many kinds of loggers write of known flights, and how well they are read."""

@@ -1,4 +1,4 @@
-"""Flights that are known exactly, and logs of them by imperfect sensors."""
+"""Flights that are known exactly, and their logs from imperfect sensors."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -30,9 +30,9 @@ class Rocket:
     area: float = 0.0014
     """Cd times frontal area at low speed. [m^2]"""
     delay: float = 6.0
-    """From burnout to ejection. [s]"""
+    """Time from burnout to ejection. [s]"""
     sink: float = 5.0
-    """Speed under the parachute near the ground. [m/s]"""
+    """Descent speed under the parachute near the ground. [m/s]"""
     elevation: float = 200.0
     opening: float = 0.4
 
@@ -41,12 +41,12 @@ SMALL = Rocket()
 TINY = Rocket(thrust=9.0, burn=0.7, mass=0.07, area=0.0005, delay=4.0)
 LARGE = Rocket(thrust=900.0, burn=2.4, mass=8.0, area=0.008, delay=17.5, sink=8.0)
 FAST = Rocket(thrust=2600.0, burn=3.4, mass=15.0, area=0.006, delay=26.0, sink=12.0)
-"""Goes supersonic."""
+"""A rocket that flies supersonic."""
 
 
 @dataclass(frozen=True)
 class Truth:
-    """A flight; `felt` is the push along the axis, time 0 is lift-off."""
+    """A flight; `felt` is the specific force along the axis, and time 0 is lift-off."""
 
     time: Any
     height: Any
@@ -143,28 +143,28 @@ class Logger:
     rate: float = 20.0
     noise: float = 0.4
     resolution: float = 0.0
-    """Heights are rounded to this."""
+    """Resolution of heights."""
     channel: str = "altitude"
     wait: float = 3.0
-    """Of samples before lift-off."""
+    """Duration of samples before lift-off."""
     late: float = 0.0
     """Time after lift-off at which the log begins."""
     early: float = 0.0
     """The log ends at this fraction of the way to apogee; 0 for after landing."""
     spikes: float = 0.0
-    """Fraction of samples that are far off."""
+    """Fraction of samples that are spikes."""
     shock: float = 0.0
-    """Height that the ejection charge adds for a fifth of a second."""
+    """Height error from the ejection charge, for a fifth of a second."""
     dip: bool = False
-    """Whether the air near the speed of sound makes heights fall."""
+    """Whether shocks near the speed of sound lower the heights."""
     drift: float = 0.0
-    """Drift of the zero, in an hour on the pad and after, and its value at lift-off."""
+    """Drift of the zero on the pad and in flight, and its value at lift-off."""
     jitter: float = 0.0
     """Jitter of the clock, as a fraction of the step."""
     rest: float = 10.0
-    """Of samples after landing."""
+    """Duration of samples after landing."""
     accelerometer: float = 0.0
-    """Its rate; 0 for none."""
+    """Sampling rate of the accelerometer; 0 for none."""
     scale: float = 1.01
     bias: float = 0.15
     start: float = 100.0

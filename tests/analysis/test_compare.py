@@ -19,7 +19,7 @@ def _flown(time: np.ndarray) -> Recorded:
     return simulated([Series(time=time, altitude=height)], {})
 
 
-def test_rows_that_a_simulation_repeats_around_an_event_are_compared_once() -> None:
+def test_duplicate_rows_around_a_simulated_event_are_compared_once() -> None:
     once, repeated = _flown(TIME), _flown(np.sort(np.append(TIME, [TIME[20], TIME[20], TIME[80]])))
     for first, second in ((once, repeated), (repeated, once), (repeated, repeated)):
         found = compare(first, second)

@@ -26,7 +26,7 @@ def test_an_unseen_ejection_up_to_one_and_a_half_seconds_early_is_within_the_unc
 @pytest.mark.parametrize("rate", [5.0, 20.0])
 @pytest.mark.parametrize("part", [0.4, 0.6])
 def test_a_fall_without_a_parachute_lands_when_it_hits_the_ground(part: float, rate: float) -> None:
-    """It still accelerates in its last seconds, so that the line through these reaches the ground too late."""
+    """It still accelerates in its last seconds, so a line through them reaches the ground too late."""
     truth = fly(replace(SMALL, burn=part * SMALL.burn, delay=1000.0))
     recorded = measure(log(truth, Logger(start=0.0, wait=3.0, rate=rate), np.random.default_rng(6)))
     duration = recorded.figures["duration"]
@@ -35,7 +35,7 @@ def test_a_fall_without_a_parachute_lands_when_it_hits_the_ground(part: float, r
 
 @pytest.mark.parametrize("fraction", [0.5, 1.3])
 @pytest.mark.parametrize("wait", [20.0, 120.0, 900.0])
-def test_the_highest_of_two_flights_on_one_clock_is_measured_alone(fraction: float, wait: float) -> None:
+def test_only_the_higher_of_two_flights_on_one_clock_is_measured(fraction: float, wait: float) -> None:
     truth = fly(SMALL)
     (series,) = log(truth, Logger(start=0.0, wait=wait, rate=10.0), np.random.default_rng(6))
     height = np.asarray(series.altitude)
@@ -48,7 +48,7 @@ def test_the_highest_of_two_flights_on_one_clock_is_measured_alone(fraction: flo
     assert any("another flight ends" in note for note in recorded.notes) == (fraction > 1 and wait < 60)
 
 
-def test_a_rocket_that_is_carried_up_a_hill_after_landing_is_no_next_flight() -> None:
+def test_carrying_a_rocket_uphill_after_landing_is_not_a_second_flight() -> None:
     truth = fly(SMALL)
     (series,) = log(truth, Logger(start=0.0, wait=5.0, rate=10.0), np.random.default_rng(6))
     height = np.asarray(series.altitude)

@@ -41,7 +41,7 @@ LOGGERS = {
     "jitter": Logger(jitter=0.3),
     "fused": Logger(accelerometer=50, spikes=0.01, shock=30),
 }
-"""Recorders of several makes, by their faults."""
+"""Recorders with different faults."""
 ROCKETS = {"tiny": TINY, "small": SMALL, "large": LARGE, "fast": FAST}
 TEN: dict[str, object] = {"coast_drag": None, "burn_impulse": None, "sd": {}, "source": {}}
 """Changes that turn a logged flight into one with ten typed readouts."""
@@ -68,7 +68,7 @@ def impulse_of(truth: Truth, rocket: Rocket) -> float:
 
 @cache
 def recorded(rocket: str, logger: str) -> tuple[Recorded, Rocket, Truth]:
-    """A flight of a rocket of a kind, its figures drawn, and what is measured in its log."""
+    """A random flight of a kind of rocket, and what is measured in its log."""
     rng = np.random.default_rng([list(ROCKETS).index(rocket), list(LOGGERS).index(logger)])
     flown = changed(ROCKETS[rocket], rng)
     truth = fly(flown)
@@ -101,7 +101,7 @@ def test_twice_the_mass_has_half_the_drag_in_a_log() -> None:
     assert heavy.value == pytest.approx(light.value / 2, rel=0.03)
 
 
-def test_a_coast_without_drag_shows_none() -> None:
+def test_a_coast_without_drag_has_no_measured_drag() -> None:
     measured = measure(log(fly(replace(SMALL, area=1e-9)), Logger(), np.random.default_rng(1)))
     assert "apogee" in measured.figures
     assert "coast_drag" not in measured.figures
@@ -110,7 +110,7 @@ def test_a_coast_without_drag_shows_none() -> None:
 @pytest.mark.parametrize(
     "logger", [Logger(rate=1), Logger(early=0.35), Logger(late=0.5)], ids=["1 Hz", "early", "late"]
 )
-def test_a_coast_that_is_too_coarse_or_too_short_says_nothing(logger: Logger) -> None:
+def test_a_coast_that_is_too_coarse_or_too_short_gives_no_drag(logger: Logger) -> None:
     measured = measure(log(fly(TINY), logger, np.random.default_rng(1)))
     assert not {"coast_drag", "burn_impulse"} & set(measured.figures)
 
@@ -122,8 +122,8 @@ def test_a_burn_that_ends_near_the_speed_of_sound_has_no_impulse() -> None:
 
 
 @pytest.mark.parametrize("gain", [0.94, 1.06])
-def test_a_warm_or_a_cold_day_is_no_drag(gain: float) -> None:
-    """An altimeter shows heights too small in warm air and too large in cold."""
+def test_warm_and_cold_days_do_not_bias_the_drag(gain: float) -> None:
+    """An altimeter reads low in warm air and high in cold air."""
     (series,) = log(fly(SMALL), Logger(noise=0.2), np.random.default_rng(3))
     assert series.altitude is not None
     found = measure((replace(series, altitude=gain * series.altitude),)).figures["coast_drag"]
@@ -154,7 +154,7 @@ def fitted(flight: Flight) -> Fit:
 
 
 def per_mass(result: Fit, *bends: str) -> tuple[float, float]:
-    """Posterior mean and sd of the sum of the terms that bend one thing, the second one subtracted."""
+    """Posterior mean and sd of the sum of the terms on one quantity, minus those on the second."""
     signs = [1.0 if t.bends == bends[0] else -1.0 if t.bends in bends[1:] else 0.0 for t in result.model.terms]
     along = np.array(signs) * [term.weight[0] for term in result.model.terms]
     mean, variance = result.mean @ along, np.einsum("i,sij,j->s", along, result.covariance, along)
@@ -163,7 +163,7 @@ def per_mass(result: Fit, *bends: str) -> tuple[float, float]:
 
 
 @pytest.mark.thorough
-def test_one_logged_flight_pins_drag_and_thrust_apart() -> None:
+def test_one_logged_flight_distinguishes_drag_from_thrust() -> None:
     ratios = []
     for cd, thrust_factor in ((0.45, 1.0), (0.6, 0.9), (0.8, 1.06)):
         for logger in (Logger(), Logger(accelerometer=50)):
@@ -177,7 +177,7 @@ def test_one_logged_flight_pins_drag_and_thrust_apart() -> None:
     assert np.mean(ratios) < 1 / 3
 
 
-def test_the_model_expects_what_a_simulated_log_shows() -> None:
+def test_the_models_expectation_agrees_with_a_simulated_log() -> None:
     rocket = Rocket(mass=0.322, area=0.6 * AREA, delay=8.0, elevation=0.0)
     logged = flown_on(0.6, 1.0, Logger(noise=0.1, accelerometer=50), 2)
     setup = field_setup([logged], [catalogue().resolve(F24)], np.array([0.6 * AREA]))
@@ -188,7 +188,7 @@ def test_the_model_expects_what_a_simulated_log_shows() -> None:
         assert values[0] == pytest.approx(logged.number(name), abs=2 * logged.sd[name])
 
 
-def test_drag_is_half_at_twice_the_mass_and_none_in_a_vacuum() -> None:
+def test_drag_halves_at_twice_the_mass_and_is_zero_in_a_vacuum() -> None:
     flight = Flight("1", "Astra", "A", F24, dry_mass=0.3, diameter=0.066, delay=8.0)
     setup = field_setup([flight], [catalogue().resolve(F24)], np.array([0.002]))
     flown = simulate(setup)
@@ -201,7 +201,7 @@ def test_drag_is_half_at_twice_the_mass_and_none_in_a_vacuum() -> None:
     assert burn_impulse(setup)[0] == pytest.approx(motor().total_impulse / mass, rel=0.01)
 
 
-def test_a_force_in_the_coast_is_part_of_its_drag() -> None:
+def test_a_force_during_the_coast_is_included_in_its_drag() -> None:
     flight = Flight("1", "Astra", "A", F24, dry_mass=0.3, diameter=0.066, delay=8.0)
     setup = field_setup([flight], [catalogue().resolve(F24)], np.array([0.002]))
     flown = simulate(setup)
@@ -218,7 +218,7 @@ def test_flights_without_a_log_have_no_terms_for_it() -> None:
     assert np.isnan(shown(model, values, {})["coast_drag"]).all()
 
 
-def test_what_a_log_shows_comes_back_from_the_ledger_and_from_exports(tmp_path: Path) -> None:
+def test_measurements_from_a_log_survive_the_ledger_and_exports(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([LAW])
         assert ledger.flight("1") == LAW
@@ -230,8 +230,8 @@ def test_what_a_log_shows_comes_back_from_the_ledger_and_from_exports(tmp_path: 
     assert "coast_drag" not in csv_table([LAW.with_changes(coast_drag=None)])
 
 
-def test_a_plan_is_made_of_a_logged_flight_without_what_its_log_shows() -> None:
-    """A forecast of it must not be made from itself."""
+def test_a_plan_made_from_a_logged_flight_omits_the_measurements_of_its_log() -> None:
+    """Otherwise the flight would be forecast from itself."""
     bare = LAW.with_changes(**dict.fromkeys(LAW.readouts()))
     assert not has_logs([bare])
     assert (bare.sd, bare.source) == ({}, {})

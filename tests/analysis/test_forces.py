@@ -1,4 +1,4 @@
-"""Thrust and drag from an accelerometer: at the ends of its log, and with an error of its zero."""
+"""Thrust and drag from an accelerometer: at the ends of its log, and with an offset."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 pytestmark = pytest.mark.fast
 
 
-def test_drag_is_whole_up_to_the_last_sample_of_an_accelerometer() -> None:
+def test_drag_is_complete_up_to_the_last_accelerometer_sample() -> None:
     time = np.arange(0, 5, 0.02)
     one = np.ones(time.size)
     climb = MeasuredClimb(time, 500 * one, 100 * one, one, -30 * one, one, time < 0, "acceleration")
@@ -26,7 +26,7 @@ def test_drag_is_whole_up_to_the_last_sample_of_an_accelerometer() -> None:
 
 
 @pytest.mark.parametrize("zero", [-1.0, 0.0, 1.0])
-def test_an_error_of_the_zero_that_the_pad_shows_is_not_drag(zero: float) -> None:
+def test_an_offset_seen_on_the_pad_is_not_drag(zero: float) -> None:
     time = np.arange(0, 5, 0.02)
     one = np.ones(time.size)
     climb = MeasuredClimb(time, 500 * one, 100 * one, one, -30 * one, one, time < 0, "acceleration")
@@ -37,7 +37,7 @@ def test_an_error_of_the_zero_that_the_pad_shows_is_not_drag(zero: float) -> Non
     assert found.push == pytest.approx(-20.0)
 
 
-def test_burnout_is_less_certain_by_pressure_if_thrust_fades() -> None:
+def test_burnout_from_pressure_is_less_certain_if_thrust_fades() -> None:
     """Heights that are low by k v²/2g show v (1 - k a/g), so the crossing of a slow fade moves by up to k v/g."""
     time = np.arange(0, 6, 0.02)
     sudden = np.where(time < 1, 150.0, -40.0)

@@ -1,4 +1,4 @@
-"""Lift-off of hard boosts behind static ports that are off."""
+"""Lift-off of hard boosts with biased static ports."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ LIFT, BURN = 5.0, 1.6
 
 
 def heights(static: float, burn: float = BURN) -> tuple[Array, Array]:
-    """Times [s] and heights [m] of a boost with even push and its coast, as ports with an error show them."""
+    """Times [s] and heights [m] of a boost at constant thrust and its coast, measured through biased ports."""
     apogee, top, drag = 22.0, 2700.0, 6e-4
     free = coast(apogee, top, drag, 0.0, apogee)
     time = np.arange(0, 60, 0.05)
@@ -36,20 +36,20 @@ def heights(static: float, burn: float = BURN) -> tuple[Array, Array]:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("static", [-0.03, 0.0, 0.02, 0.036])
-def test_the_true_lift_off_is_within_two_stated_deviations(static: float) -> None:
+def test_the_true_lift_off_is_within_two_stated_standard_deviations(static: float) -> None:
     time, height = heights(static)
     lift = measure([Series(time, altitude=height)]).events["liftoff"]
     assert abs(lift.time - LIFT) < 2 * lift.sd
 
 
-def test_a_lift_off_that_ports_hide_is_stated_as_uncertain() -> None:
+def test_a_lift_off_hidden_by_port_errors_has_a_large_standard_deviation() -> None:
     clear, hidden = (measure([Series(time, altitude=height)]) for time, height in map(heights, (0.0, 0.036)))
     assert clear.events["liftoff"].sd < 0.15
     assert hidden.events["liftoff"].time > LIFT + 0.3
     assert hidden.events["liftoff"].sd > 0.3
 
 
-def test_burn_times_are_those_of_the_catalog() -> None:
+def test_measured_burn_times_agree_with_the_catalog() -> None:
     motors = catalogue().motors
     classes = [motor.impulse_class for motor in motors]
     weight = np.array([1 / classes.count(one) for one in classes])
@@ -59,7 +59,7 @@ def test_burn_times_are_those_of_the_catalog() -> None:
     assert np.sqrt(np.average((logs - mean) ** 2, weights=weight)) == pytest.approx(BURN_SPREAD, abs=0.03)
 
 
-def test_ports_hide_no_usual_boost() -> None:
+def test_port_errors_do_not_hide_an_ordinary_boost() -> None:
     usual = [hidden_lead(100.0, burn, 0.4, 0.04) / burn for burn in (3.0, 1.5, 1.0)]
     hard = [hidden_lead(300.0, burn, 0.4, 0.04) / burn for burn in (1.0, 0.6, 0.3)]
     assert max(usual) < 0.02
@@ -67,7 +67,7 @@ def test_ports_hide_no_usual_boost() -> None:
     assert hard[-1] > 0.5
 
 
-def test_an_accelerometer_that_ends_in_the_boost_does_not_say_when_it_burned_out() -> None:
+def test_an_accelerometer_log_that_ends_during_the_boost_gives_no_burnout() -> None:
     time, height = heights(0.0)
     clock = np.arange(0, LIFT + BURN / 2, 0.01)
     felt = np.where(clock < LIFT, GRAVITY, 26 * GRAVITY) + np.random.default_rng(2).normal(0, 0.5, clock.size)
@@ -78,7 +78,7 @@ def test_an_accelerometer_that_ends_in_the_boost_does_not_say_when_it_burned_out
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("end", [7.4, 8.0, 9.0, 12.0])
-def test_a_log_that_ends_in_the_coast_states_no_speed_that_its_heights_contradict(end: float) -> None:
+def test_a_log_that_ends_during_the_coast_gives_no_speed_that_contradicts_its_heights(end: float) -> None:
     time, height = heights(0.0)
     whole = measure([Series(time, altitude=height)]).figures["top_speed"]
     cut = measure([Series(time[time < end], altitude=height[time < end])]).figures.get("top_speed")

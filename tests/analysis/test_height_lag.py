@@ -22,7 +22,7 @@ def recording(truth: Truth) -> tuple[Series, ...]:
 
 
 def behind(series: Series, lag: float) -> Series:
-    """The heights of a recording behind a first-order filter."""
+    """The heights of a recording after a first-order filter."""
     assert series.altitude is not None
     fine = np.arange(series.time[0], series.time[-1], 0.002)
     height = np.interp(fine, series.time, series.altitude)
@@ -32,7 +32,7 @@ def behind(series: Series, lag: float) -> Series:
 @pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
 @pytest.mark.parametrize("lag", [0.25, 0.4])
-def test_small_vents_move_no_readout_by_more_than_it_claims(rocket: Rocket, lag: float) -> None:
+def test_small_vents_bias_no_readout_beyond_its_standard_deviation(rocket: Rocket, lag: float) -> None:
     truth = fly(rocket)
     figures = measure([behind(recording(truth)[0], lag)]).figures
     right = truth.readouts()
@@ -40,20 +40,20 @@ def test_small_vents_move_no_readout_by_more_than_it_claims(rocket: Rocket, lag:
     assert figures["burn_time"].value == pytest.approx(right["burn_time"], rel=0.25)
 
 
-def test_heights_that_are_on_time_stay_on_time() -> None:
+def test_heights_without_a_lag_are_unchanged() -> None:
     truth = fly(LARGE)
     found = measure(recording(truth)).figures["time_to_apogee"]
     assert found.value == pytest.approx(truth.readouts()["time_to_apogee"], abs=0.15)
     assert found.sd < 0.2
 
 
-def test_a_lag_shows_a_ramp_late_by_itself() -> None:
+def test_a_lag_delays_a_ramp_by_itself() -> None:
     time = np.arange(0.0, 3.0, 0.01)
     shown = lagged(20 * time, 0.0, 0.01, 0.2)
     assert shown == pytest.approx(20 * (time - 0.2 + 0.2 * np.exp(-time / 0.2)), abs=1e-9)
 
 
-def test_the_evidence_of_a_lag_is_that_of_the_dense_matrices() -> None:
+def test_the_evidence_of_a_lag_equals_that_from_dense_matrices() -> None:
     """If samples show m, the third differences of the heights ahead of the lag have independent errors."""
     random = np.random.default_rng(3)
     grid = Grid(0.0, 0.1, 30)
@@ -82,7 +82,7 @@ def test_the_evidence_of_a_lag_is_that_of_the_dense_matrices() -> None:
     assert found(lag, None) - found(None, None) == pytest.approx(dense(lag, none) - dense(0 * lag, none), abs=1e-4)
 
 
-def test_samples_too_noisy_for_a_second_curve_are_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_samples_too_noisy_for_a_second_curve_are_not_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
     """The accelerometer contradicts the heights at the top, and no curve fits the heights alone."""
     module = sys.modules["fieldkit.analysis.measure"]
     fitted = module.ascend  # type: ignore[attr-defined]
@@ -98,7 +98,7 @@ def test_samples_too_noisy_for_a_second_curve_are_no_flight(monkeypatch: pytest.
     assert found.notes == (NO_FLIGHT,)
 
 
-def test_figures_are_averaged_with_the_spread_between_them() -> None:
+def test_the_sd_of_an_average_includes_the_spread_between_figures() -> None:
     def recorded(speed: float, burn: float) -> Recorded:
         figures = {"top_speed": Figure(speed, 3.0, "pressure"), "burn_time": Figure(burn, 0.1, "pressure")}
         return Recorded({"burnout": Event(burn, 0.1, "pressure")}, figures)

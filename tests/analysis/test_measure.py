@@ -1,4 +1,4 @@
-"""Measurements in the samples of flights that are known exactly."""
+"""Measurements from samples of flights that are known exactly."""
 
 import tracemalloc
 from dataclasses import replace
@@ -64,7 +64,7 @@ def off(recorded: Recorded, truth: Truth, name: str) -> float:
     ids=["plain", "feet", "fast", "thin", "1 Hz", "spikes", "shock", "pressure", "drifted zero", "jitter", "fused"],
 )
 @pytest.mark.parametrize("rocket", [TINY, SMALL, LARGE], ids=["tiny", "small", "large"])
-def test_apogee_and_its_time_survive_what_loggers_do(rocket: Rocket, logger: Logger) -> None:
+def test_apogee_and_its_time_are_right_despite_logger_faults(rocket: Rocket, logger: Logger) -> None:
     recorded, truth = measured(rocket, logger)
     apogee = truth.readouts()["apogee"]
     assert abs(off(recorded, truth, "apogee")) < max(1.0, 0.005 * apogee)
@@ -72,7 +72,7 @@ def test_apogee_and_its_time_survive_what_loggers_do(rocket: Rocket, logger: Log
     assert abs(late) < (0.2 if logger.rate > 1 else 0.5)
 
 
-def test_the_air_near_the_speed_of_sound_fakes_no_figure() -> None:
+def test_shocks_near_the_speed_of_sound_bias_no_figure() -> None:
     recorded, truth = measured(FAST, Logger(dip=True))
     assert abs(off(recorded, truth, "apogee")) < 0.005 * truth.readouts()["apogee"]
     assert abs(off(recorded, truth, "top_speed")) < 0.06 * truth.readouts()["top_speed"]
@@ -80,7 +80,7 @@ def test_the_air_near_the_speed_of_sound_fakes_no_figure() -> None:
 
 
 @pytest.mark.parametrize("early", [1.5, 2.0])
-def test_a_charge_before_the_top_makes_no_apogee_of_its_gas(early: float) -> None:
+def test_gas_of_a_charge_before_apogee_is_not_taken_for_the_apogee(early: float) -> None:
     """Pressure in the bay rises, stays, and falls: heights fall by 90 m, stay, and are then 50 m too high."""
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=20, noise=0.2), np.random.default_rng(5))
@@ -110,7 +110,7 @@ def test_heights_alone_give_speed_and_burn_time(rocket: Rocket) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [TINY, SMALL, LARGE, FAST], ids=["tiny", "small", "large", "fast"])
-def test_an_accelerometer_sharpens_the_boost(rocket: Rocket) -> None:
+def test_an_accelerometer_reduces_the_uncertainty_of_the_boost(rocket: Rocket) -> None:
     recorded, truth = measured(rocket, Logger(accelerometer=100))
     assert abs(off(recorded, truth, "burn_time")) < 0.06
     assert abs(off(recorded, truth, "top_speed")) < 0.03 * truth.readouts()["top_speed"]
@@ -131,7 +131,7 @@ def test_a_rocket_that_comes_in_ballistic_has_no_ejection() -> None:
 
 
 @pytest.mark.parametrize("rate", [10, 100])
-def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
+def test_an_ejection_at_high_speed_changes_only_the_curve_after_it(rate: int) -> None:
     """A short delay deploys the parachute at 50 m/s: the rocket stops within half a second."""
     recorded, truth = measured(replace(SMALL, delay=3.3), Logger(accelerometer=rate))
     assert abs(off(recorded, truth, "eject_altitude")) < 3 * recorded.figures["eject_altitude"].sd < 20
@@ -140,7 +140,7 @@ def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
 
 
 @pytest.mark.parametrize("range_end", [6.0, 8.0])
-def test_an_accelerometer_at_the_end_of_its_range_shows_the_rest(range_end: float) -> None:
+def test_a_clipped_accelerometer_still_measures_the_rest(range_end: float) -> None:
     truth = flown(LARGE)
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
@@ -155,7 +155,7 @@ def test_an_accelerometer_at_the_end_of_its_range_shows_the_rest(range_end: floa
     assert recorded.events["ejection"].source == "acceleration"  # a pressure pulse of any size counts
 
 
-def test_an_accelerometer_at_the_end_of_its_range_that_contradicts_the_heights_shows_no_boost() -> None:
+def test_a_clipped_accelerometer_that_contradicts_the_heights_is_not_used_for_the_boost() -> None:
     truth = flown(LARGE)
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
@@ -169,13 +169,13 @@ def test_an_accelerometer_at_the_end_of_its_range_that_contradicts_the_heights_s
     assert "acceleration" not in recorded.forces.source
 
 
-def test_an_accelerometer_with_a_wrong_zero_is_set_by_the_pad() -> None:
+def test_an_accelerometer_offset_is_corrected_from_the_pad() -> None:
     recorded, truth = measured(SMALL, Logger(accelerometer=100, scale=1.0, bias=1.4))
     assert abs(off(recorded, truth, "peak_accel")) < 1.5
 
 
 @pytest.mark.parametrize("part", [-0.04, 0.04])
-def test_pressure_that_is_off_with_speed_is_within_what_heights_alone_claim(part: float) -> None:
+def test_a_pressure_error_that_grows_with_speed_is_within_the_uncertainty_from_heights_alone(part: float) -> None:
     truth = flown(LARGE)
     (series,) = log(truth, Logger(), np.random.default_rng(1))
     speed = np.interp(series.time - 100, truth.time, truth.speed, left=0, right=0)
@@ -194,7 +194,7 @@ def test_a_zero_that_drifts_on_the_pad_widens_the_apogee() -> None:
     assert measure((series,)).figures["apogee"].sd < 0.3
 
 
-def test_gusts_on_the_ground_hide_no_landing() -> None:
+def test_gusts_on_the_ground_do_not_hide_the_landing() -> None:
     random, truth = np.random.default_rng(1), flown(SMALL)
     (series,) = log(truth, Logger(wait=60, rest=60), random)
     stands = (series.time < 100) | (series.time > 100 + truth.time[-1])
@@ -214,7 +214,7 @@ def test_a_log_that_begins_late_has_an_apogee_and_no_burn_time() -> None:
 
 
 @pytest.mark.parametrize("gap", [(-1.0, 6.4), (0.7, 3.9)], ids=["lift-off and burnout", "burnout"])
-def test_a_boost_that_no_sample_saw_has_no_figures(gap: tuple[float, float]) -> None:
+def test_a_boost_without_samples_has_no_figures(gap: tuple[float, float]) -> None:
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=5, noise=1.0), np.random.default_rng(1))
     there = (series.time - 100 < gap[0]) | (series.time - 100 > gap[1])
@@ -234,8 +234,8 @@ def test_a_boost_between_two_samples_has_no_figures() -> None:
     assert abs(off(recorded, truth, "apogee")) < 1
 
 
-def test_a_receiver_that_loses_its_way_under_thrust_shows_no_boost() -> None:
-    """It continues on its course, falls by thirty meters, and returns to the rocket within a second."""
+def test_a_receiver_that_loses_track_under_thrust_gives_no_boost_figures() -> None:
+    """Its height first extrapolates, then falls by thirty meters, and returns to the rocket's within a second."""
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=10, noise=0.2), np.random.default_rng(2))
     since = series.time - 100
@@ -252,7 +252,7 @@ def test_a_receiver_that_loses_its_way_under_thrust_shows_no_boost() -> None:
 
 
 @pytest.mark.parametrize("rate", [1.0, 10.0])
-def test_a_receiver_that_repeats_its_last_fix_has_not_measured_it(rate: float) -> None:
+def test_repeated_fixes_of_a_receiver_are_not_measurements(rate: float) -> None:
     truth = flown(LARGE)
     (series,) = log(truth, Logger(rate=rate, noise=0.5, wait=30.0), np.random.default_rng(2))
     assert series.altitude is not None
@@ -266,14 +266,14 @@ def test_a_receiver_that_repeats_its_last_fix_has_not_measured_it(rate: float) -
 
 
 @pytest.mark.parametrize("rest", [2.5, 3.0, 4.0])
-def test_a_log_that_ends_a_few_seconds_after_landing_has_it(rest: float) -> None:
+def test_a_log_that_ends_a_few_seconds_after_landing_has_a_landing(rest: float) -> None:
     truth = flown(SMALL)
     recorded = measure(log(truth, Logger(rest=rest), np.random.default_rng(3)))
     assert abs(off(recorded, truth, "duration")) < 2 * recorded.figures["duration"].sd
     assert abs(off(recorded, truth, "descent_speed")) < 2 * recorded.figures["descent_speed"].sd
 
 
-def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
+def test_heights_above_sea_level_that_begin_in_flight_have_no_pad_to_refer_to() -> None:
     (series,) = log(flown(LARGE), Logger(late=3.0), np.random.default_rng(1))
     assert series.altitude is not None
     recorded = measure((Series(time=series.time, altitude_msl=series.altitude + 900),))
@@ -282,7 +282,7 @@ def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
     assert NO_PAD in recorded.notes
 
 
-def test_a_log_without_a_pad_is_as_sure_of_its_zero_as_the_ground_it_lands_on() -> None:
+def test_without_samples_on_the_pad_the_zero_is_as_certain_as_the_landing_height() -> None:
     near, truth = measured(SMALL, Logger(late=0.3))
     far, _ = measured(SMALL, Logger(late=0.3, drift=8))
     assert near.figures["apogee"].sd < 1.3
@@ -314,7 +314,7 @@ def test_a_log_that_ends_soon_after_its_top_has_an_apogee() -> None:
 
 @pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
 @pytest.mark.parametrize("early", [0.97, 1.0, 1.03])
-def test_an_apogee_close_to_the_end_of_a_log_is_an_interval(rocket: Rocket, early: float) -> None:
+def test_an_apogee_close_to_the_end_of_a_log_has_an_interval(rocket: Rocket, early: float) -> None:
     recorded, truth = measured(rocket, Logger(early=early))
     for name in ("apogee", "coast_to_apogee", "time_to_apogee"):
         assert abs(off(recorded, truth, name)) < 2.5 * recorded.figures[name].sd
@@ -347,7 +347,7 @@ def test_a_log_that_ends_in_the_air_has_no_duration() -> None:
     ],
     ids=["still", "one spike and a fall", "a walk uphill", "a descent", "drift"],
 )
-def test_what_is_no_flight_has_no_figures(shape: object) -> None:
+def test_samples_without_a_flight_give_no_figures(shape: object) -> None:
     time = np.arange(0, 60, 0.05)
     noise = 0.5 * np.random.default_rng(2).standard_normal(time.size)
     recorded = measure((Series(time=time, altitude=shape(time) + noise),))  # type: ignore[operator]
@@ -361,13 +361,13 @@ def test_a_log_without_heights_reports_it() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 3, 12, 13, 40])
-def test_a_handful_of_samples_is_no_crash(count: int) -> None:
+def test_a_few_samples_cause_no_crash(count: int) -> None:
     time = np.arange(count) * 0.5
     measure((Series(time=time, altitude=400 - (time - 9) ** 2 * 4.9, felt=np.full(count, np.nan)),))
 
 
-def test_a_climb_after_hours_of_other_samples_takes_no_memory() -> None:
-    """Ten meters a second for five minutes, as of a balloon: nothing in the last two minutes says when it began."""
+def test_a_climb_after_hours_of_other_samples_needs_little_memory() -> None:
+    """Ten meters per second for five minutes, like a balloon: nothing in the last two minutes shows when it began."""
     time = np.arange(0, 40_000, 5.0)
     height = np.minimum(np.clip(10 * (time - 30_000), 0, 3000), np.clip(40_000 - time, 0, None))
     tracemalloc.start()
@@ -378,7 +378,7 @@ def test_a_climb_after_hours_of_other_samples_takes_no_memory() -> None:
 
 @examples(15)
 @given(seed=st.integers(0, 2**32), hurt=st.sampled_from(["cut", "noise", "jumps", "huge", "missing", "constant"]))
-def test_whatever_the_samples_are_measuring_ends_in_finite_figures(seed: int, hurt: str) -> None:
+def test_any_samples_give_finite_figures(seed: int, hurt: str) -> None:
     random = np.random.default_rng(seed)
     (series,) = log(flown(SMALL), Logger(rate=10), random)
     height = series.altitude.copy()
@@ -398,7 +398,7 @@ def test_whatever_the_samples_are_measuring_ends_in_finite_figures(seed: int, hu
         assert figure.sd > 0
 
 
-def test_one_sample_never_makes_a_figure() -> None:
+def test_no_figure_rests_on_a_single_sample() -> None:
     truth = flown(SMALL)
     (series,) = log(truth, Logger(), np.random.default_rng(3))
     spiked = series.altitude.copy()
@@ -408,7 +408,7 @@ def test_one_sample_never_makes_a_figure() -> None:
         assert wild.figures[name].value == pytest.approx(figure.value, abs=2 * figure.sd + 0.05)
 
 
-def test_a_gap_and_doubled_rows_are_bridged() -> None:
+def test_gaps_and_duplicate_rows_do_not_stop_the_measurement() -> None:
     truth = flown(SMALL)
     (series,) = log(truth, Logger(), np.random.default_rng(4))
     kept = np.r_[0:85, 93:140, 140:142, 140:142, 150 : series.time.size]
@@ -430,7 +430,7 @@ def test_drag_area_is_measured_in_the_coast() -> None:
         assert np.abs(forces.push[middle] - thrust[middle]).max() < 0.15 * thrust.max()
 
 
-def test_above_the_air_there_is_no_drag_area() -> None:
+def test_above_the_atmosphere_no_drag_area_is_measured() -> None:
     time, one = np.arange(0.0, 10.0), np.ones(10)
     for height, shown in ((1e3, True), (1e6, False)):
         climb = MeasuredClimb(time, height * one, 100 * one, one, -20 * one, one, time < 0, "pressure")
@@ -465,21 +465,21 @@ def test_stated_uncertainties_hold_over_a_few_flights() -> None:
         names = ("apogee", "top_speed", "burn_time", "duration")
         far += [abs(off(recorded, truth, name)) / recorded.figures[name].sd for name in names]
     assert np.mean(np.array(far) < 2) > 0.75
-    assert np.median(far) > 0.1  # nor are they so wide that they say nothing
+    assert np.median(far) > 0.1  # nor are they so wide that they are useless
 
 
-def test_measuring_twice_gives_the_same_digits() -> None:
+def test_measuring_twice_gives_identical_results() -> None:
     once, again = (measured(SMALL, Logger())[0] for _ in range(2))
     assert once.figures == again.figures
 
 
-def test_a_long_wait_on_the_pad_costs_nothing() -> None:
+def test_a_long_wait_on_the_pad_changes_no_figure() -> None:
     recorded, truth = measured(TINY, Logger(rate=100, wait=1500, noise=0.5))
     assert abs(off(recorded, truth, "apogee")) < 1.0
     assert abs(off(recorded, truth, "time_to_apogee")) < 0.2
 
 
-def test_two_loggers_on_one_flight_agree_once_their_clocks_do() -> None:
+def test_two_loggers_on_one_flight_agree_once_their_clocks_are_aligned() -> None:
     first, _ = measured(SMALL, Logger())
     second, _ = measured(SMALL, Logger(start=3.0, rate=50, noise=1.0, accelerometer=50), seed=8)
     found = compare(first, second)
@@ -491,7 +491,7 @@ def test_two_loggers_on_one_flight_agree_once_their_clocks_do() -> None:
     assert (compare(first, other).differences["apogee"].in_sd or 0) < -50
 
 
-def test_a_measured_figure_is_the_readout_and_a_stated_one_stays_beside_it() -> None:
+def test_a_measured_figure_becomes_the_readout_and_the_stated_one_is_kept_with_it() -> None:
     recorded, _ = measured(SMALL, Logger())
     fields, extra = columns(recorded, {"rocket": "Swift", "apogee": 500.0})
     assert fields["rocket"] == "Swift"
@@ -507,13 +507,13 @@ def test_a_measured_figure_is_the_readout_and_a_stated_one_stays_beside_it() -> 
     assert columns(failed, {"apogee": 738.0}) == ({}, {"stated_apogee_m": "738"})
 
 
-def test_no_readout_is_a_zero_that_stands_for_nothing() -> None:
+def test_a_missing_readout_is_never_zero() -> None:
     for logger in (Logger(), Logger(late=3.0), Logger(early=0.8)):
         fields, _ = columns(measured(LARGE, logger)[0], {})
         assert all(fields[column.name] for column in READOUTS if column.name in fields)
 
 
-def test_standard_heights_and_pressures_are_each_others_inverse() -> None:
+def test_standard_height_and_pressure_are_inverse_functions() -> None:
     height = np.array([-300.0, 0.0, 1500.0, 10999.0, 11001.0, 18000.0])
     assert pressure_height(height_pressure(height)) == pytest.approx(height, abs=1e-6)
     assert height_pressure(np.array([11000.0, 20000.0])) == pytest.approx([22632.1, 5474.9], rel=1e-4)
@@ -530,7 +530,7 @@ def test_a_spike_at_either_end_of_a_log_is_a_spike(place: int) -> None:
 
 
 @pytest.mark.parametrize("size", [9, 40])
-def test_slopes_and_lines_are_those_of_scipy(size: int) -> None:
+def test_slopes_and_lines_agree_with_scipy(size: int) -> None:
     from scipy.signal import savgol_filter
     from scipy.stats import theilslopes
 
@@ -543,7 +543,7 @@ def test_slopes_and_lines_are_those_of_scipy(size: int) -> None:
     np.testing.assert_allclose(local_slopes(y, 5, 0.2), whole[2:-2], atol=1e-12)
 
 
-def test_the_drag_of_a_fast_coast_is_no_charge() -> None:
+def test_the_drag_of_a_fast_coast_is_not_taken_for_a_charge() -> None:
     random, time = np.random.default_rng(3), np.arange(0, 20, 0.05)
     drag = -90 * np.exp(-(time - 4) / 1.5)
     felt = np.where(time < 3, 9.8, np.where(time < 4, 260.0, np.where(time < 11.8, drag, 6.0)))

@@ -1,4 +1,4 @@
-"""The optimizers of the measuring, beside those of scipy."""
+"""The optimizers used in measurements, compared with those of scipy."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ def banana(values: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("evaluations", [20, 45, 400])
-def test_a_simplex_goes_where_that_of_scipy_goes(evaluations: int) -> None:
+def test_the_simplex_finds_the_same_minimum_as_scipy(evaluations: int) -> None:
     from scipy.optimize import minimize
 
     simplex = np.array([[-1.2, 1.0], [-0.5, 1.0], [-1.2, 2.0]])
@@ -22,7 +22,7 @@ def test_a_simplex_goes_where_that_of_scipy_goes(evaluations: int) -> None:
     assert banana(nelder_mead(banana, simplex, evaluations)) <= expected.fun * (1 + 1e-6) + 1e-12
 
 
-def test_soft_squares_are_least_where_those_of_scipy_are() -> None:
+def test_robust_least_squares_agree_with_scipy() -> None:
     from scipy.optimize import least_squares
 
     rng = np.random.default_rng(4)
@@ -40,6 +40,6 @@ def test_soft_squares_are_least_where_those_of_scipy_are() -> None:
     assert found[0] == pytest.approx(50, abs=3)
 
 
-def test_values_stay_in_their_room() -> None:
+def test_values_stay_within_bounds() -> None:
     found = least_soft_squares(lambda values: values - 10.0, np.zeros(2), np.ones(2), np.array([1.0, 20.0]), 50)
     np.testing.assert_allclose(found, [1.0, 10.0], atol=1e-3)

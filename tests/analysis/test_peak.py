@@ -1,4 +1,4 @@
-"""The peak of motors above the mean of a window, computed again from the catalog."""
+"""The ratio of peak thrust to the mean over a window, computed again from the catalog."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def strongest(thrust: np.ndarray, window: float) -> float:
 
 
 def beyond() -> tuple[np.ndarray, np.ndarray]:
-    """The logarithm of peak over mean of each window, and of the burn, of each motor; and how much a motor counts."""
+    """Per motor: the logarithm of peak over mean of each window, that of the burn, and the motor's weight."""
     rows, classes = [], []
     for motor in catalogue().motors:
         burn = float(motor.burnout)
@@ -32,7 +32,7 @@ def beyond() -> tuple[np.ndarray, np.ndarray]:
     return np.array(rows), weight / weight.sum()
 
 
-def test_peaks_of_motors_are_those_of_the_catalog() -> None:
+def test_peak_ratios_agree_with_the_catalog() -> None:
     logs, weight = beyond()
     mean = weight @ logs
     spread = np.sqrt(weight @ (logs - mean) ** 2)

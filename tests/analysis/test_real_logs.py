@@ -52,7 +52,7 @@ def flown(name: str) -> tuple[Reading, Recorded]:
 
 
 def robust_apogee(clocks: tuple[Series, ...]) -> float:
-    """The highest 11-sample median of the heights, if needed above that of the first in the minute before."""
+    """The highest 11-sample median of the heights, if needed above the first median in the minute before."""
     for name in ("altitude", "pressure", "altitude_msl", "gps_altitude_msl"):
         for series in clocks:
             values = getattr(series, name)
@@ -80,7 +80,7 @@ def test_apogee_is_within_half_a_percent_of_the_robust_one(name: str) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", [name for name, time in FLIGHTS.items() if time is not None])
-def test_apogee_is_when_the_samples_turn(name: str) -> None:
+def test_apogee_is_at_the_vertex_of_the_samples(name: str) -> None:
     _, recorded = flown(name)
     assert recorded.events["apogee"].time == pytest.approx(FLIGHTS[name], abs=0.2)
 
@@ -90,13 +90,13 @@ def test_a_failed_flight_has_no_apogee() -> None:
     assert not recorded.figures
 
 
-def test_the_spike_of_a_rocket_that_broke_is_no_apogee() -> None:
+def test_the_spike_of_a_rocket_that_broke_up_is_not_the_apogee() -> None:
     _, recorded = flown("altos_csv__2012-05-28-serial-319-flight-005.csv")
     apogee = recorded.figures.get("apogee")
     assert apogee is None or apogee.value < 155
 
 
-def test_charges_at_the_top_are_no_apogee() -> None:
+def test_spikes_from_charges_near_apogee_are_not_the_apogee() -> None:
     """The last five seconds of its coast that no charge disturbs are a parabola whose top is at 3161 m and 26.0 s."""
     reading, recorded = flown("rrc3__juno3_cots_altimeter.csv")
     (series,) = reading.clocks
@@ -118,7 +118,7 @@ def test_two_devices_on_one_flight_agree() -> None:
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude", "pressure")
 SCALE_HEIGHT = 8400.0
-"""Height in which pressure falls by e near the ground. [m]"""
+"""Scale height of the pressure near the ground. [m]"""
 Change = Callable[[Series, float, np.random.Generator], Series]
 
 
@@ -151,7 +151,7 @@ def halved(series: Series, noise: float, random: np.random.Generator) -> Series:
 @pytest.mark.slow
 @pytest.mark.parametrize("change", [noisier, drifting, spiked, halved])
 @pytest.mark.parametrize("name", FLIGHTS)
-def test_a_worse_log_gives_the_same_readouts_within_their_uncertainty(name: str, change: Change) -> None:
+def test_a_degraded_log_gives_the_same_readouts_within_their_uncertainty(name: str, change: Change) -> None:
     reading, recorded = flown(name)
     track = heights(reading.clocks)
     assert track is not None
@@ -159,7 +159,7 @@ def test_a_worse_log_gives_the_same_readouts_within_their_uncertainty(name: str,
     worse = measure([change(series, track.noise, random) for series in reading.clocks], reading.events)
     for figure in sorted(recorded.figures.keys() & worse.figures.keys()):
         one, other = recorded.figures[figure], worse.figures[figure]
-        moved = 0.5 if change is drifting else 0.0  # of which the pad's own share is a part of the figure
+        moved = 0.5 if change is drifting else 0.0  # of which the pad's own part is included in the figure
         assert abs(one.value - other.value) < 3 * np.hypot(one.sd, other.sd) + moved, figure
     assert "apogee" in worse.figures
 

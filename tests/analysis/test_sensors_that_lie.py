@@ -1,4 +1,5 @@
-"""Recordings in which a sensor reports an impossible flight: it is left out with a note, and the figures stay right."""
+"""Recordings in which a sensor reports an impossible flight: it is left out with a note, and the figures remain
+right."""
 
 from dataclasses import replace
 from functools import cache
@@ -39,7 +40,7 @@ def misses(recorded: Recorded, truth: Truth, *names: str, sds: float = 3.0) -> l
 
 
 def shocked(truth: Truth, lowest: float, depth: float, **settings: float) -> tuple[Series, ...]:
-    """A log whose pressure is too high between a low and a high speed, as behind shocks. [Mach], [m]"""
+    """A log whose pressure is too high in a range of speeds, as behind shocks. [Mach], [m]"""
     series, *others = recording(truth, **settings)
     mach = np.interp(series.time, truth.time, truth.speed, left=0, right=0) / SOUND
     fakes = depth * np.clip(np.minimum((mach - lowest) / 0.05, (1.2 - mach) / 0.05), 0, 1)
@@ -50,7 +51,7 @@ def shocked(truth: Truth, lowest: float, depth: float, **settings: float) -> tup
 @pytest.mark.parametrize("wait", [0.0, 0.3, 2.0])
 @pytest.mark.parametrize("lowest", [0.3, 0.8])
 @pytest.mark.parametrize("depth", [268.0, 600.0])
-def test_shocks_near_the_speed_of_sound_are_no_pad(wait: float, lowest: float, depth: float) -> None:
+def test_shocks_near_the_speed_of_sound_are_not_taken_for_the_pad(wait: float, lowest: float, depth: float) -> None:
     truth = flown(HARD)
     recorded = measure(shocked(truth, lowest, depth, wait=wait))
     assert recorded.figures["apogee"].value == pytest.approx(truth.readouts()["apogee"], rel=0.002)
@@ -70,7 +71,7 @@ def test_shocks_do_not_move_burnout(rocket: Rocket, rate: float) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(("begin", "lasts", "step"), [(100.0, 3.0, 3000.0), (20.0, 2.0, 3000.0), (60.0, 8.0, -400.0)])
-def test_a_level_that_jumps_for_seconds_is_no_top(begin: float, lasts: float, step: float) -> None:
+def test_a_step_of_a_few_seconds_is_not_the_apogee(begin: float, lasts: float, step: float) -> None:
     truth = flown(LARGE)
     (series,) = recording(truth)
     wrong = (series.time > begin) & (series.time < begin + lasts)
@@ -78,7 +79,7 @@ def test_a_level_that_jumps_for_seconds_is_no_top(begin: float, lasts: float, st
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "duration")
 
 
-def test_a_level_that_jumps_before_the_log_ends_leaves_the_flight_complete() -> None:
+def test_a_step_near_the_end_of_a_log_leaves_the_flight_complete() -> None:
     truth = flown(LARGE)
     (series,) = recording(truth)
     wrong = series.time > series.time[-1] - 6
@@ -87,7 +88,7 @@ def test_a_level_that_jumps_before_the_log_ends_leaves_the_flight_complete() -> 
     assert "apogee" in recorded.events
 
 
-def test_what_a_rocket_does_is_no_step() -> None:
+def test_motion_of_a_rocket_is_not_taken_for_a_step() -> None:
     for rocket in (SMALL, LARGE, FAST, HARD):
         (series,) = recording(flown(rocket), rate=50.0)
         track = Heights(series.time, series.altitude, True, 0.4, "barometric altitude")
@@ -97,7 +98,7 @@ def test_what_a_rocket_does_is_no_step() -> None:
 @pytest.mark.sampled
 @pytest.mark.parametrize("begins", [-8.0, -6.0, -4.0, -2.0, -1.0])
 @pytest.mark.parametrize("seed", [2, 3])
-def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int) -> None:
+def test_an_apogee_in_a_radio_gap_has_an_interval(begins: float, seed: int) -> None:
     truth = flown(LARGE)
     (series,) = recording(truth, rate=10.0, seed=seed)
     heard = ~((series.time > truth.apogee_time + begins) & (series.time < truth.apogee_time + begins + 12))
@@ -111,7 +112,7 @@ def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int
 @pytest.mark.sampled
 @pytest.mark.parametrize("accelerometer", [0.0, 10.0])
 @pytest.mark.parametrize("begins", [0.3, 0.6, 0.9])
-def test_a_silence_from_the_boost_to_the_descent_bounds_no_apogee(begins: float, accelerometer: float) -> None:
+def test_a_radio_gap_from_boost_to_descent_does_not_bound_the_apogee(begins: float, accelerometer: float) -> None:
     truth = flown(LARGE)
     clocks = recording(truth, rate=10.0, accelerometer=accelerometer)
     gap = (begins * truth.burnout, truth.apogee_time + 2)
@@ -122,7 +123,7 @@ def test_a_silence_from_the_boost_to_the_descent_bounds_no_apogee(begins: float,
 
 
 @pytest.mark.parametrize("accelerometer", [0.0, 10.0])
-def test_a_silence_of_the_radio_from_the_boost_on_leaves_no_figures_of_it(accelerometer: float) -> None:
+def test_a_radio_gap_from_the_boost_on_gives_no_boost_figures(accelerometer: float) -> None:
     truth = flown(LARGE)
     clocks = recording(truth, rate=10.0, accelerometer=accelerometer)
     gap = (0.6 * truth.burnout, 0.6 * truth.burnout + 3.5)
@@ -132,7 +133,7 @@ def test_a_silence_of_the_radio_from_the_boost_on_leaves_no_figures_of_it(accele
 
 
 @pytest.mark.parametrize("seed", [2, 3])
-def test_a_silence_from_the_boost_to_near_the_top_leaves_its_apogee(seed: int) -> None:
+def test_a_radio_gap_from_boost_to_near_the_top_leaves_the_apogee(seed: int) -> None:
     """Two seconds of coast near the top do not show how fast it began, nor does a boost cut short show a lag."""
     truth = flown(SMALL)
     clocks = recording(truth, rate=10.0, seed=seed)
@@ -140,7 +141,7 @@ def test_a_silence_from_the_boost_to_near_the_top_leaves_its_apogee(seed: int) -
     assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", "duration")
 
 
-def test_thrust_from_the_first_sample_on_is_no_later_lift_off() -> None:
+def test_thrust_from_the_first_sample_on_gives_no_later_lift_off() -> None:
     """A pressure error in proportion to the dynamic pressure keeps the first heights of the boost near the pad."""
     truth = flown(HARD)
     barometer, felt = (series_without(one, -np.inf, 0.15) for one in recording(truth, accelerometer=100.0, wait=0.0))
@@ -158,7 +159,7 @@ def test_a_peak_before_the_first_sample_of_an_accelerometer_is_not_measured() ->
 
 
 @pytest.mark.parametrize("turn", [-1.0, 1.0])
-def test_drift_of_a_receiver_after_landing_is_no_descent(turn: float) -> None:
+def test_drift_of_a_receiver_after_landing_is_not_a_descent(turn: float) -> None:
     truth = flown(LARGE)
     (series,) = recording(truth, rate=5.0, noise=0.5)
     landed = float(truth.time[-1])
@@ -179,7 +180,7 @@ def series_without(series: Series, begin: float, end: float) -> Series:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("factor", [0.3, 1.5, 3.0])
-def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> None:
+def test_an_accelerometer_with_a_wrong_scale_is_not_used(factor: float) -> None:
     truth = flown(LARGE)
     barometer, felt = recording(truth, accelerometer=100.0)
     recorded = measure((barometer, replace(felt, felt=GRAVITY + factor * (felt.felt - GRAVITY))))
@@ -188,7 +189,7 @@ def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> Non
     assert "acceleration" not in recorded.figures["top_speed"].source
 
 
-def test_an_accelerometer_on_a_late_clock_is_not_believed() -> None:
+def test_an_accelerometer_with_a_late_clock_is_not_used() -> None:
     truth = flown(LARGE)
     barometer, felt = recording(truth, accelerometer=100.0)
     recorded = measure((barometer, replace(felt, time=felt.time + 1.6)))
@@ -196,7 +197,7 @@ def test_an_accelerometer_on_a_late_clock_is_not_believed() -> None:
     assert any(" s late" in note for note in recorded.notes)
 
 
-def test_an_accelerometer_of_a_tilted_flight_is_believed_and_air_brakes_are_not() -> None:
+def test_an_accelerometer_is_used_in_a_tilted_flight_but_not_with_air_brakes() -> None:
     """The flight is 22 degrees off vertical; for two seconds of the coast the pressures are those of 150 m lower."""
     random = np.random.default_rng(11)
     for path in draw(random, 3, launch_angle=float(np.radians(22))):
@@ -212,7 +213,7 @@ def test_an_accelerometer_of_a_tilted_flight_is_believed_and_air_brakes_are_not(
 
 
 @pytest.mark.parametrize("lag", [0.15, 0.3])
-def test_heights_behind_a_filter_are_taken_as_late(lag: float) -> None:
+def test_heights_after_a_filter_are_treated_as_late(lag: float) -> None:
     truth = flown(LARGE)
     barometer, felt = recording(truth, accelerometer=100.0)
     recorded = measure((replace(barometer, time=barometer.time + lag), felt))
@@ -228,7 +229,7 @@ def delayed(values: np.ndarray, step: float, over: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
-def test_a_column_of_accelerations_made_of_pressures_is_no_accelerometer(rocket: Rocket) -> None:
+def test_accelerations_derived_from_pressure_are_not_an_accelerometer(rocket: Rocket) -> None:
     truth = flown(rocket)
     (series,) = recording(truth)
     speed = delayed(np.gradient(series.altitude, series.time), 0.05, 0.3)
@@ -241,14 +242,14 @@ def test_a_column_of_accelerations_made_of_pressures_is_no_accelerometer(rocket:
 @pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE, FAST], ids=["small", "large", "fast"])
 @pytest.mark.parametrize("scale", [0.95, 1.05])
-def test_an_accelerometer_that_is_a_little_off_is_believed(rocket: Rocket, scale: float) -> None:
+def test_an_accelerometer_with_a_small_error_is_used(rocket: Rocket, scale: float) -> None:
     recorded = measure(recording(flown(rocket), accelerometer=100.0, scale=scale))
     assert "acceleration" in recorded.figures["top_speed"].source
     assert not any("not used" in note for note in recorded.notes)
 
 
 @pytest.mark.parametrize("shape", [lambda t: np.clip(6 * (t - 30), 0, 60), lambda t: np.clip(6 * (t - 30), 0, 400)])
-def test_a_lift_is_no_flight(shape: object) -> None:
+def test_an_elevator_ride_is_not_a_flight(shape: object) -> None:
     time = np.arange(0, 120, 0.1)
     height = shape(time) + np.random.default_rng(3).normal(0, 0.3, time.size)  # type: ignore[operator]
     assert measure((Series(time=time, altitude=height),)) == Recorded(notes=(NO_FLIGHT,))
@@ -266,7 +267,7 @@ def figures(**values: tuple[float, float]) -> dict[str, Figure]:
     ],
     ids=["average above peak", "343 g"],
 )
-def test_what_no_rocket_can_do_is_named_and_not_measured(impossible: dict[str, Figure]) -> None:
+def test_impossible_readouts_are_named_and_not_stored(impossible: dict[str, Figure]) -> None:
     kept, notes = possible(impossible)
     assert kept.keys() == {"apogee"}
     (note,) = notes
@@ -279,7 +280,7 @@ def test_an_average_within_its_error_of_the_peak_is_kept() -> None:
 
 
 @pytest.mark.parametrize(("stated", "doubt"), [(300.5, False), (306.0, False), (240.0, True), (600.0, True)])
-def test_a_device_that_states_another_apogee_makes_it_less_sure(stated: float, doubt: bool) -> None:
+def test_a_different_stated_apogee_increases_the_uncertainty(stated: float, doubt: bool) -> None:
     recorded = Recorded(figures=figures(apogee=(300.0, 1.0), duration=(50.0, 1.0)))
     found = widened_by_contradictions(recorded, {"apogee": stated, "notes": "windy"})
     assert found.figures["apogee"].value == 300.0
@@ -290,7 +291,7 @@ def test_a_device_that_states_another_apogee_makes_it_less_sure(stated: float, d
 
 
 def beside_satellites(truth: Truth, static: float, *, warm: float = 1.0) -> tuple[Series, ...]:
-    """A log whose pressure is off by a part of the dynamic one, and a receiver's heights, a fifth of a second late."""
+    """A log with a pressure error that is a fraction of the dynamic pressure, and a receiver's heights, 0.2 s late."""
     series, *_ = recording(truth)
     speed = np.interp(series.time, truth.time, truth.speed, left=0, right=0)
     assert series.altitude is not None
@@ -305,7 +306,7 @@ def beside_satellites(truth: Truth, static: float, *, warm: float = 1.0) -> tupl
 @pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [LARGE, FAST], ids=["large", "fast"])
 @pytest.mark.parametrize("static", [-0.04, 0.0, 0.04])
-def test_satellites_sharpen_the_speed_of_a_fast_flight_by_pressure(rocket: Rocket, static: float) -> None:
+def test_satellite_heights_reduce_the_uncertainty_of_a_fast_flights_speed(rocket: Rocket, static: float) -> None:
     truth = flown(rocket)
     alone, both = beside_satellites(truth, static)[:1], beside_satellites(truth, static)
     before, after = measure(alone).figures["top_speed"], measure(both).figures["top_speed"]
@@ -316,7 +317,7 @@ def test_satellites_sharpen_the_speed_of_a_fast_flight_by_pressure(rocket: Rocke
     assert not misses(measure(both), truth, "apogee", "time_to_apogee")
 
 
-def test_satellites_of_another_flight_change_no_figure() -> None:
+def test_satellite_heights_of_another_flight_change_no_figure() -> None:
     series, receiver = beside_satellites(flown(LARGE), 0.0)
     assert receiver.gps_altitude_msl is not None
     other = replace(receiver, gps_altitude_msl=1400 + 3 * (receiver.gps_altitude_msl - 1400))
@@ -326,13 +327,13 @@ def test_satellites_of_another_flight_change_no_figure() -> None:
         assert measure((series, wrong)).figures == expected
 
 
-def test_heights_of_a_warm_day_are_those_of_the_standard_atmosphere_beside_satellites() -> None:
+def test_on_a_warm_day_heights_refer_to_the_standard_atmosphere_despite_satellites() -> None:
     truth = flown(LARGE)
     recorded = measure(beside_satellites(truth, 0.0, warm=1.06))
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
 
 
-def test_zeros_between_the_samples_of_a_slow_sensor_are_no_heights() -> None:
+def test_zeros_between_samples_of_a_slow_sensor_are_not_heights() -> None:
     truth = flown(SMALL)
     series, *_ = recording(truth, wait=2.0)
     time = np.arange(series.time[0], series.time[-1], 0.01)
@@ -343,7 +344,7 @@ def test_zeros_between_the_samples_of_a_slow_sensor_are_no_heights() -> None:
 
 
 @pytest.mark.parametrize("late", [0.15, 0.25])
-def test_an_acceleration_that_was_worked_out_and_comes_late_is_left_out(late: float) -> None:
+def test_a_computed_acceleration_with_a_delay_is_left_out(late: float) -> None:
     truth = flown(SMALL)
     series, *_ = recording(truth, wait=2.0)
     slowed = np.interp(series.time - late, truth.time, truth.acceleration, left=0.0, right=0.0)
@@ -367,7 +368,7 @@ def test_a_computed_acceleration_that_is_smoothed_without_delay_is_left_out(wait
 
 
 @pytest.mark.parametrize("coast", [0.8, 1.8])
-def test_lift_off_of_two_stages_is_that_of_the_first(coast: float) -> None:
+def test_lift_off_of_two_stages_is_by_the_first(coast: float) -> None:
     burns, step, lift = (1.2, 2.0), 0.01, 3.0
     time = np.arange(0.0, 90.0, step)
     flies = time - lift
@@ -381,7 +382,7 @@ def test_lift_off_of_two_stages_is_that_of_the_first(coast: float) -> None:
     assert recorded.figures["burn_time"].value == pytest.approx(second + burns[1], abs=0.1)
 
 
-def test_an_accelerometer_that_flies_past_the_top_is_not_believed() -> None:
+def test_an_accelerometer_whose_integral_passes_apogee_is_not_used() -> None:
     truth = flown(LARGE)
     series, *_ = recording(truth, wait=2.0)
     there = series.time > 0.4
@@ -392,7 +393,7 @@ def test_an_accelerometer_that_flies_past_the_top_is_not_believed() -> None:
     assert recorded.figures["apogee"].value == pytest.approx(truth.readouts()["apogee"], rel=0.01)
 
 
-def test_a_drone_is_no_rocket() -> None:
+def test_a_drone_flight_is_not_a_rocket_flight() -> None:
     time = np.arange(0.0, 200.0, 0.1)
     climb = np.interp(time, [0, 10, 25, 100, 130, 200], [0, 0, 110, 112, 0, 0])
     for seed in range(4):
@@ -400,14 +401,14 @@ def test_a_drone_is_no_rocket() -> None:
         assert measure((Series(time=time, altitude=climb + noise),)).notes == (NO_FLIGHT,)
 
 
-def test_what_is_known_to_no_better_than_half_of_it_is_not_measured() -> None:
+def test_a_readout_with_a_standard_deviation_above_half_its_value_is_not_stored() -> None:
     figures = {"peak_accel": Figure(300.0, 160.0, "pressure"), "burn_time": Figure(1.0, 0.2, "pressure")}
     known, notes = known_well(figures)
     assert known.keys() == {"burn_time"}
     assert "peak acceleration" in notes[0]
 
 
-def test_a_whole_flight_is_drawn_from_lift_off_to_landing() -> None:
+def test_a_complete_flight_is_plotted_from_lift_off_to_landing() -> None:
     truth = flown(SMALL)
     recorded = measure(recording(truth, wait=2.0))
     curve = flight_curve(recorded)

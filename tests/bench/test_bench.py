@@ -63,23 +63,23 @@ Shown = dict[str, dict[str, float]]
 
 
 @pytest.mark.parametrize("name", ["calm", "calm F24", "calm, high"])
-def test_in_calm_air_on_a_vertical_rail_the_rigid_rocket_is_a_rising_point(shown: Shown, name: str) -> None:
+def test_in_calm_air_on_a_vertical_rail_the_rigid_rocket_flies_like_a_point_mass(shown: Shown, name: str) -> None:
     straight = climb(LAUNCHES[name])
     assert shown[name]["apogee_m"] == pytest.approx(straight.apogee, rel=0.003)
     assert shown[name]["top_speed_mps"] == pytest.approx(straight.top_speed, rel=0.003)
 
 
-def test_more_static_margin_tilts_more_into_the_wind(shown: Shown) -> None:
+def test_more_static_margin_means_more_weathercocking(shown: Shown) -> None:
     heights = [shown[name]["apogee_m"] for name in ("calm", "margin 1", "margin 2", "margin 3.5")]
     assert heights == sorted(heights, reverse=True)
     assert heights[1] > heights[3] + 2
 
 
-def test_a_slow_exit_from_the_rail_tilts_more_into_the_wind(shown: Shown) -> None:
+def test_a_slower_rail_exit_means_more_weathercocking(shown: Shown) -> None:
     assert shown["long rail"]["apogee_m"] > shown["short rail"]["apogee_m"] + 2
 
 
-def test_the_step_is_fine_enough_and_a_flight_does_not_depend_on_its_batch(
+def test_the_time_step_is_small_enough_and_a_flight_does_not_depend_on_its_batch(
     shown: Shown, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fast_truth, "FINE", 0.003)
@@ -88,7 +88,7 @@ def test_the_step_is_fine_enough_and_a_flight_does_not_depend_on_its_batch(
     assert alone["apogee_m"] == pytest.approx(shown["tilted"]["apogee_m"], rel=2e-4)
 
 
-def test_an_early_charge_costs_height_and_coasting_but_no_speed(shown: Shown) -> None:
+def test_an_early_charge_costs_height_and_coast_time_but_no_speed(shown: Shown) -> None:
     late, early = shown["calm"], shown["short delay"]
     assert early["apogee_m"] < late["apogee_m"] - 10
     assert early["coast_to_apogee_s"] < late["coast_to_apogee_s"]
@@ -96,7 +96,7 @@ def test_an_early_charge_costs_height_and_coasting_but_no_speed(shown: Shown) ->
     assert early["apogee_to_eject_s"] < 0 < late["apogee_to_eject_s"]
 
 
-def test_drag_rises_near_mach_one_only() -> None:
+def test_drag_rises_only_near_mach_one() -> None:
     factors = fast_truth.mach_factor(np.array([0.3, 0.7, 1.05, 2.0]), 0.8)
     assert factors == pytest.approx([1.0, 1.0, 1.8, 1 + 0.8 * 0.6])
 
@@ -110,7 +110,7 @@ def straight_track() -> Track:
     return Track(time, height, speed, push, liftoff=0.0, burnout=1.0, ejection=21.0)
 
 
-def test_the_altimeter_keeps_to_its_definitions() -> None:
+def test_the_altimeters_readouts_follow_their_definitions() -> None:
     shown = exact_readouts(straight_track(), Air())
     assert list(shown) == [name for name in RESOLUTION if name in shown]
     assert shown["burn_time_s"] == 1.0
@@ -123,7 +123,7 @@ def test_the_altimeter_keeps_to_its_definitions() -> None:
     assert shown["duration_s"] == 31
 
 
-def test_a_standard_day_reads_true_and_a_hot_one_low() -> None:
+def test_the_altimeter_is_right_on_a_standard_day_and_low_on_a_hot_one() -> None:
     height = np.array([100.0, 1000.0])
     assert barometric_height(height, Air()) == pytest.approx(height, abs=1e-6)
     high = Air(elevation=1500, temperature=288.15 - 0.0065 * 1500)
@@ -132,11 +132,11 @@ def test_a_standard_day_reads_true_and_a_hot_one_low() -> None:
     assert hot == pytest.approx(height / 1.05, rel=1e-3)
 
 
-def test_station_pressure_and_pressure_altitude_undo_each_other() -> None:
+def test_station_pressure_and_pressure_altitude_are_inverse_functions() -> None:
     assert float(pressure_altitude(station_pressure(101325.0, 1234.0))) == pytest.approx(1234.0)
 
 
-def test_the_gain_of_a_barometer_leaves_speed_and_times_alone() -> None:
+def test_the_gain_of_a_barometer_does_not_change_speed_and_times() -> None:
     true, scaled = exact_readouts(straight_track(), Air()), exact_readouts(straight_track(), Air(), 1.05)
     assert scaled["apogee_m"] == pytest.approx(1.05 * true["apogee_m"])
     for name in ("top_speed_mps", "burn_time_s", "peak_accel_g", "coast_to_apogee_s", "duration_s"):
@@ -155,7 +155,7 @@ def test_readings_are_multiples_of_the_last_digit_and_scatter_about_the_truth() 
     assert 0.002 < np.std([reading["apogee_m"] for reading in many]) / exact["apogee_m"] < 0.006
 
 
-def test_every_scenario_names_known_effects_and_declares_its_truth_nowhere() -> None:
+def test_every_scenario_has_known_effects_and_does_not_declare_them() -> None:
     for scenario in SCENARIOS.values():
         assert {part.effect for part in scenario.parts} <= set(EFFECTS)
         assert scenario.label in ("none", "unexplained") or all(scenario.label.split("+"))
@@ -175,7 +175,7 @@ def test_an_effect_does_not_change_random_draws() -> None:
         assert any(_bent(a) != _bent(b) for a, b in pairs)
 
 
-def test_a_wrong_elevation_is_wrong_at_one_site_only() -> None:
+def test_a_wrong_elevation_affects_one_site_only() -> None:
     found = case(SCENARIOS["air_density"], 3, 1)
     site = found.parameters["air_density.site"]
     for flown_ in found.bent.flights:
@@ -191,7 +191,7 @@ def sets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_set_is_a_history_a_future_and_a_label(sets: Path) -> None:
+def test_a_set_has_a_history_later_flights_and_a_label(sets: Path) -> None:
     (label,) = json.loads((sets / "labels.json").read_text())
     assert label["label"] == "mass_offset"
     for name, count in (("set_001", "n_flights"), ("set_001_future", "n_future")):
@@ -221,7 +221,7 @@ def test_the_same_seed_draws_the_same_season_in_any_process() -> None:
     assert first == season(7, "2")
 
 
-def test_planned_flights_keep_nothing_of_the_altimeter(sets: Path, tmp_path: Path) -> None:
+def test_planned_flights_contain_no_readouts(sets: Path, tmp_path: Path) -> None:
     with _planned(sets / "set_001_future.csv", tmp_path / "planned.csv").open() as file:
         header = next(csv.reader(file))
     assert "motor" in header
@@ -248,7 +248,7 @@ else:
 """
 
 
-def test_scoring_calls_the_product_as_the_contract_says(sets: Path, tmp_path: Path) -> None:
+def test_scoring_calls_the_product_as_specified(sets: Path, tmp_path: Path) -> None:
     product = tmp_path / "product.py"
     product.write_text(PRODUCT)
     (label,) = json.loads((sets / "labels.json").read_text())
@@ -277,7 +277,7 @@ def test_a_verdict_counts_in_any_order_and_when_listed_as_indistinguishable() ->
     assert not replace(base, verdict="wind").right
 
 
-def test_scenarios_that_rocketpy_is_not_asked_for_are_left_out_and_named(
+def test_scenarios_that_rocketpy_cannot_simulate_are_left_out_and_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("bench.make._flier", lambda truth: fast_truth.fly)
@@ -290,7 +290,7 @@ def test_scenarios_that_rocketpy_is_not_asked_for_are_left_out_and_named(
 
 @pytest.mark.skipif(importlib.util.find_spec("rocketpy") is None, reason="rocketpy, of the extra `bench`, is missing")
 @pytest.mark.filterwarnings("default")
-def test_rocketpy_and_the_fast_truth_agree_within_one_percent() -> None:
+def test_rocketpy_and_the_fast_simulator_agree_within_one_percent() -> None:
     from bench import truth
 
     launch = replace(rocket(), air=Air(wind=5, elevation=200), tilt=0.03)

@@ -23,15 +23,16 @@ def results(sharpened: float) -> list[Result]:
     return found
 
 
-def test_probabilities_that_are_right_are_calibrated_and_overconfident_ones_are_not() -> None:
+def test_right_probabilities_are_calibrated_and_overconfident_ones_are_not() -> None:
     right, sure = (reliability(results(sharpened)) for sharpened in (1.0, 4.0))
     assert calibration_error(right) < 0.03
     assert calibration_error(sure) > 0.08
     assert sum(one.cases for one in right) == 2000
 
 
-def test_odds_move_by_the_frequency_of_effects_relative_to_their_prior() -> None:
-    """Every history has one effect; a second in half of them makes 1.5, so odds of one grow by 1.5 over the prior's."""
+def test_odds_change_with_the_frequency_of_effects_relative_to_the_prior() -> None:
+    """Every history has one effect and half have a second: 1.5 on average, so odds of 1 are multiplied by 1.5 over the
+    prior's number."""
     labels = ("wind", "wind+wear", "wear", "wind+wear")
     given = [Result(label, "pair", label, 0.5, 1.0, "none", probabilities={"wind": 0.5}) for label in labels]
     moved = at_their_frequency(given)
@@ -47,7 +48,7 @@ def test_sets_without_probabilities_have_no_diagram() -> None:
     assert "expected calibration error" in lines[-1]
 
 
-def test_the_ideal_interval_score_is_that_of_a_normal_distribution_that_is_known() -> None:
+def test_the_ideal_interval_score_is_that_of_a_known_normal_distribution() -> None:
     error = np.random.default_rng(3).normal(size=400_000)
     width = 2 * NORMAL_90
     score = width + 20 * np.maximum(np.abs(error) - NORMAL_90, 0.0)

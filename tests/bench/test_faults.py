@@ -38,7 +38,7 @@ def test_a_killed_command_leaves_the_ledger_as_before_or_as_after(
     assert outcome.faults == []
 
 
-def test_the_bench_sees_a_half_written_change(tmp_path: Path) -> None:
+def test_the_bench_detects_a_half_written_change(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     states = []
     with Ledger.open(file) as ledger:
@@ -52,12 +52,12 @@ def test_the_bench_sees_a_half_written_change(tmp_path: Path) -> None:
     assert ledgers.after(file, states) == ("half", "neither as before nor as after the command")
 
 
-def test_bits_that_flip_are_seen_or_harmless(tmp_path: Path) -> None:
+def test_flipped_bits_are_detected_or_harmless(tmp_path: Path) -> None:
     assert damage.bits_flipped(tmp_path / "bits", 3, seed=1).faults == []
     assert damage.cut_short(tmp_path / "cut", 6, seed=1).faults == []
 
 
-def test_what_was_acknowledged_beside_restores_is_kept(tmp_path: Path) -> None:
+def test_acknowledged_changes_survive_concurrent_restores(tmp_path: Path) -> None:
     outcome = histories.restores_beside_writers(tmp_path / "ledger", writers=2, each=8, restores=3)
     assert outcome.tried >= 10
     assert outcome.faults == []
@@ -80,7 +80,7 @@ def test_every_option_that_takes_a_file_is_called_unless_its_command_is_left_out
 
 
 @pytest.mark.slow
-def test_every_line_of_the_bench_goes_through_if_nothing_is_wrong(tmp_path: Path) -> None:
+def test_every_line_of_the_bench_succeeds_without_a_fault(tmp_path: Path) -> None:
     with ledgers.at_home(tmp_path / "home"):
         assert len(session.calls(tmp_path)) > 60
 
@@ -90,7 +90,7 @@ traced = pytest.mark.skipif(not calls.can_trace(), reason="there is no strace th
 
 @pytest.mark.thorough
 @traced
-def test_a_command_whose_calls_fail_says_what_is_so(tmp_path: Path) -> None:
+def test_a_command_whose_calls_fail_reports_the_truth(tmp_path: Path) -> None:
     found = tmp_path / "found"
     found.mkdir()
     ledgers.season(found / "ledger.db")
@@ -102,7 +102,7 @@ def test_a_command_whose_calls_fail_says_what_is_so(tmp_path: Path) -> None:
 
 
 @traced
-def test_the_bench_sees_a_command_that_says_what_is_not_so(tmp_path: Path) -> None:
+def test_the_bench_detects_a_command_that_reports_falsely(tmp_path: Path) -> None:
     found = tmp_path / "found"
     found.mkdir()
     ledgers.season(found / "ledger.db")
@@ -117,7 +117,7 @@ def test_the_bench_sees_a_command_that_says_what_is_not_so(tmp_path: Path) -> No
 
 
 @traced
-def test_every_write_of_a_command_goes_wrong_from_its_first_on(tmp_path: Path) -> None:
+def test_every_write_of_a_command_fails_in_turn(tmp_path: Path) -> None:
     found = tmp_path / "found"
     found.mkdir()
     ledgers.season(found / "ledger.db")
@@ -133,7 +133,7 @@ def test_every_write_of_a_command_goes_wrong_from_its_first_on(tmp_path: Path) -
 
 
 @traced
-def test_what_was_acknowledged_among_faults_is_what_a_replay_holds(tmp_path: Path) -> None:
+def test_a_replay_contains_exactly_what_was_acknowledged_among_faults(tmp_path: Path) -> None:
     outcome = failing.history(tmp_path, 6, seed=3)
     assert outcome.faults == []
     assert outcome.tried == 6
@@ -186,14 +186,14 @@ def test_a_ledger_of_the_first_schema_on_a_server_that_dies_is_as_before(
 
 @pytest.mark.postgres
 @pytest.mark.parametrize("counts", [range(4, 5), pytest.param(range(1, 30), marks=pytest.mark.slow)])
-def test_each_change_whose_server_process_is_killed_in_its_midst_never_was(url: str, counts: range) -> None:
+def test_a_change_whose_server_process_is_killed_leaves_no_trace(url: str, counts: range) -> None:
     outcome = statements.process_killed(url, counts)
     assert outcome.faults == []
     assert outcome.tried >= len(statements.CHANGES)
 
 
 @pytest.mark.postgres
-def test_a_server_that_dies_in_mid_transaction_loses_that_change_alone(
+def test_a_server_that_dies_in_mid_transaction_loses_only_that_change(
     server: servers.Server, url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with Ledger.open(url) as ledger:
@@ -222,7 +222,7 @@ def test_the_page_states_its_command_and_one_commit() -> None:
     assert "| kill -9 | add | 3 |  | 0 |\n" in page
 
 
-def test_a_commit_with_changed_files_is_none(tmp_path: Path) -> None:
+def test_a_checkout_with_changed_files_has_no_commit(tmp_path: Path) -> None:
     def git(*arguments: str) -> None:
         subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a", *arguments], cwd=tmp_path, check=True)
 
@@ -244,7 +244,7 @@ def test_a_commit_with_changed_files_is_none(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("changed", [True, False])
-def test_no_page_is_written_of_changed_files(
+def test_no_page_is_written_for_a_checkout_with_changed_files(
     changed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     commits = iter(["aaaa111", "" if changed else "aaaa111"])
@@ -260,7 +260,7 @@ def test_no_page_is_written_of_changed_files(
     assert (tmp_path / "page.md").exists() is not changed
 
 
-def test_a_part_beside_the_others_ends_with_them(tmp_path: Path) -> None:
+def test_a_concurrent_part_ends_with_the_others(tmp_path: Path) -> None:
     found, started = ledgers.Outcome("a part", "beside the others", tried=3), tmp_path / "started"
 
     def endless() -> ledgers.Outcome:
@@ -280,7 +280,7 @@ def test_a_part_beside_the_others_ends_with_them(tmp_path: Path) -> None:
     assert not (tmp_path / "three.json").exists()
 
 
-def test_an_interrupted_run_is_resumed_where_it_was_and_of_its_own_commit(tmp_path: Path) -> None:
+def test_an_interrupted_run_resumes_where_it_stopped_and_only_on_its_own_commit(tmp_path: Path) -> None:
     tried: list[int] = []
 
     def part() -> ledgers.Outcome:
@@ -296,7 +296,7 @@ def test_an_interrupted_run_is_resumed_where_it_was_and_of_its_own_commit(tmp_pa
         assert f"expected {other} or another folder" in bench.resumed(tmp_path, other)
 
 
-def test_the_bench_sees_a_command_that_loses_its_output_and_says_nothing(tmp_path: Path) -> None:
+def test_the_bench_detects_a_command_that_silently_loses_its_output(tmp_path: Path) -> None:
     found = tmp_path / "found"
     ledgers_folder = tmp_path / "home"
     with ledgers.at_home(ledgers_folder):

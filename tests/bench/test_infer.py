@@ -15,7 +15,7 @@ def said(middle: float, sd: float) -> dict[str, float]:
     return {"cd": mean, "cd_sd": mean * math.sqrt(math.expm1(sd**2)), "alpha": 1.0}
 
 
-def test_mean_and_sd_of_a_log_normal_give_its_logarithm_back() -> None:
+def test_the_logarithm_of_a_log_normal_follows_from_its_mean_and_sd() -> None:
     ((error, sd, alpha),) = misses([said(0.66, 0.2)], 0.6)
     assert error == pytest.approx(math.log(0.66 / 0.6))
     assert sd == pytest.approx(0.2)
@@ -26,7 +26,7 @@ def test_a_flight_without_a_cd_is_left_out() -> None:
     assert not list(misses([{"cd": None, "cd_sd": None, "alpha": 1.0}, {"cd": math.nan, "cd_sd": 1, "alpha": 1}], 0.6))
 
 
-def test_being_sure_and_wrong_scores_worse_than_being_unsure() -> None:
+def test_being_confident_and_wrong_scores_worse_than_being_unsure() -> None:
     sure, unsure = (list(misses([said(0.9, sd)], 0.6)) for sd in (0.1, 0.4))
     assert " 0%" in line("sure", sure)
     assert "100%" in line("unsure", unsure)

@@ -24,12 +24,12 @@ SOME = (
 )
 
 
-def test_there_are_sixty_kinds_of_recorders() -> None:
+def test_there_are_at_least_sixty_kinds_of_recorders() -> None:
     assert len(RECORDERS) >= 60
 
 
 @pytest.mark.parametrize("sonic", [False, True])
-def test_the_flights_of_the_bench_are_flights(sonic: bool) -> None:
+def test_the_flights_of_the_bench_are_valid(sonic: bool) -> None:
     for path in draw(np.random.default_rng(5), 3, sonic=sonic):
         right = path.readouts()
         assert right["top_speed"] > (340 if sonic else 15)
@@ -48,7 +48,7 @@ def test_a_perfect_recorder_is_read_perfectly() -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", SOME)
-def test_readouts_of_recorders_are_as_near_as_they_say(name: str) -> None:
+def test_readout_errors_match_their_standard_deviations(name: str) -> None:
     misses, refused = judged(name, RECORDERS[name], 2, seed=7)
     assert not refused
     assert {"apogee", "descent_speed"} <= {one.readout for one in misses}
@@ -62,7 +62,7 @@ def test_a_table_of_the_bench_counts_large_errors() -> None:
     assert next(line for line in lines if line.startswith("| **all** |")).startswith("| **all** | 100/50/1 |")
 
 
-def test_a_bench_that_was_cut_short_continues_where_it_was(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interrupted_bench_resumes_where_it_stopped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     kept = tmp_path / "kept.json"
     for only in ("5 Hz feet", "2 Hz"):
         assert main(["--flights", "1", "--keep", str(kept), "--only", only]) == 0
