@@ -1,4 +1,4 @@
-"""Pure functions of the engine, cached for tests that call them with equal arguments again and again."""
+"""Pure functions of the engine, cached for tests that call them repeatedly with equal arguments."""
 
 import pickle
 from collections.abc import Callable

@@ -15,8 +15,8 @@ _CHECKED: dict[object, Any] = {}
 def check(function: Checked) -> Checked:
     """The function with checks of its arguments and results.
 
-    jaxtyping hands over a function without a body for each signature, and does so again at each definition of a
-    function inside another; beartype compiles equal ones only once.
+    jaxtyping passes a function without a body for each signature, and does so again at each definition of an inner
+    function; beartype compiles equal ones only once.
     """
     code = function.__code__
     key = (

@@ -40,7 +40,7 @@ SHAPE = re.compile(r"\b(Float|Int|Bool)\[")
 
 
 def with_shapes() -> list[str]:
-    """The modules whose annotations say shapes; to check those of the others would cost seconds, and mypy does it."""
+    """The modules with annotated shapes; checking the types of the others would take seconds, and mypy does it."""
     files = [file for folder in CHECKED for file in (ROOT / folder).rglob("*.py")]
     named = [file for file in files if SHAPE.search(file.read_text(encoding="utf-8"))]
     return [".".join(file.relative_to(ROOT).with_suffix("").parts) for file in named]
@@ -48,7 +48,7 @@ def with_shapes() -> list[str]:
 
 CHECKING = "--benchmark-only" not in sys.argv  # checks would slow what is measured
 with patch.dict(os.environ, {"FIELDKIT_CHECK_SHAPES": "1" if CHECKING else ""}):
-    importlib.import_module("fieldkit.shapes")  # reads the variable; processes that tests start are to find none
+    importlib.import_module("fieldkit.shapes")  # reads the variable; child processes of tests must not find one
 
 if CHECKING:
     install_import_hook(with_shapes(), f"{checker.__name__}.{checker.check.__name__}")
@@ -61,7 +61,7 @@ settings.load_profile("fieldkit")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """`-m fast` replaces the default `-m 'not slow and not thorough'`; long tests stay out of it all the same."""
+    """`-m fast` replaces the default `-m 'not slow and not thorough'`, but long tests are still left out."""
     if config.option.markexpr == "fast":
         config.option.markexpr = "fast and not slow and not thorough"
 

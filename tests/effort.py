@@ -1,4 +1,4 @@
-"""How much tests try: everything with the variable `FIELDKIT_THOROUGH`, as `.ci/run` does, else a part of it."""
+"""How much tests try: everything if the variable `FIELDKIT_THOROUGH` is set, as in `.ci/run`, or else a part."""
 
 import os
 from collections import defaultdict
@@ -16,7 +16,7 @@ Case = TypeVar("Case")
 
 
 def examples(count: int) -> settings:
-    """So many examples that hypothesis makes up in the thorough run, a quarter of them in others."""
+    """Number of examples that hypothesis generates: all of them in the thorough run, a quarter in others."""
     return settings(max_examples=count if THOROUGH else max(count // PART, 2), deadline=None)
 
 
@@ -29,7 +29,7 @@ def part(cases: Sequence[Case], start: int = 0) -> Sequence[Case]:
 
 
 def left_out(items: Sequence[pytest.Item]) -> set[pytest.Item]:
-    """Three of four cases of each test with the marker `sampled`: always the same, and no regular choice."""
+    """Three of four cases of each test with the marker `sampled`: always the same, in no regular pattern."""
     tests = defaultdict(list)
     for item in items:
         if item.get_closest_marker("sampled"):

@@ -59,7 +59,7 @@ asyncio.run(painted())
 """
 EMPTY = "from textual.app import App\napp = App()\n" + PAINTED
 COMMAND = "from fieldkit.tui.memory import pause_collection\npause_collection()\n"
-"""What the command does before it imports the app."""
+"""The start of the command, before it imports the app."""
 OURS = (
     "from pathlib import Path, PosixPath\n"
     + COMMAND

@@ -1,4 +1,5 @@
-"""Simulated loggers on pseudo-terminals, byte for byte as in the manufacturers' sources, with the faults of the field.
+"""Simulated loggers on pseudo-terminals, byte for byte as in the manufacturers' sources, with the faults that occur in
+the field.
 
 A device is a function that talks on a `Wire`; `played` runs it in a thread. Bytes from the host are stored in
 `Wire.commands`, so a test can check every byte that reached a device.
@@ -19,7 +20,7 @@ Device = Callable[["Wire"], None]
 
 
 class Unplugged(Exception):
-    """The device's end of the wire is gone."""
+    """The device's end of the wire is closed."""
 
 
 class Wire:
@@ -162,7 +163,7 @@ def x25(data: bytes) -> int:
 
 
 def micropeak_stream(payload: bytes, crc: int | None = None, chip: str = "") -> bytes:
-    """What the LED blinks: `MP`, sixteen bytes a line, the checksum, for a MicroPeak 2 its chip."""
+    """The LED's transmission: `MP`, sixteen bytes per line, the checksum, and for a MicroPeak 2 its chip."""
     text = b"MP"
     for place in range(0, len(payload), 16):
         text += b"\r\n" + payload[place : place + 16].hex().encode()
@@ -319,7 +320,7 @@ def telem_sensor(tick: int, height: int, speed: float, state: int = 3) -> bytes:
 
 
 def teledongle(packets: Sequence[bytes], noise: bytes = b"") -> Device:
-    """A radio that forwards packets, and noise after each, as soon as it is asked to."""
+    """A radio that forwards packets, each followed by noise, once it is asked to."""
 
     def device(wire: Wire) -> None:
         while True:
@@ -404,7 +405,7 @@ def mawd(heights: Sequence[int], *, dribble: random.Random | None = None, cut: i
 
 
 def talking(content: bytes, dribble: random.Random | None = None, pause: float = 0.0) -> Device:
-    """A unit that sends lines by itself with pauses [s] and then stops."""
+    """A unit that sends lines without being asked, with pauses [s], and then stops."""
 
     def device(wire: Wire) -> None:
         wire.wait_until_opened()
@@ -444,7 +445,7 @@ def deaf(wire: Wire) -> None:
 
 
 def arrived(folder: Path, content: bytes) -> Callable[[], bool]:
-    """Whether this much is on the disk, to stop an endless stream."""
+    """Whether this many bytes are on the disk, to stop an endless stream."""
     return lambda: sum(file.stat().st_size for file in folder.glob("*.raw")) >= len(content)
 
 

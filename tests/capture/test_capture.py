@@ -62,11 +62,11 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Where the flyer's captures are."""
+    """The folder of the flyer's captures."""
     return tmp_path / "home" / "captures"
 
 
-def test_checksums_are_those_of_the_makers() -> None:
+def test_checksums_agree_with_the_manufacturers() -> None:
     assert crc_x25(b"123456789") == 0x906E
     assert crc_buypass(b"123456789") == 0xFEE8
     assert sum_256(b"testTrame,Bear altimeters are the best!!!!,") == 240
@@ -75,7 +75,7 @@ def test_checksums_are_those_of_the_makers() -> None:
 
 
 def followed(events: Iterable[Event], wire: Wire) -> Ended:
-    """How a capture ended; a unit that talks by itself starts when its port is open."""
+    """How a capture ended; a unit that sends without being asked starts when its port is open."""
     for event in events:
         if isinstance(event, PortOpened):
             wire.opened.set()
@@ -88,7 +88,7 @@ def followed(events: Iterable[Event], wire: Wire) -> Ended:
 
 @given(chunks=st.lists(st.binary(max_size=50)), cut=st.floats(0, 1), torn=st.floats(0, 1))
 @examples(15)
-def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_continues(
+def test_a_capture_truncated_anywhere_is_read_up_to_there_and_continued(
     tmp_path_factory: pytest.TempPathFactory, chunks: list[bytes], cut: float, torn: float
 ) -> None:
     with begin(tmp_path_factory.mktemp("c"), {"device": "eggtimer"}) as tape:
@@ -118,7 +118,7 @@ def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_continue
     assert after.answers()[-1].content == b"more"
 
 
-def test_a_capture_without_the_head_of_its_journal_still_gives_its_flights(tmp_path: Path) -> None:
+def test_a_capture_without_the_start_of_its_journal_still_yields_its_flights(tmp_path: Path) -> None:
     record = devices.micropeak_stream(devices.micropeak_payload(100_000, 99_000, range(99_000, 99_100)))
     with begin(tmp_path, {"device": "micropeak"}) as tape:
         tape.heard(b"junk" + record)
@@ -128,14 +128,14 @@ def test_a_capture_without_the_head_of_its_journal_still_gives_its_flights(tmp_p
         next(resume(tape.file, Port("port")))
 
 
-def test_two_captures_of_one_second_do_not_meet(tmp_path: Path) -> None:
+def test_two_captures_in_the_same_second_get_different_files(tmp_path: Path) -> None:
     with begin(tmp_path, {}) as one, begin(tmp_path, {}) as two:
         one.heard(b"one")
         two.heard(b"two")
     assert {read_capture(file).raw for file in captures(tmp_path)} == {b"one", b"two"}
 
 
-def test_a_full_disc_is_reported_of_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_is_reported_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Full:
         closed = True
 
@@ -171,7 +171,7 @@ def test_a_disk_that_fails_once_does_not_end_a_capture_and_is_reported(
     assert read_capture(tape.file).raw == b"one two three"
 
 
-def test_bytes_are_synchronised_a_few_times_a_second_also_when_no_more_come(
+def test_bytes_are_synchronized_a_few_times_a_second_even_if_no_more_arrive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     synced: list[int] = []
@@ -191,7 +191,7 @@ def test_bytes_are_synchronised_a_few_times_a_second_also_when_no_more_come(
 # --- Ports
 
 
-def test_a_unit_is_found_again_by_its_numbers_and_not_confused_with_another(tmp_path: Path) -> None:
+def test_a_unit_is_found_again_by_its_ids_and_not_confused_with_another(tmp_path: Path) -> None:
     unit = Port("COM3", 0x0403, 0x6015, "A1")
     other = Port("COM4", 0x0403, 0x6015, "B2")
     assert again(unit, [other]) is None
@@ -205,7 +205,7 @@ def test_a_unit_is_found_again_by_its_numbers_and_not_confused_with_another(tmp_
     assert again(replace(unit, name=plain.name), []) is None
 
 
-def test_a_system_without_the_terminals_of_unix_has_ports_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_system_without_unix_terminals_has_ports_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("serial.Serial", _absent)
     monkeypatch.setitem(sys.modules, "termios", None)
     with pytest.raises(PortTrouble, match=r"COM3: cannot be opened \(no such port\)"):
@@ -243,7 +243,7 @@ def test_ports_and_devices_are_listed_for_people_and_scripts(
         (["--resume"], "no unfinished capture"),
     ],
 )
-def test_what_cannot_be_captured_is_one_line(
+def test_what_cannot_be_captured_is_reported_in_one_line(
     capsys: pytest.CaptureFixture[str], arguments: list[str], complaint: str, folder: Path
 ) -> None:
     assert main(["capture", *arguments]) == 1
@@ -311,7 +311,7 @@ def test_a_fault_in_a_protocol_loses_nothing(tmp_path: Path, monkeypatch: pytest
 
 
 def counting(wire: Wire) -> None:
-    """A unit that counts as long as the port is open."""
+    """A unit that sends increasing numbers while the port is open."""
     wire.wait_until_opened()
     for number in range(10**9):
         wire.say(b"%d,%d,0,0\r\n" % (number, number % 977))
@@ -347,7 +347,7 @@ def size(folder: Path) -> int:
 
 
 @terminals
-def test_a_killed_capture_has_all_that_had_come_and_continues_on_another_port(folder: Path) -> None:
+def test_a_killed_capture_keeps_all_received_bytes_and_continues_on_another_port(folder: Path) -> None:
     text = b"".join(b"%d,%d,0,0\r\n" % (number, number % 977) for number in range(200_000))
     with played(counting) as wire, running("capture", wire.name, "--device", "eggtimer") as process:
         assert process.stderr is not None
@@ -374,7 +374,7 @@ def packets(wire: Wire) -> None:
 
 
 @terminals
-def test_ctrl_c_ends_a_stream_in_good_order(folder: Path) -> None:
+def test_ctrl_c_ends_a_stream_cleanly(folder: Path) -> None:
     with played(packets) as wire, running("capture", wire.name, "--device", "teledongle", "--no-import") as process:
         until(lambda: folder.is_dir() and size(folder) > 5_000)
         process.send_signal(signal.SIGINT)
@@ -396,7 +396,7 @@ def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(
             raise
 
     class Halved:
-        """A wire that breaks after so many bytes."""
+        """A wire that breaks after a number of bytes."""
 
         def __init__(self, wire: Wire) -> None:
             self.wire, self.left = wire, 600
@@ -425,7 +425,7 @@ def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(
 
 
 @terminals
-def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_port_that_returns_and_disappears_again_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def gone(self: object) -> bytes:
         raise PortLost("port: the port disappeared (loose contact)")
 
@@ -457,7 +457,7 @@ def test_a_port_in_use_is_reported(tmp_path: Path) -> None:
     "damaged",
     ['{"at": Infinity, "t": 1}', '{"at": 1, "t": NaN}', '{"at": -3, "t": 1}', '{"at": 1, "t": ' + "9" * 400 + "}"],
 )
-def test_impossible_figures_in_a_journal_are_left_out(tmp_path: Path, damaged: str) -> None:
+def test_impossible_numbers_in_a_journal_are_left_out(tmp_path: Path, damaged: str) -> None:
     with begin(tmp_path, {"device": "eggtimer"}) as tape:
         tape.heard(b"100,5\n")
     sound = read_capture(tape.file)
@@ -466,7 +466,7 @@ def test_impossible_figures_in_a_journal_are_left_out(tmp_path: Path, damaged: s
     assert read_capture(tape.file) == sound
 
 
-def test_the_first_and_the_last_year_are_no_start_of_a_capture(tmp_path: Path) -> None:
+def test_the_first_and_last_years_of_the_calendar_are_not_valid_starts_of_a_capture(tmp_path: Path) -> None:
     with begin(tmp_path, {"device": "eggtimer"}) as tape:
         tape.heard(b"100,5\n")
     journal = tape.file.with_suffix(JOURNAL)
@@ -476,7 +476,7 @@ def test_the_first_and_the_last_year_are_no_start_of_a_capture(tmp_path: Path) -
     assert read_capture(tape.file).began is None
 
 
-def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_altitude_is_shown_while_telemetry_arrives(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     class Screen(StringIO):
         def isatty(self) -> bool:
             return True
@@ -501,7 +501,7 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
 
 
 @terminals
-def test_a_baud_rate_that_no_port_has_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_impossible_baud_rate_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with played(devices.deaf) as wire:
         for baud in (-300, 0, 10**30):
             assert main(["capture", wire.name, f"--baud={baud}"]) == 2

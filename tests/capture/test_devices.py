@@ -39,9 +39,9 @@ pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason
 QUICK = CaptureOptions(wait=30, silence=30, reconnect=30)
 BRIEF = replace(QUICK, silence=1.5)
 LASTING = replace(QUICK, silence=8.0)
-"""For a megabyte, which a busy machine takes seconds to bring."""
+"""Timeout for a megabyte, which takes seconds on a busy machine."""
 BOTH_RATES = replace(QUICK, silence=3.0)
-"""The same for a unit whose two downloads each end in silence."""
+"""Timeout for a unit whose two downloads each end in silence."""
 
 
 @pytest.fixture(autouse=True)
@@ -64,7 +64,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def run(events: Iterable[Event], *wires: Wire) -> list[Event]:
-    """All events of a capture; units that talk by themselves start when the port is open."""
+    """All events of a capture; units that send without being asked start when the port is open."""
     seen = []
     for event in events:
         seen.append(event)
@@ -94,7 +94,7 @@ def heard(
     return run(capture(Port(wire.name), device, folder=folder, wishes=wishes, stop=stop), wire)
 
 
-def test_every_protocol_has_a_title_and_a_rate() -> None:
+def test_every_protocol_has_a_title_and_a_baud_rate() -> None:
     assert len(known_devices()) >= 8
     for name, protocol in known_devices().items():
         assert name == name.lower()
@@ -111,7 +111,7 @@ PAYLOADS = [
 
 
 @pytest.mark.parametrize(("payload", "model"), zip(PAYLOADS, THREE, strict=True), ids=["MicroPeak", "MicroKite", "2"])
-def test_a_micropeak_is_heard_through_junk_a_few_bytes_at_a_time(
+def test_a_micropeak_is_read_through_noise_a_few_bytes_at_a_time(
     tmp_path: Path, payload: bytes, model: tuple[int, str]
 ) -> None:
     record = devices.micropeak_stream(payload, chip=model[1])
@@ -123,7 +123,7 @@ def test_a_micropeak_is_heard_through_junk_a_few_bytes_at_a_time(
     assert not wire.received
 
 
-def test_a_micropeak_of_pressures_that_wrap_and_a_long_flight_of_a_micropeak_2(tmp_path: Path) -> None:
+def test_a_micropeak_with_wrapping_pressures_and_a_long_flight_of_a_micropeak_2(tmp_path: Path) -> None:
     wraps = devices.micropeak_payload(65_600, 65_400, [65_590, 65_500, 65_400])
     assert wraps.hex() == "4000010078ff000003003600dcff78ff"
     long = devices.micropeak_payload(100_000, 99_000, [99_000 + n % 7 for n in range(5000)], 2)
@@ -135,7 +135,7 @@ def test_a_micropeak_of_pressures_that_wrap_and_a_long_flight_of_a_micropeak_2(t
         assert logs_in(end.file)[0].content.strip() == devices.micropeak_stream(payload).strip()
 
 
-def test_a_micropeak_with_a_wrong_checksum_is_switched_on_again(tmp_path: Path) -> None:
+def test_a_micropeak_with_a_wrong_checksum_can_be_switched_on_again(tmp_path: Path) -> None:
     wrong, right = devices.micropeak_stream(PAYLOADS[0], crc=0x1234), devices.micropeak_stream(PAYLOADS[0])
     with played(devices.talking(wrong + b"\x7f" + right)) as wire:
         events = heard(wire, "micropeak", tmp_path)
@@ -145,7 +145,7 @@ def test_a_micropeak_with_a_wrong_checksum_is_switched_on_again(tmp_path: Path) 
     assert log.content.strip() == right.strip()
 
 
-def test_a_micropeak_that_was_never_flown_is_no_error(tmp_path: Path) -> None:
+def test_a_micropeak_that_was_never_flown_is_not_an_error(tmp_path: Path) -> None:
     with played(devices.talking(devices.micropeak_stream(b"\xff" * 10))) as wire:
         events = heard(wire, "micropeak", tmp_path)
     assert ended(events).whole
@@ -153,7 +153,7 @@ def test_a_micropeak_that_was_never_flown_is_no_error(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("impatient")
-def test_a_micropeak_that_stops_in_the_middle_and_stays_away_keeps_what_came(tmp_path: Path) -> None:
+def test_bytes_of_a_micropeak_that_stops_midway_for_good_are_kept(tmp_path: Path) -> None:
     half = devices.micropeak_stream(PAYLOADS[0])[:160]
     with played(devices.talking(half)) as wire:
         events = heard(wire, "micropeak", tmp_path, replace(QUICK, wait=1.5))
@@ -172,7 +172,7 @@ def flown(content: bytes) -> list[bytes]:
     return [line + b"\n" for line in content.splitlines() if line.startswith(b"$data,")]
 
 
-def test_an_altimulti_gives_all_its_flights_dribbled_between_telemetry_and_noise(tmp_path: Path) -> None:
+def test_all_flights_of_an_altimulti_are_read_between_telemetry_and_noise(tmp_path: Path) -> None:
     between = devices.TELEMETRY + b"\x00\x8f\n"
     short = [FLIGHTS[0], FLIGHTS[2]]
     device = devices.altimulti(short, dribble=random.Random(2), between=between, deaf=2)
@@ -189,7 +189,7 @@ def test_an_altimulti_gives_all_its_flights_dribbled_between_telemetry_and_noise
     assert seen[-1].state == "flying"
 
 
-def test_a_chosen_flight_that_wraps_its_clock_comes_alone(tmp_path: Path) -> None:
+def test_a_chosen_flight_with_a_wrapping_clock_is_read_alone(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS)) as wire:
         end = ended(heard(wire, "altimulti", tmp_path, replace(QUICK, choose=lambda flights: [1])))
     assert end.whole
@@ -206,7 +206,7 @@ def test_a_flight_with_a_wrong_checksum_is_read_again(tmp_path: Path) -> None:
     assert flown(logs_in(ended(events).file)[0].content) == FLIGHTS[0]
 
 
-def test_a_flight_that_never_comes_right_is_kept_as_far_as_it_is(tmp_path: Path) -> None:
+def test_a_flight_whose_checksum_never_matches_is_kept_as_received(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS[:1], spoil=9)) as wire:
         events = heard(wire, "altimulti", tmp_path)
     assert not ended(events).whole
@@ -228,7 +228,7 @@ def test_telemetry_of_an_altimulti_is_followed_until_it_is_stopped(tmp_path: Pat
     assert b"$telemetry" in logs_in(ended(events).file)[0].content
 
 
-def test_a_lost_altimulti_continues_on_another_port_with_what_is_missing(tmp_path: Path) -> None:
+def test_a_lost_altimulti_continues_on_another_port_with_the_missing_flights(tmp_path: Path) -> None:
     unit = Port("", 0x1A86, 0x7523, "A1")
     with played(devices.altimulti(FLIGHTS, unplug_after=10_000)) as first, played(devices.altimulti(FLIGHTS)) as second:
         events = run(
@@ -246,7 +246,7 @@ def test_a_lost_altimulti_continues_on_another_port_with_what_is_missing(tmp_pat
     assert [one for one in second.commands if one[:1] == b"r"] == [b"r1;", b"r2;"]
 
 
-def test_a_capture_continues_another_day_and_not_with_another_unit(tmp_path: Path) -> None:
+def test_a_capture_continues_on_another_day_but_not_with_another_unit(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS, unplug_after=10_000)) as first:
         wishes = replace(QUICK, reconnect=0)
         end = ended(run(capture(Port(first.name), "altimulti", folder=tmp_path, wishes=wishes, look=list)))
@@ -274,7 +274,7 @@ def altos_memory(blocks: int, start: int = 0x10) -> dict[int, bytes]:
     return {start + n: flash[256 * n : 256 * (n + 1)] for n in range(blocks)}
 
 
-def test_an_altos_flight_comes_block_by_block_and_ends_where_memory_is_erased(tmp_path: Path) -> None:
+def test_an_altos_flight_is_read_block_by_block_up_to_erased_memory(tmp_path: Path) -> None:
     memory = altos_memory(6)
     device = devices.altos(memory, [(3, 0x10, 0x40), (4, 0x40, 0x41)], dribble=random.Random(3), spoil=[0x12])
     with played(device) as wire:
@@ -309,7 +309,7 @@ def test_a_pulled_altos_cable_costs_one_block_and_not_the_flight(tmp_path: Path)
 # --- TeleDongle
 
 
-def test_packets_of_a_teledongle_show_the_height_while_they_come(tmp_path: Path) -> None:
+def test_packets_of_a_teledongle_show_the_height_as_they_arrive(tmp_path: Path) -> None:
     packets = [devices.telem(devices.telem_sensor(65_530 + 10 * n, 30 * n, 55.5)) for n in range(30)]
     packets[4:4] = [
         devices.telem(devices.telem_sensor(1, 9999, 0), status=0x2F),
@@ -382,7 +382,7 @@ def test_a_mawd_is_asked_again_for_a_flight_that_stopped(tmp_path: Path) -> None
     assert set(wire.received) <= set(b"IVSD")
 
 
-def test_lines_of_a_stratologger_get_the_times_of_their_arrival(tmp_path: Path) -> None:
+def test_lines_of_a_stratologger_are_stamped_with_their_arrival_times(tmp_path: Path) -> None:
     lines = b"812\r\n" + b"".join(b"%d\r\n" % height for height in (0, 1, 40, 160, 300, 290, 100, 0))
     lines = lines.replace(b"160\r\n", b"160\r\n4x0\r\n")
     with played(devices.talking(lines, pause=0.03)) as wire:
@@ -407,7 +407,7 @@ TRS = (
 )
 
 
-def test_the_text_of_an_eggtimer_is_kept_as_it_came(tmp_path: Path) -> None:
+def test_the_text_of_an_eggtimer_is_kept_unchanged(tmp_path: Path) -> None:
     with played(devices.talking(TRS, random.Random(6))) as wire:
         end = ended(heard(wire, "eggtimer", tmp_path, BRIEF))
     assert (end.samples, end.why) == (100, "it went silent")
@@ -451,7 +451,7 @@ def pulled_and_back(
 
 
 @pytest.mark.parametrize(("device", "unit", "after"), REMEMBERED, ids=[one for one, *_ in REMEMBERED])
-def test_a_memory_read_over_two_ports_is_what_one_would_have_given(
+def test_a_memory_read_over_two_ports_equals_that_over_one(
     tmp_path: Path, device: str, unit: Callable[[], devices.Device], after: int
 ) -> None:
     with played(unit()) as wire:
@@ -464,7 +464,7 @@ def test_a_memory_read_over_two_ports_is_what_one_would_have_given(
 
 
 @pytest.mark.parametrize(("device", "unit", "lines"), STREAMED, ids=[one for one, *_ in STREAMED])
-def test_a_stream_over_two_ports_loses_what_was_torn_and_makes_nothing_up(
+def test_a_stream_over_two_ports_loses_only_the_interrupted_line(
     tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
 ) -> None:
     half = len(lines) // 2
@@ -487,7 +487,7 @@ BABBLING = [*STREAMED, ("blue_raven", lambda low: devices.blue_raven(low, HIGH),
 
 @pytest.mark.parametrize("place", [0, 1], ids=["before", "within"])
 @pytest.mark.parametrize(("device", "unit", "after"), REMEMBERED[:-1], ids=[one for one, *_ in REMEMBERED[:-1]])
-def test_a_memory_with_a_megabyte_of_nothing_in_its_answers_is_what_it_would_have_been(
+def test_a_megabyte_of_noise_in_the_answers_does_not_change_the_memory_read(
     tmp_path: Path, device: str, unit: Callable[[], devices.Device], after: int, place: int
 ) -> None:
     with played(unit()) as wire:
@@ -502,7 +502,7 @@ def test_a_memory_with_a_megabyte_of_nothing_in_its_answers_is_what_it_would_hav
 
 
 @pytest.mark.parametrize(("device", "unit", "lines"), BABBLING, ids=[one for one, *_ in BABBLING])
-def test_a_megabyte_of_nothing_in_a_stream_costs_the_line_that_it_tears(
+def test_a_megabyte_of_noise_in_a_stream_costs_only_the_line_that_it_interrupts(
     tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
 ) -> None:
     half = len(lines) // 2
@@ -534,7 +534,7 @@ def test_a_megabyte_of_nothing_in_a_stream_costs_the_line_that_it_tears(
     ],
     ids=lambda one: one if isinstance(one, str) else "",
 )
-def test_a_unit_that_talks_by_itself_is_recognized_and_nothing_of_it_is_lost(
+def test_a_unit_that_sends_unprompted_is_recognized_and_no_byte_is_lost(
     tmp_path: Path, device: str, content: bytes
 ) -> None:
     seen = []
@@ -554,7 +554,7 @@ def test_a_unit_that_talks_by_itself_is_recognized_and_nothing_of_it_is_lost(
 
 @pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("device", [*known_devices(), None])
-def test_a_unit_that_never_answers_is_reported_of_in_one_line_and_leaves_no_file(
+def test_a_unit_that_never_answers_is_reported_in_one_line_and_leaves_no_file(
     tmp_path: Path, device: str | None
 ) -> None:
     with played(devices.deaf) as wire, pytest.raises(PortTrouble) as trouble:
@@ -576,7 +576,7 @@ CHATTER = [
 
 @pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize(("device", "chatter"), CHATTER, ids=[device for device, _ in CHATTER])
-def test_a_unit_that_talks_and_never_answers_is_given_up_too(
+def test_a_unit_that_sends_but_never_answers_is_given_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str, chatter: bytes
 ) -> None:
     monkeypatch.setattr(altimulti, "GREETINGS", 1)
@@ -595,7 +595,7 @@ def test_a_unit_that_talks_and_never_answers_is_given_up_too(
 
 
 @pytest.mark.parametrize("device", ["pnut", "RRC3", "aim", "walkie-talkie"])
-def test_a_unit_that_cannot_be_captured_is_refused_with_the_way_that_there_is(tmp_path: Path, device: str) -> None:
+def test_a_unit_that_cannot_be_captured_is_refused_with_an_alternative(tmp_path: Path, device: str) -> None:
     with pytest.raises(PortTrouble, match=r"not public|expected one of altimulti"):
         list(capture(Port("/dev/null"), device, folder=tmp_path))
 
@@ -639,9 +639,7 @@ ASKED = [
     shift=st.integers(-40, 40),
 )
 @examples(20)
-def test_no_capture_is_so_torn_that_taking_logs_out_of_it_fails(
-    name: str, pieces: list[tuple[str, bytes]], shift: int
-) -> None:
+def test_extracting_logs_works_on_any_truncated_capture(name: str, pieces: list[tuple[str, bytes]], shift: int) -> None:
     raw, marks = b"", []
     for command, piece in pieces:
         marks.append(TapeMark(max(0, len(raw) + shift), float(len(raw)), {"sent": command}))

@@ -25,7 +25,7 @@ BABBLE = b"\x8f????\r\n"
 
 
 def interrupted(device: devices.Device, word: bytes, before: bytes, tail: int, pause: float) -> devices.Device:
-    """A unit whose first answer with a word in it has noise before the `tail` last lines, which come slowly. [s]"""
+    """A unit whose first answer containing a word has noise before its last `tail` lines, which arrive slowly. [s]"""
 
     def noisy(wire: Wire) -> None:
         send, left = wire.say, [True]
@@ -57,7 +57,7 @@ def heard(device: devices.Device, name: str, folder: Path, options: CaptureOptio
     return seen[-1]
 
 
-def test_a_mawd_that_is_asked_again_during_its_answer_gives_each_sample_once(tmp_path: Path) -> None:
+def test_each_sample_is_read_once_if_a_mawd_is_asked_again_during_its_answer(tmp_path: Path) -> None:
     device = interrupted(devices.mawd(HEIGHTS), b"Sample interval", BABBLE * 40, 40, 0.03)
     end = heard(device, "mawd", tmp_path, QUICK)
     assert end.whole
@@ -65,7 +65,7 @@ def test_a_mawd_that_is_asked_again_during_its_answer_gives_each_sample_once(tmp
     assert [int(row) for row in mawd._ROW.findall(log.content)] == HEIGHTS
 
 
-def test_a_mawd_that_was_asked_again_too_early_gives_each_sample_once(
+def test_each_sample_is_read_once_if_a_mawd_was_asked_again_too_early(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(mawd, "NOISY", 0.1)

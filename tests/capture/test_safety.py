@@ -37,7 +37,7 @@ FORBIDDEN = [
     # Blue Raven: erases, simulates a flight, tests the outputs
     *(b"erase data\r\n", b"erase data", b"start sim\r\n", b"start sim", b"deploy test\r\n", b"get deploy\r\n"),
     *(b"download l\r\nerase data\r\n", b"arm\r\n"),
-    # Nothing is a command too
+    # an empty string is a command too
     *(b"", b"\n", b";", b"\r\n", b"\x00", b"\xff" * 40),
 ]
 """Commands that must never be sent, from the manufacturers' tables and their combinations."""
@@ -100,7 +100,9 @@ def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str
     command=st.binary(max_size=12) | st.from_regex(r"[a-zA-Z~][ -~]{0,6}[;\n]").map(str.encode),
 )
 @examples(50)
-def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, protocol: str, command: bytes) -> None:
+def test_whatever_is_passed_to_send_only_commands_in_the_table_are_written(
+    tape: Tape, protocol: str, command: bytes
+) -> None:
     ear = Ear(silent)
     try:
         SerialLine("port", protocol, tape, ear).send(command)
@@ -113,7 +115,7 @@ def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, proto
 
 @given(data=st.data(), protocol=st.sampled_from([*ALLOWED_COMMANDS]))
 @examples(50)
-def test_all_that_the_table_allows_is_what_the_makers_call_reading(protocol: str, data: st.DataObject) -> None:
+def test_every_command_in_the_table_is_a_read_command_of_the_manufacturers(protocol: str, data: st.DataObject) -> None:
     command = data.draw(st.from_regex(ALLOWED_COMMANDS[protocol], fullmatch=True))
     assert re.fullmatch(LETTERS[protocol], command)
     assert command not in FORBIDDEN
@@ -121,11 +123,11 @@ def test_all_that_the_table_allows_is_what_the_makers_call_reading(protocol: str
 
 @examples(30)
 @given(letters=st.lists(st.from_regex(ALLOWED_COMMANDS["mawd"], fullmatch=True)))
-def test_letters_for_a_mawd_never_make_a_command_that_fires(letters: list[bytes]) -> None:
+def test_letters_sent_to_a_mawd_never_form_a_command_that_fires(letters: list[bytes]) -> None:
     assert not re.search(rb"F|A|T|L|C|R", b"".join(letters))
 
 
-def test_who_only_listens_may_send_nothing() -> None:
+def test_a_passive_protocol_may_send_nothing() -> None:
     for protocol in set(known_devices()) - set(ALLOWED_COMMANDS):
         assert not any(allowed(protocol, bytes([byte])) for byte in range(256))
     assert set(ALLOWED_COMMANDS) <= set(known_devices())
@@ -162,7 +164,7 @@ def imported(tree: ast.AST) -> set[str]:
     return found
 
 
-def test_only_two_modules_know_serial_ports_and_one_of_them_only_lists() -> None:
+def test_only_two_modules_use_serial_ports_and_one_of_them_only_lists_them() -> None:
     owners = {path.relative_to(ROOT).as_posix() for path in modules() if "serial" in imported(parsed(path))}
     assert owners == {"fieldkit/capture/line.py", "fieldkit/capture/port.py"}
     lister = parsed(ROOT / "fieldkit/capture/port.py")
@@ -173,7 +175,7 @@ def test_only_two_modules_know_serial_ports_and_one_of_them_only_lists() -> None
     }
 
 
-def test_nobody_opens_a_terminal_behind_its_back() -> None:
+def test_no_other_module_opens_a_terminal() -> None:
     for path in (ROOT / "fieldkit" / "capture").rglob("*.py"):
         tree = parsed(path)
         assert not {"fcntl", "pty", "tty", "subprocess", "socket", "ctypes", "serial_asyncio"} & imported(tree), path
@@ -199,7 +201,7 @@ def attributes(tree: ast.AST) -> list[str]:
     return [node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
 
 
-def test_one_function_writes_to_a_port_and_it_asks_the_table_first() -> None:
+def test_only_one_function_writes_to_a_port_and_it_checks_the_table_first() -> None:
     """The port is `Line._port`, which no other module touches; `write` is called on it once, in `send`."""
     for path in (ROOT / "fieldkit" / "capture").rglob("*.py"):
         tree = parsed(path)
@@ -222,7 +224,7 @@ def test_one_function_writes_to_a_port_and_it_asks_the_table_first() -> None:
     assert not [node for node in ast.walk(send) if isinstance(node, ast.Assign | ast.AugAssign | ast.NamedExpr)]
 
 
-def test_nobody_outside_touches_what_is_inside_a_line() -> None:
+def test_no_other_module_uses_the_private_attributes_of_a_line() -> None:
     for path in modules():
         if (ROOT / "fieldkit" / "capture") not in path.parents and "_port" in path.read_text("utf-8"):
             assert "_port" not in attributes(parsed(path)), path
@@ -242,7 +244,7 @@ RIGHT = {
     "blue_raven": {b"d": raven_frame("LOG_LOW", 1, "V: 1") + raven_frame("LOG_HIR", 1, "V: 1")},
     "mawd": {b"I": b"\r\na\r\nb\r\n", b"V": b"1\r\n", b"S": b"G00001\r\nA00001\r\nN00001\r\nD00001\r\nM00001\r\n"},
 }
-"""What units answer to the commands that begin so."""
+"""Answers of units to commands with these beginnings."""
 ODD = [
     b"$OK;",
     b"$KO;",
@@ -274,7 +276,7 @@ def _hasty(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("_hasty")
 @pytest.mark.parametrize("name", [*known_devices()])
-def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str) -> None:
+def test_no_answer_makes_a_protocol_send_anything_else(tape: Tape, name: str) -> None:
     sent: set[bytes] = set()
     for seed in range(20):
         rng = random.Random(seed)
@@ -299,7 +301,7 @@ def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str
     assert REACHED.get(name, b"") in (sent or {b""})
 
 
-def test_a_port_has_no_protocol_before_somebody_named_it() -> None:
+def test_a_port_has_no_protocol_until_one_is_named() -> None:
     assert Port("/dev/ttyUSB0", 0x0403, 0x6015).device == ""
     assert Port("/dev/ttyUSB0", 0x0483, 0x5740).device == ""
     assert Port("/dev/ttyACM0", 0xFFFE, 0x000B).device == "altos"

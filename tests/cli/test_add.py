@@ -1,4 +1,4 @@
-"""Entering a flight: by answers, by options, halfway and back."""
+"""Entering a flight: by answers, by options, interrupted, and going back."""
 
 import io
 import os
@@ -80,7 +80,7 @@ def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Con
     return conversation, asked
 
 
-def test_a_flight_is_typed_in_from_top_to_bottom(add: Add, file: Path) -> None:
+def test_a_flight_is_entered_from_first_to_last_question(add: Add, file: Path) -> None:
     status, out, err = add(ANSWERS)
     assert (status, err) == (0, "Saved flight 1. `fieldkit undo` to undo.\n")
     (flight,) = held(file)
@@ -95,7 +95,7 @@ def test_a_flight_is_typed_in_from_top_to_bottom(add: Add, file: Path) -> None:
     assert "Apogee                281.3 m" in out
 
 
-def test_the_readouts_are_asked_in_the_order_of_the_altimeter() -> None:
+def test_readouts_are_asked_for_in_the_order_of_the_altimeter() -> None:
     asked = [question.name for question in QUESTIONS]
     assert asked[3:13] == [column.name for column in READOUTS]
     assert asked[:3] == ["rocket", "config", "motor"]
@@ -120,7 +120,7 @@ def test_a_typing_error_in_the_third_field_is_asked_again_in_one_line(add: Add, 
     assert held(file)[0].apogee == pytest.approx(281.3304)
 
 
-def test_an_unknown_motor_is_asked_again_with_the_nearest(add: Add, file: Path) -> None:
+def test_an_unknown_motor_is_asked_for_again_with_the_nearest_names(add: Add, file: Path) -> None:
     status, _, err = add(["Astra", "A", "F2555", "?F24", "F24-4W", "281.3"])
     assert status == 0
     assert "nearest:" in err
@@ -128,14 +128,14 @@ def test_an_unknown_motor_is_asked_again_with_the_nearest(add: Add, file: Path) 
     assert held(file)[0].motor == "F24-4W"
 
 
-def test_several_motors_are_taken_and_tagged(add: Add, file: Path) -> None:
+def test_several_motors_are_accepted_and_tagged(add: Add, file: Path) -> None:
     status, _, err = add(["Astra", "A", "3xC6-5", "281.3", *[""] * 9, ""])
     assert status == 0
     assert "`cluster`" in err
     assert held(file)[0].tags == ("cluster",)
 
 
-def test_what_is_odd_is_reported_and_taken(add: Add, file: Path) -> None:
+def test_an_implausible_value_is_reported_and_accepted(add: Add, file: Path) -> None:
     answers = ["Astra", "A", "F24-4W", "3m", "100", "2.14", "2", "2.98", "", "", "50"]
     status, _, err = add(answers)
     assert status == 0
@@ -146,7 +146,7 @@ def test_what_is_odd_is_reported_and_taken(add: Add, file: Path) -> None:
     assert held(file)[0].eject_altitude == 50
 
 
-def test_a_digit_too_many_is_seen_by_the_flights_before(add: Add, file: Path) -> None:
+def test_an_extra_digit_is_detected_from_earlier_flights(add: Add, file: Path) -> None:
     setup = ["--rocket", "Astra", "--motor"]
     for motor, apogee in (("F24-4W", "923ft"), ("F24-7W", "940ft"), ("E35-5W", "9230ft")):
         assert "times" not in add([], *setup, motor, "--apogee", apogee)[2]
@@ -158,7 +158,7 @@ def test_a_digit_too_many_is_seen_by_the_flights_before(add: Add, file: Path) ->
     assert len(held(file)) == 5
 
 
-def test_the_last_flight_is_offered(file: Path) -> None:
+def test_values_of_the_last_flight_are_offered(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST])
         conversation, asked = person(ledger, ["", "", "", *READ_OFF, "", "", "", "", "", "", ""])
@@ -168,21 +168,21 @@ def test_the_last_flight_is_offered(file: Path) -> None:
     assert (conversation.flight.site, conversation.flight.diameter) == ("North field", pytest.approx(0.066))
 
 
-def test_a_dash_takes_nothing_of_what_is_offered(file: Path) -> None:
+def test_a_dash_leaves_a_field_empty_instead_of_the_offered_value(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST])
         conversation, _ = person(ledger, ["", "-", "-", "100m", *[""] * 9, "-", "-"])
     assert (conversation.flight.config, conversation.flight.motor, conversation.flight.dry_mass) == ("", "", None)
 
 
-def test_another_build_of_a_rocket_is_not_offered_the_mass_of_the_last(file: Path) -> None:
+def test_another_configuration_is_not_offered_the_mass_of_the_last_one(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST])
         _, asked = person(ledger, ["", "B", "", *[""] * 11])
     assert "Dry mass (g): " in asked
 
 
-def test_back_goes_to_the_field_before_and_offers_what_was_said(file: Path) -> None:
+def test_back_returns_to_the_previous_field_and_offers_its_answer(file: Path) -> None:
     with Ledger.open(file) as ledger:
         conversation, asked = person(ledger, ["<", "Astra", "A", "<", "B", "F24-4W", "100m", "<", "110m"])
     assert asked[:2] == ["Rocket: ", "Rocket: "]
@@ -191,14 +191,14 @@ def test_back_goes_to_the_field_before_and_offers_what_was_said(file: Path) -> N
     assert (conversation.flight.config, conversation.flight.apogee) == ("B", 110.0)
 
 
-def test_a_person_may_correct_what_is_odd_or_keep_it(file: Path) -> None:
+def test_a_user_may_correct_an_implausible_value_or_keep_it(file: Path) -> None:
     with Ledger.open(file) as ledger:
         conversation, asked = person(ledger, ["Astra", "", "F24-4W", "28000m", "280m", "800", ""])
     assert (conversation.flight.apogee, conversation.flight.top_speed) == (280.0, 800.0)
     assert asked.count("  Enter to accept it, or type it again: ") == 2
 
 
-def test_the_unit_typed_last_is_the_next_ones(file: Path) -> None:
+def test_the_unit_typed_last_is_the_default_of_the_next_value(file: Path) -> None:
     with Ledger.open(file) as ledger:
         answers = ["Astra", "A", "F24-4W", "923ft", *[""] * 6, "905", "14mph", "", "", "11.4oz", "2.6in"]
         conversation, asked = person(ledger, answers)
@@ -210,12 +210,12 @@ def test_the_unit_typed_last_is_the_next_ones(file: Path) -> None:
     assert "Apogee (ft): " in asked
 
 
-def test_a_question_mark_explains(add: Add) -> None:
+def test_a_question_mark_explains_the_field(add: Add) -> None:
     assert "Highest point above the pad." in add(["Astra", "A", "F24-4W", "?", "100"])[2]
     assert "so far Astra\n" in add(["?", "Astra", "A", "F24-4W", "100"])[2]
 
 
-def test_answers_that_end_too_soon_add_nothing(add: Add, file: Path) -> None:
+def test_answers_that_end_too_early_add_nothing(add: Add, file: Path) -> None:
     assert add([])[0] == 1
     status, _, err = add(["Astra", "A", "F24-4W"])
     assert status == 1
@@ -230,7 +230,7 @@ def test_every_column_is_an_option(add: Add, monkeypatch: pytest.MonkeyPatch) ->
         assert f"--{header.replace('_', '-')}" in text
 
 
-def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file: Path) -> None:
+def test_a_script_adds_a_flight_in_one_line_without_questions(add: Add, file: Path) -> None:
     options = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "923ft", "--top-speed-mps", "62.6"]
     more = [
         "--flight-id",
@@ -252,7 +252,7 @@ def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file:
     assert "fieldkit edit" in err
 
 
-def test_a_script_flies_the_mass_and_diameter_of_the_last_flight(add: Add, file: Path) -> None:
+def test_a_script_uses_the_mass_and_diameter_of_the_last_flight(add: Add, file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST, LAST.with_changes(flight_id="8", config="B", dry_mass=0.4, diameter=None, apogee=250.0)])
     status, _, err = add((), "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--apogee", "270m")
@@ -314,7 +314,7 @@ def test_a_lift_off_mass_in_a_draft_of_the_app_is_not_lost(add: Add, file: Path)
         assert ledger.flights()[0].dry_mass == pytest.approx(0.322, abs=0.001)
 
 
-def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_continue(add: Add, file: Path) -> None:
+def test_a_script_leaves_a_users_draft_alone_unless_asked_to_continue(add: Add, file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B"})
     status, _, err = add(ANSWERS)
@@ -326,7 +326,7 @@ def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_continue(add
         assert ledger.draft(DRAFT) is None
 
 
-def test_a_draft_that_no_longer_reads_is_asked_again_from_there(add: Add, file: Path) -> None:
+def test_questions_resume_at_the_first_unreadable_value_of_a_draft(add: Add, file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B", "motor": "ZZ99", "apogee": "300m"})
     status, _, err = add(["F24-4W", ""], "--resume")
@@ -365,7 +365,7 @@ def test_add_killed_at_the_fifth_prompt_offers_to_continue(file: Path) -> None:
     assert "Rocket" not in printed.split("[Y/n]")[1]
 
 
-def test_a_saved_forecast_and_its_miss_are_printed_once(
+def test_a_saved_forecast_and_its_error_are_printed_once(
     add: Add, file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     build = ["--rocket", "Swift", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm"]
@@ -381,7 +381,7 @@ def test_a_saved_forecast_and_its_miss_are_printed_once(
     assert "The forecast was stale: flight 2 added since." in " ".join(shown.split())
 
 
-def test_an_impossible_flight_is_remarked_on_once(add: Add) -> None:
+def test_an_impossible_flight_is_reported_once(add: Add) -> None:
     build = ["--rocket", "Swift", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm"]
     add([], *build, "--apogee", "250m")
     _, _, messages = add([], *build, "--apogee", "9000m")

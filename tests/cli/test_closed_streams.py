@@ -18,7 +18,7 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return str(tmp_path / "ledger.db")
 
 
-def test_a_closed_output_is_one_line_that_says_where_to_look(
+def test_a_closed_output_is_reported_in_one_line_that_says_where_to_look(
     ledger: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("sys.stdout", None)

@@ -1,4 +1,4 @@
-"""A TAB offers names from the flyer's ledger and the catalog, changes nothing, and never fails."""
+"""The Tab key completes names from the flyer's ledger and the catalog, changes nothing, and never fails."""
 
 from pathlib import Path
 
@@ -52,13 +52,13 @@ def offered(line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
         ("fieldkit docs ph", "physics"),
     ],
 )
-def test_a_tab_offers(
+def test_tab_completes(
     line: str, answer: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert answer in offered(line, monkeypatch, capsys)
 
 
-def test_a_tab_makes_no_ledger(
+def test_tab_creates_no_ledger(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "none.db"))
@@ -66,16 +66,14 @@ def test_a_tab_makes_no_ledger(
     assert not (tmp_path / "none.db").exists()
 
 
-def test_a_tab_is_silent_about_a_damaged_ledger(
+def test_tab_is_silent_about_a_damaged_ledger(
     ledger: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ledger.write_bytes(b"not a ledger" * 1000)
     assert offered("fieldkit loop --rocket A", monkeypatch, capsys) == []
 
 
-def test_a_tab_changes_nothing(
-    ledger: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_tab_changes_nothing(ledger: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     with Ledger.open() as before:
         history = before.history()
     offered("fieldkit show ", monkeypatch, capsys)

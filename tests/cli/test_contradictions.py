@@ -1,4 +1,4 @@
-"""Options that contradict each other, or would have no effect, are wrong usage: nothing that is typed is ignored."""
+"""Options that contradict each other or would have no effect are usage errors: no input is ignored."""
 
 from pathlib import Path
 
@@ -47,7 +47,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_an_option_without_effect_is_wrong_usage(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_option_without_effect_is_a_usage_error(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(line.split()) == 2
     printed = capsys.readouterr()
@@ -67,12 +67,12 @@ def test_the_conditions_of_a_day_still_complete_a_table(folder: Path) -> None:
     assert (folder / "sheet.pdf").exists()
 
 
-def test_an_unknown_rocket_has_nothing_to_measure_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_rocket_cannot_be_remeasured(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["remeasure", "--rocket", "Nope"]) == 1
     assert "expected one of: Astra" in capsys.readouterr().err
 
 
-def test_an_unknown_site_is_named_with_those_that_are_known(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_site_is_reported_with_the_known_ones(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sites", "Meadow", "--elevation", "200m"]) == 0
     capsys.readouterr()
     assert main(["sites", "Medow"]) == 1
@@ -99,7 +99,7 @@ def test_consent_to_replace_one_file_is_not_consent_to_replace_the_other(
     assert (folder / "card.png").read_text() == "mine too"
 
 
-def test_a_long_import_is_one_short_line_of_the_history(folder: Path) -> None:
+def test_a_long_import_is_one_short_line_in_the_history(folder: Path) -> None:
     for number in range(9):
         table = FLIGHTS.replace("1,Astra", f"{number + 2},Astra").replace(",250", f",{260 + number}")
         (folder / f"day{number}.csv").write_text(table)

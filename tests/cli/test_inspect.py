@@ -43,7 +43,7 @@ def inspected(run: Run, *files: Path) -> list[dict[str, Any]]:
     return json.loads(out)["files"]
 
 
-def test_inspect_says_what_a_log_is_and_stores_nothing(run: Run, tmp_path: Path) -> None:
+def test_inspect_describes_a_log_and_stores_nothing(run: Run, tmp_path: Path) -> None:
     (found,) = inspected(run, PNUT)
     assert found.keys() >= KEYS
     assert found["format"] == "perfectflite"
@@ -87,7 +87,7 @@ def test_what_inspect_shows_is_what_import_stores(run: Run, tmp_path: Path, samp
     assert file["apogee_m"] == (apogees[0] if len(apogees) == 1 else None)
 
 
-def test_a_readout_names_the_sensors_it_rests_on(run: Run, tmp_path: Path) -> None:
+def test_a_readout_names_the_sensors_it_is_based_on(run: Run, tmp_path: Path) -> None:
     barometer, felt = log(fly(SMALL), Logger(accelerometer=100.0), np.random.default_rng(0))
     heights = np.interp(felt.time, barometer.time, barometer.altitude)
     rows = np.column_stack([felt.time, heights, felt.felt])
@@ -102,7 +102,7 @@ def test_a_readout_names_the_sensors_it_rests_on(run: Run, tmp_path: Path) -> No
     assert ("altitude [m]", "altitude", "m", "baro") in [tuple(one.values()) for one in found["columns"]]
 
 
-def test_rows_that_are_dropped_are_counted(run: Run) -> None:
+def test_dropped_rows_are_counted(run: Run) -> None:
     (found,) = inspected(run, FOLDER / "perfectflite__three_cells_and_a_bad_row.pf2")
     assert found["dropped"] >= 1
     assert any("bad" in str(one) or "found" in one for one in found["notes"])
@@ -110,19 +110,19 @@ def test_rows_that_are_dropped_are_counted(run: Run) -> None:
     assert table["would_store"] < table["rows"] + table["dropped"]
 
 
-def test_inspect_prints_a_file_at_length(run: Run) -> None:
+def test_inspect_prints_a_file_in_detail(run: Run) -> None:
     status, out, _ = run("inspect", PNUT)
     assert status == 0
     for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.8 ± 1 m", "device: ", "apogee"):
         assert text in out
 
 
-def test_import_says_format_and_apogee_in_a_line(run: Run) -> None:
+def test_import_states_format_and_apogee_in_one_line(run: Run) -> None:
     _, out, _ = run("import", PNUT)
     assert "PerfectFlite .pf2, apogee 162.8 m" in " ".join(out.split())
 
 
-def test_a_file_that_nobody_knows_is_named_and_costs_the_status(run: Run, tmp_path: Path) -> None:
+def test_an_unrecognized_file_is_named_and_makes_the_exit_status_nonzero(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "junk.bin"
     path.write_bytes(b"\x00\x01\x02 nothing at all")
     status, out, error = run("inspect", path, "--json")
@@ -131,7 +131,9 @@ def test_a_file_that_nobody_knows_is_named_and_costs_the_status(run: Run, tmp_pa
 
 
 @pytest.mark.parametrize("command", ["inspect", "import"])
-def test_one_unusable_file_of_several_is_named_and_the_others_are_taken(run: Run, tmp_path: Path, command: str) -> None:
+def test_one_unusable_file_of_several_is_named_and_the_others_are_imported(
+    run: Run, tmp_path: Path, command: str
+) -> None:
     junk = tmp_path / "junk.bin"
     junk.write_bytes(b"\x00\x01\x02 nothing at all")
     status, out, error = run(command, junk, PNUT, "--json")
@@ -153,7 +155,7 @@ def test_a_folder_of_logs_is_imported_by_several_processes(run: Run, tmp_path: P
     assert json.loads(several[1])["files"] == [file for one in alone for file in json.loads(one[1])["files"]]
 
 
-def test_a_simulation_is_looked_at_with_its_own_events_and_not_stored(run: Run) -> None:
+def test_a_simulation_is_inspected_with_its_own_events_and_not_stored(run: Run) -> None:
     (found,) = inspected(run, FOLDER / "openrocket__as_it_comes.csv")
     assert found["would_store"] == 0
     assert not found["flights"]
@@ -166,7 +168,7 @@ def test_a_simulation_is_looked_at_with_its_own_events_and_not_stored(run: Run) 
     assert "states    simulation 1" in out
 
 
-def test_the_whole_flight_is_in_the_json_as_it_is_drawn(run: Run) -> None:
+def test_the_json_has_the_whole_flight_as_plotted(run: Run) -> None:
     (found,) = inspected(run, PNUT)
     curve = found["flights"][0]["curve"]
     assert len({len(values) for values in curve.values()}) == 1

@@ -32,7 +32,7 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return path
 
 
-def test_every_effect_has_a_probability_and_nothing_is_kept(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_effect_has_a_probability_and_nothing_is_saved(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["--ledger", ledger, "loop", "--rocket", "Astra", "--quick", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -62,7 +62,7 @@ def test_lines_for_a_flyer_name_the_verdict(ledger: str, capsys: pytest.CaptureF
     assert "unexplained" in out
 
 
-def test_more_flights_than_in_training_are_a_warning(
+def test_more_flights_than_in_training_give_a_warning(
     ledger: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     warning = "the network was trained with at most"
@@ -89,7 +89,9 @@ def test_too_few_flights_and_options_of_a_search_are_refused(ledger: str, capsys
     assert "expected at least 4" in capsys.readouterr().err
 
 
-def test_a_quick_forecast_is_near_the_fits_and_is_not_kept(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_quick_forecast_is_near_that_of_the_fit_and_is_not_saved(
+    ledger: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     capsys.readouterr()
     command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra", "--json"]
     assert main([*command, "--quick"]) == 0
@@ -117,7 +119,7 @@ def answered(command: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[di
 
 
 @pytest.mark.parametrize(("k", "effective", "agrees"), [(0.3, 0.9, True), (0.71, 0.9, False), (0.3, 0.2, False)])
-def test_it_says_checked_by_the_fit_only_if_it_is_and_else_the_fit_answers(
+def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fit_answers(
     ledger: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,

@@ -76,7 +76,7 @@ def test_samples_and_flights_are_not_mapped_together(run: Run, tmp_path: Path) -
     assert "found both" in error
 
 
-def test_a_motor_of_its_own_mass_is_taken_off(run: Run, tmp_path: Path) -> None:
+def test_the_motors_mass_is_subtracted_from_a_lift_off_mass(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "lift.csv"
     table.write_text("flight_id,rocket,engine,liftoff_mass_g,motor_mass_g,apogee_m\n1,Astra,F24-4W,430,60,250\n")
     assert run("import", table)[0] == 0

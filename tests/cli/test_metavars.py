@@ -1,4 +1,4 @@
-"""The help names each value by what is typed, not by its type in the code."""
+"""The help names each value by what a user types, not by its type in the code."""
 
 import re
 from collections.abc import Iterator
@@ -25,13 +25,13 @@ COMMANDS = dict(_commands(get_command(app)))
 
 
 @pytest.mark.parametrize("command", sorted(COMMANDS))
-def test_no_option_shows_a_type_of_the_code(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_option_shows_a_type_from_the_code(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*command.split(), "--help"]) == 0
     shown = capsys.readouterr().out
     assert re.findall(r"<(?:str|int|float|datetime|%[^>]*)>|\{[a-z_]+\}", shown) == []
 
 
-def test_each_placeholder_is_of_an_option_or_argument() -> None:
+def test_each_placeholder_belongs_to_an_option_or_argument() -> None:
     names = {parameter.name for command in COMMANDS.values() for parameter in command.params}
     columns = {"coast_drag", "burn_impulse"}  # measured in logs only, no options
     assert placeholders().keys() - names <= columns

@@ -1,4 +1,4 @@
-"""The record commands, as a flyer and as a script use them."""
+"""The commands for records, used by a flyer and by a script."""
 
 import csv
 import json
@@ -70,7 +70,7 @@ def full(run: Run, table: Path) -> Run:
     return run
 
 
-def test_keeping_records_waits_for_no_arrays(table: Path, tmp_path: Path) -> None:
+def test_record_commands_do_not_import_numpy(table: Path, tmp_path: Path) -> None:
     code = (
         "import sys; from fieldkit.cli.main import main\n"
         "ledger = ['--ledger', sys.argv[1]]\n"
@@ -95,14 +95,14 @@ def test_the_version_is_reported(run: Run) -> None:
     assert run("--version").out.startswith("fieldkit ")
 
 
-def test_wrong_usage_ends_with_two(run: Run) -> None:
+def test_wrong_usage_exits_with_status_two(run: Run) -> None:
     assert run("flights", "--no-such-option").status == 2
     assert run("no-such-command").status == 2
     assert run("edit", "1", "apogee").status == 2
     assert run("import").status == 2
 
 
-def test_import_counts_what_is_new_and_what_is_there(run: Run, table: Path) -> None:
+def test_import_counts_new_flights_and_duplicates(run: Run, table: Path) -> None:
     first = run("import", table, "--json").document
     files = first.pop("files")
     assert first == {"imported": 3, "duplicates": 0, "rejected": [], "joined": [], "flights": ["1", "2", "3"]}
@@ -116,7 +116,7 @@ def test_a_dry_run_changes_nothing(run: Run, table: Path) -> None:
     assert run("flights", "--json").document == {"flights": []}
 
 
-def test_rejected_rows_are_named_on_stderr_and_the_rest_goes_in(run: Run, table: Path) -> None:
+def test_rejected_rows_are_named_on_stderr_and_the_rest_is_imported(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("281.3", "28l.3").replace("E35-5W", "ZZ99"), encoding="utf-8")
     outcome = run("import", table, "--json")
     assert outcome.status == 0
@@ -128,7 +128,7 @@ def test_rejected_rows_are_named_on_stderr_and_the_rest_goes_in(run: Run, table:
     assert "ZZ99" in second
 
 
-def test_what_a_file_leaves_open_can_be_set(run: Run, table: Path) -> None:
+def test_values_that_a_file_lacks_can_be_set(run: Run, table: Path) -> None:
     settings = ["--set", "wind=4mph", "--set", "config=Z", "--set", "notes=calm"]
     assert run("import", table, *settings).status == 0
     first, second, _ = run("flights", "--json").document["flights"]
@@ -138,7 +138,7 @@ def test_what_a_file_leaves_open_can_be_set(run: Run, table: Path) -> None:
     assert run("import", table, "--set", "motor").status == 2
 
 
-def test_a_name_that_is_not_unicode_is_taken_all_the_same(run: Run, table: Path) -> None:
+def test_a_file_name_that_is_not_unicode_is_accepted(run: Run, table: Path) -> None:
     try:
         unreadable = table.with_name(os.fsdecode(b"odd\xff.csv"))
         unreadable.write_text(TABLE, encoding="utf-8")
@@ -150,7 +150,7 @@ def test_a_name_that_is_not_unicode_is_taken_all_the_same(run: Run, table: Path)
     assert (outcome.status, len(outcome.err.splitlines())) == (1, 1)
 
 
-def test_a_terminal_that_lacks_a_letter_still_gets_the_line(table: Path, tmp_path: Path) -> None:
+def test_a_terminal_that_lacks_a_character_still_gets_the_line(table: Path, tmp_path: Path) -> None:
     table.write_text(TABLE.replace("good", "Größe →"), encoding="utf-8")
     environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "l.db"), "PYTHONIOENCODING": "ascii"}
     command = [sys.executable, "-m", "fieldkit.cli.main"]
@@ -161,7 +161,7 @@ def test_a_terminal_that_lacks_a_letter_still_gets_the_line(table: Path, tmp_pat
     assert "Größe →" in table.stdout.decode("utf-8")
 
 
-def test_a_changed_row_is_rejected_with_the_way_to_change_it(full: Run, table: Path) -> None:
+def test_a_changed_row_is_rejected_with_advice_to_edit(full: Run, table: Path) -> None:
     table.write_text(TABLE.replace("281.3", "290"), encoding="utf-8")
     outcome = full("import", table, "--json").document
     assert outcome["duplicates"] == 2
@@ -170,7 +170,7 @@ def test_a_changed_row_is_rejected_with_the_way_to_change_it(full: Run, table: P
     assert "fieldkit edit" in row["error"]
 
 
-def test_a_missing_or_unreadable_file_ends_with_one_and_the_others_go_in(run: Run, table: Path) -> None:
+def test_a_missing_or_unreadable_file_exits_with_status_one_and_the_others_are_imported(run: Run, table: Path) -> None:
     junk = table.with_name("junk.csv")
     junk.write_bytes(bytes(range(256)) * 64)
     for bad in (table.with_name("absent.csv"), junk):
@@ -182,7 +182,7 @@ def test_a_missing_or_unreadable_file_ends_with_one_and_the_others_go_in(run: Ru
     assert len(run("flights", "--json").document["flights"]) == 3
 
 
-def test_several_files_are_one_command(run: Run, table: Path) -> None:
+def test_several_files_are_imported_by_one_command(run: Run, table: Path) -> None:
     other = table.with_name("other.csv")
     other.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
     outcome = run("import", table, other, "--json").document
@@ -205,7 +205,7 @@ def test_a_log_named_by_a_table_is_kept_with_its_flight(run: Run, table: Path, t
         assert ledger.log("2") == table.read_bytes()
 
 
-def test_a_log_fills_the_readouts_that_its_row_leaves_open(run: Run, table: Path, tmp_path: Path) -> None:
+def test_a_log_fills_in_the_readouts_that_its_row_lacks(run: Run, table: Path, tmp_path: Path) -> None:
     one = "flight_id,rocket,motor,apogee_m,duration_s\n1,Astra,F24-4W,300,48.5\n"
     (tmp_path / "one.csv").write_text(one, encoding="utf-8")
     table.write_text(TABLE.replace("good,,", "good,one.csv,"), encoding="utf-8")
@@ -215,7 +215,7 @@ def test_a_log_fills_the_readouts_that_its_row_leaves_open(run: Run, table: Path
 
 
 @pytest.mark.parametrize("path", ["logs/one.csv", "logs\\one.csv", ".\\logs\\one.csv"])
-def test_a_table_of_another_system_finds_its_logs(run: Run, table: Path, path: str) -> None:
+def test_a_table_from_another_operating_system_finds_its_logs(run: Run, table: Path, path: str) -> None:
     (table.parent / "logs").mkdir()
     one = "flight_id,rocket,motor,apogee_m,duration_s\n1,Astra,F24-4W,300,48.5\n"
     (table.parent / "logs" / "one.csv").write_text(one, encoding="utf-8")
@@ -238,7 +238,7 @@ def test_a_log_outside_the_tables_folder_is_never_read(run: Run, tmp_path: Path,
     assert (row["row"], row["column"]) == (2, "log")
 
 
-def test_a_log_that_is_not_there_costs_only_itself(run: Run, table: Path) -> None:
+def test_a_missing_log_does_not_stop_its_row(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("good,,", "good,gone.csv,"), encoding="utf-8")
     outcome = run("import", table)
     assert outcome.out.startswith("Imported 3")
@@ -276,7 +276,7 @@ def test_the_json_of_flights_has_the_columns_of_the_table(full: Run) -> None:
     assert (first["notes"], first["Lot"]) == ("good", "B7")
 
 
-def test_text_from_a_file_cannot_reach_the_terminal(run: Run, table: Path) -> None:
+def test_escape_sequences_from_a_file_do_not_reach_the_terminal(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("good", "\x1b[31m[bold]red[/bold]\u202e"), encoding="utf-8")
     run("import", table)
     run("edit", "2", "rocket=[red]x[/red]")
@@ -287,7 +287,7 @@ def test_text_from_a_file_cannot_reach_the_terminal(run: Run, table: Path) -> No
     assert "[red]" in run("flights").out
 
 
-def test_show_is_in_the_units_that_were_chosen_and_in_no_others(full: Run) -> None:
+def test_show_uses_only_the_chosen_units(full: Run) -> None:
     outcome = full("show", "1").out
     assert "Apogee    281.3 m\n" in outcome
     assert "322 g\n" in outcome
@@ -298,7 +298,7 @@ def test_show_is_in_the_units_that_were_chosen_and_in_no_others(full: Run) -> No
     assert "Duration" not in outcome
 
 
-def test_an_unknown_flight_is_met_with_near_ones(full: Run) -> None:
+def test_an_unknown_flight_is_reported_with_similar_ids(full: Run) -> None:
     for command in (["show", "11"], ["edit", "11", "apogee=3"], ["tag", "11", "a"], ["remove", "1", "11"]):
         outcome = full(*command)
         assert outcome.status == 1
@@ -315,7 +315,7 @@ def test_two_rockets_with_one_flight_id_are_distinguished(full: Run, table: Path
     assert "Comet/2" in full("flights").out
 
 
-def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
+def test_edit_accepts_units_in_the_name_or_with_the_value(full: Run) -> None:
     assert full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1").status == 0
     outcome = full("show", "1", "--json").document
     assert abs(outcome["apogee_m"] - 281.3304) < 1e-9
@@ -328,7 +328,7 @@ def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
     assert "unchanged" in full("edit", "1", "apogee=").out
 
 
-def test_edit_takes_the_mass_weighed_with_the_motor(full: Run) -> None:
+def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
     said = full("edit", "1", "lift_off_mass=395g")
     assert "note: dry mass 332 g, without F24-4W" in said.err
     assert full("show", "1", "--json").document["dry_mass_g"] == pytest.approx(332, abs=1)
@@ -364,7 +364,7 @@ def test_a_bad_change_is_refused_in_one_line(full: Run, change: str, found: str)
     assert full("show", "1", "--json").document["notes"] == "good"
 
 
-def test_tags_come_and_go(full: Run) -> None:
+def test_tags_are_added_and_removed(full: Run) -> None:
     assert (
         full("tag", "1", "Off-axis", "mine").out == "Flight 1 has the tags off_axis; mine. `fieldkit undo` to undo.\n"
     )
@@ -375,7 +375,7 @@ def test_tags_come_and_go(full: Run) -> None:
     assert (outcome.status, outcome.err) == (1, "1 has no tag 'mine', it has none\n")
 
 
-def test_undo_and_redo_go_through_every_change(full: Run) -> None:
+def test_every_change_can_be_undone_and_redone(full: Run) -> None:
     full("tag", "1", "mine")
     assert full("remove", "1", "2").out.startswith("Removed 2 flights.")
     assert full("undo").out == "Undone: remove 1, 2\n"
@@ -391,7 +391,7 @@ def test_undo_and_redo_go_through_every_change(full: Run) -> None:
 
 
 @pytest.mark.parametrize("name", ["out.csv", "out.json"])
-def test_what_is_exported_imports_again_into_the_same_ledger(full: Run, tmp_path: Path, name: str) -> None:
+def test_an_export_imports_into_the_same_ledger_as_duplicates(full: Run, tmp_path: Path, name: str) -> None:
     full("edit", "1", "temperature=71.3F", "apogee=923ft", 'notes=a, "b"; ü', "log=gone.csv", "wind=4.4mph")
     before = full("flights", "--json").out
     assert full("export", tmp_path / name).status == 0
@@ -430,7 +430,7 @@ def test_motors_are_found_and_shown(run: Run) -> None:
     assert run("motors", "--about", "--json").document["motors"] > 500
 
 
-def test_ones_own_motor_can_be_added_and_flown(run: Run, tmp_path: Path, table: Path) -> None:
+def test_a_users_own_motor_can_be_added_and_flown(run: Run, tmp_path: Path, table: Path) -> None:
     own = tmp_path / "mine.eng"
     own.write_text("G999 24 70 4-7 0.019 0.0629 Mine\n0.014 36.1\n1.0 20\n2.13 0\n", encoding="utf-8")
     table.write_text(TABLE.replace("E35-5W", "G999"), encoding="utf-8")
@@ -452,7 +452,7 @@ def test_the_ledger_comes_from_the_environment_if_no_option_names_it(
     capsys.readouterr()
 
 
-def test_a_command_that_is_cut_short_by_its_reader_leaves_no_traceback(tmp_path: Path, table: Path) -> None:
+def test_a_command_whose_reader_closes_the_pipe_leaves_no_traceback(tmp_path: Path, table: Path) -> None:
     environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "ledger.db")}
     command = [sys.executable, "-m", "fieldkit.cli.main"]
     subprocess.run([*command, "import", str(table)], env=environment, check=True, capture_output=True)
@@ -475,7 +475,7 @@ def test_a_plan_without_a_mass_is_one_clear_line(capsys: pytest.CaptureFixture[s
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_an_answer_that_cannot_be_written_is_one_clear_line() -> None:
+def test_output_that_cannot_be_written_is_one_clear_line() -> None:
     command = [sys.executable, "-m", "fieldkit.cli.main", "--version"]
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)

@@ -1,4 +1,4 @@
-"""Values, ledgers and folders that commands refuse in one line, and those that they do not need."""
+"""Values, ledgers and folders that commands refuse in one line, and folders that they do not need."""
 
 import os
 import subprocess
@@ -34,7 +34,7 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return path
 
 
-def test_a_forecast_that_cannot_be_saved_is_printed_all_the_same(
+def test_a_forecast_that_cannot_be_saved_is_still_printed(
     ledger: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """On a full or read-only disk a flyer still needs it, and learns that it is not saved."""
@@ -49,10 +49,10 @@ def test_a_forecast_that_cannot_be_saved_is_printed_all_the_same(
     assert "saving the forecast failed: ledger.db: the disk is full" in printed.err
 
 
-def test_scores_that_cannot_be_saved_are_printed_all_the_same(
+def test_scores_that_cannot_be_saved_are_still_printed(
     ledger: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Nor is a table lost because its forecasts are not kept for the next ones."""
+    """The table is not lost if its forecasts cannot be saved for later ones."""
 
     def full(*_: object, **__: object) -> None:
         raise LedgerError("ledger.db: the disk is full")
@@ -68,7 +68,7 @@ def test_scores_that_cannot_be_saved_are_printed_all_the_same(
 def test_a_name_of_20_000_characters_is_refused_in_one_line(
     ledger: str, column: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Every table of the ledger would be as wide as it."""
+    """It would make every table of the ledger as wide."""
     flight = {"flight_id": "9", "rocket": "Astra", "motor": "F24-4W", "apogee_m": "250", column: "N" * 20_000}
     (tmp_path / "endless.csv").write_text("\n".join(",".join(row) for row in (flight.keys(), flight.values())) + "\n")
     capsys.readouterr()
@@ -83,7 +83,7 @@ def test_a_name_of_20_000_characters_is_refused_in_one_line(
     assert f"{column}: found 20000 characters" in printed.out + printed.err
 
 
-def test_a_number_that_no_float_holds_is_quoted_as_the_file_has_it(
+def test_a_number_too_large_for_a_float_is_quoted_as_in_the_file(
     ledger: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "flights.json"
@@ -112,9 +112,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("what", REFUSED)
-def test_a_value_that_nothing_has_is_refused_in_a_line(
-    what: str, ledger: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_impossible_value_is_refused_in_one_line(what: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["--ledger", ledger, "predict", "--motor", "F24-4W", *REFUSED[what]]) == 1
     (printed,) = capsys.readouterr().err.splitlines()
@@ -132,7 +130,7 @@ def numbers(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]
 
 
 @pytest.mark.parametrize("words", numbers(typer.main.get_command(app)), ids=" ".join)
-def test_no_option_takes_a_number_that_is_invalid(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_option_accepts_an_invalid_number(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     for number in ("nan", "inf", "-inf"):
         assert main([*words[:-1], f"{words[-1]}={number}"]) == 2
         assert f"found {number}" in (printed := capsys.readouterr().err) or "is not in the range" in printed
@@ -148,7 +146,7 @@ def test_a_parachute_reefed_to_nothing_is_refused(area: str, ledger: str, capsys
 
 
 @pytest.mark.parametrize("url", ["sqlite://", "sqlite:///", "sqlite:///:memory:"])
-def test_a_ledger_that_would_keep_nothing_is_refused(
+def test_a_ledger_that_would_store_nothing_is_refused(
     url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
@@ -158,7 +156,7 @@ def test_a_ledger_that_would_keep_nothing_is_refused(
     assert "added" not in printed.out + printed.err
 
 
-def test_a_home_that_cannot_be_used_stands_in_no_ones_way_who_names_a_ledger(
+def test_an_unusable_home_folder_does_not_matter_if_a_ledger_is_named(
     ledger: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("")
@@ -183,7 +181,7 @@ def test_the_home_of_nobody_is_an_ordinary_name(
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("date", ["0001-01-01T00:00", "9999-12-31T23:59", "0001-01-01", "9999-12-31"])
-def test_a_date_at_the_end_of_time_overflows_nothing(date: str, ledger: str, tmp_path: Path) -> None:
+def test_the_last_possible_date_causes_no_overflow(date: str, ledger: str, tmp_path: Path) -> None:
     for words in (["predict", "--motor", "F24-4W"], ["edit", "2", f"date_time={date}"]):
         assert main(["--ledger", ledger, *words]) == 0
     for words in (
@@ -198,7 +196,7 @@ def test_a_date_at_the_end_of_time_overflows_nothing(date: str, ledger: str, tmp
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
-def test_an_output_that_is_full_does_not_say_that_nothing_was_done(ledger: str) -> None:
+def test_a_full_output_does_not_report_that_nothing_was_done(ledger: str) -> None:
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", ledger]
     flight = ["--rocket", "Astra", "--flight-id", "9", "--apogee", "100m"]
     with Path("/dev/full").open("wb") as full:
@@ -216,7 +214,9 @@ def test_an_output_that_is_full_does_not_say_that_nothing_was_done(ledger: str) 
         assert [flight.flight_id for flight in opened.flights()] == ["1", "2", "3", "9"]
 
 
-def test_too_little_memory_is_a_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_too_little_memory_is_reported_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def exhausted(arguments: object) -> int:
         raise MemoryError
 

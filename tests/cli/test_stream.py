@@ -1,4 +1,4 @@
-"""Lists of any length are streamed in order, completely, as fast as they are read."""
+"""Lists of any length are streamed in order and completely, as fast as they are read."""
 
 import io
 import json
@@ -22,7 +22,7 @@ VALUES = st.none() | st.integers() | st.floats(allow_nan=False, allow_infinity=F
 
 
 @given(st.lists(st.dictionaries(st.text(), VALUES, min_size=1), max_size=4))
-def test_a_streamed_document_is_what_json_writes(documents: list[dict[str, object]]) -> None:
+def test_a_streamed_document_equals_what_json_dumps_writes(documents: list[dict[str, object]]) -> None:
     out = io.StringIO()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "stdout", out)
@@ -30,7 +30,7 @@ def test_a_streamed_document_is_what_json_writes(documents: list[dict[str, objec
     assert out.getvalue() == json.dumps({"flights": documents}, indent=2) + "\n"
 
 
-def test_columns_get_wider_and_no_cell_is_cut_if_there_is_room(
+def test_columns_grow_and_no_cell_is_cut_if_there_is_room(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(stream, "_room", lambda: 40)

@@ -59,7 +59,7 @@ def flights(ledger: str) -> list[str]:
 
 
 @pytest.mark.fast
-def test_a_file_below_dev_is_written_and_replaced_as_any_other(in_memory: Path) -> None:
+def test_a_regular_file_in_dev_is_written_and_replaced_like_any_other(in_memory: Path) -> None:
     file = in_memory / "flights.csv"
     files.write(file, b"first")
     with pytest.raises(FieldkitError, match="found an existing file"):
@@ -72,7 +72,7 @@ def test_a_file_below_dev_is_written_and_replaced_as_any_other(in_memory: Path) 
 
 @pytest.mark.fast
 @pytest.mark.parametrize("name", ["/dev/fd/{}", "/proc/self/fd/{}"])
-def test_an_open_stream_continues_where_it_is(tmp_path: Path, name: str) -> None:
+def test_an_open_stream_is_written_at_its_position(tmp_path: Path, name: str) -> None:
     with (tmp_path / "out.txt").open("wb", buffering=0) as out:
         if not Path(name.format(out.fileno())).exists():
             pytest.skip("this system has no such names")
@@ -103,7 +103,7 @@ def test_a_settings_file_that_is_a_link_stays_one_and_keeps_its_mode(tmp_path: P
 
 
 @pytest.mark.fast
-def test_settings_that_lead_to_a_device_leave_the_device_alone(tmp_path: Path) -> None:
+def test_a_settings_path_that_links_to_a_device_leaves_the_device_alone(tmp_path: Path) -> None:
     link = tmp_path / "settings.json"
     link.symlink_to(os.devnull)
     change_settings({"units": "US"}, link)
@@ -111,7 +111,7 @@ def test_settings_that_lead_to_a_device_leave_the_device_alone(tmp_path: Path) -
     assert read_settings(link).units == "US"
 
 
-def test_a_closed_output_is_reported_in_a_line_and_what_was_done_is_not_denied(ledger: str) -> None:
+def test_a_closed_output_is_reported_in_one_line_that_does_not_deny_what_was_done(ledger: str) -> None:
     done = fieldkit(ledger, ADD, ">&-")
     assert done.returncode == 1
     saved, unused, line = done.stderr.splitlines()
@@ -124,7 +124,7 @@ def test_a_closed_output_is_reported_in_a_line_and_what_was_done_is_not_denied(l
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("closed", ["2>&-", "2>/dev/full", "<&- 2>&-"])
-def test_messages_that_nobody_can_read_change_nothing_of_what_is_done(ledger: str, closed: str) -> None:
+def test_closed_stderr_does_not_change_what_a_command_does(ledger: str, closed: str) -> None:
     if "full" in closed and not Path("/dev/full").exists():
         pytest.skip("this system has no full device")
     done = fieldkit(ledger, ADD, closed)
@@ -149,12 +149,12 @@ def unread(ledger: str, *arguments: str) -> "subprocess.CompletedProcess[bytes]"
         return subprocess.run(command, stdout=out, stderr=subprocess.PIPE, env=ENVIRONMENT)
 
 
-def test_a_flight_that_is_saved_is_reported_though_nobody_reads_its_card(ledger: str) -> None:
+def test_a_saved_flight_is_reported_even_if_nobody_reads_its_card(ledger: str) -> None:
     assert b"Saved flight 9." in unread(ledger, *ADD).stderr
     assert flights(ledger) == ["9"]
 
 
-def test_a_command_that_had_finished_when_its_reader_left_succeeded(ledger: str) -> None:
+def test_a_command_that_finished_before_its_reader_left_succeeds(ledger: str) -> None:
     with Ledger.open(ledger) as opened:
         opened.add([Flight(flight_id="9", rocket="Astra", apogee=100.0)])
     done = unread(ledger, "tag", "9", "mine")

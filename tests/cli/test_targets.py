@@ -114,7 +114,7 @@ def test_the_command_tree_is_walked() -> None:
 
 
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
-def test_no_command_writes_over_what_fieldkit_keeps(
+def test_no_command_overwrites_fieldkits_own_files(
     home: Path, names: tuple[str, ...], parameter: Any, command: Any
 ) -> None:
     before = bytes_of(home)
@@ -155,7 +155,7 @@ def test_no_command_replaces_a_file_by_default(
         assert mine.read_text() == "what I wrote"
 
 
-def test_a_file_is_replaced_when_that_is_reported(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_is_replaced_with_confirmation(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = home / "out.csv"
     assert main(["export", str(out)]) == 0
     out.chmod(0o640)
@@ -169,7 +169,7 @@ def test_a_file_is_replaced_when_that_is_reported(home: Path, capsys: pytest.Cap
     assert stat.S_IMODE(out.stat().st_mode) == 0o640
 
 
-def test_a_file_that_came_in_the_meantime_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_created_in_the_meantime_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "out.csv"
     link = os.link
 
@@ -184,7 +184,7 @@ def test_a_file_that_came_in_the_meantime_is_not_replaced(tmp_path: Path, monkey
     assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
 
 
-def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "out.csv"
     out.write_text("old")
 
@@ -197,14 +197,14 @@ def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyt
     assert bytes_of(tmp_path) == {"out.csv": b"old"}
 
 
-def test_files_that_belong_together_are_written_together_or_not_at_all(tmp_path: Path) -> None:
+def test_related_files_are_all_written_or_none_is(tmp_path: Path) -> None:
     (tmp_path / "b").write_text("mine")
     with pytest.raises(FieldkitError, match="existing file"):
         files.write_all({tmp_path / "a": b"a", tmp_path / "b": b"b"})
     assert bytes_of(tmp_path) == {"b": b"mine"}
 
 
-def test_the_place_of_a_ledger_that_is_gone_or_damaged_is_kept(home: Path) -> None:
+def test_the_path_of_a_missing_or_damaged_ledger_is_not_overwritten(home: Path) -> None:
     ledger = home / "ledger.db"
     for harm in (lambda: ledger.write_bytes(b"\0" * 4096), ledger.unlink):
         harm()
@@ -213,7 +213,7 @@ def test_the_place_of_a_ledger_that_is_gone_or_damaged_is_kept(home: Path) -> No
 
 
 def filled(home: Path) -> dict[Path, bytes]:
-    """A file of every name in the data folder, a folder for a name without a suffix, and names that nobody knows."""
+    """A file for every name in the data folder, a folder for each name without a suffix, and unknown names."""
     for name in (*paths.DATA_FILES, "of a later version", "folder/of/another.program"):
         file = paths.data_folder() / name
         if "." not in name and name in paths.DATA_FILES:
@@ -225,7 +225,7 @@ def filled(home: Path) -> dict[Path, bytes]:
 
 
 def other_names(own: Path, home: Path) -> Iterator[Path]:
-    """A file in the data folder, and other names for it: a link, a hard link, a linked folder, a way around."""
+    """A file in the data folder, and other paths to it: a link, a hard link, a linked folder, a path with `..`."""
     yield own
     (link := home / "name.csv").symlink_to(own)
     yield link
@@ -238,7 +238,7 @@ def other_names(own: Path, home: Path) -> Iterator[Path]:
         name.unlink()
 
 
-def test_nothing_in_the_data_folder_is_ever_written_over(home: Path) -> None:
+def test_nothing_in_the_data_folder_is_ever_overwritten(home: Path) -> None:
     before = filled(home)
     assert {file.relative_to(paths.data_folder()).parts[0] for file in before} > set(paths.DATA_FILES)
     for own in before:
@@ -249,7 +249,7 @@ def test_nothing_in_the_data_folder_is_ever_written_over(home: Path) -> None:
     assert {file: file.read_bytes() for file in before} == before
 
 
-def test_what_a_link_in_the_data_folder_leads_to_is_never_written_over(home: Path) -> None:
+def test_the_target_of_a_link_in_the_data_folder_is_never_overwritten(home: Path) -> None:
     (shared := home / "shared").mkdir()
     (shared / "corrections.csv").write_text("kept")
     (alone := home / "alone.toml").write_text("kept")
@@ -264,41 +264,41 @@ def test_what_a_link_in_the_data_folder_leads_to_is_never_written_over(home: Pat
 
 
 @pytest.mark.parametrize("name", [*paths.DATA_FILES, "motors/new.eng", "rules/new.toml", "seasons/2031.toml"])
-def test_no_command_makes_a_file_that_fieldkit_would_take_for_its_own(home: Path, name: str) -> None:
+def test_no_command_creates_a_file_that_fieldkit_would_take_for_its_own(home: Path, name: str) -> None:
     target = paths.data_folder() / name
     target.unlink(missing_ok=True) if target.is_file() else None
     assert main(["export", str(target)]) == 1
     assert not target.is_file()
 
 
-def test_the_data_folder_may_be_one_of_the_flyers_with_other_files(home: Path) -> None:
+def test_the_data_folder_may_also_contain_the_flyers_files(home: Path) -> None:
     files.write(paths.data_folder() / "season of 2025.csv", b"x")
 
 
 def test_every_name_in_the_data_folder_is_known_to_the_guard() -> None:
-    """Nothing outside `paths` puts a path in the data folder together: `data_file` has every name in its type."""
+    """Only `paths` builds paths in the data folder: the type of `data_file` lists every name."""
     for file in sorted((ROOT / "fieldkit").rglob("*.py")):
         if file.name != "paths.py":
             code = file.read_text(encoding="utf-8")
             assert not re.search(r"\b(data_folder|_data_path|user_data_path|user_config_path)\b", code), file
 
 
-def test_folders_of_the_flyers_own_are_no_backups(tmp_path: Path) -> None:
+def test_the_flyers_own_folders_are_not_backups(tmp_path: Path) -> None:
     (tmp_path / "season-backups").mkdir()
     (tmp_path / "season").mkdir()
     files.write(tmp_path / "season-backups" / "out.csv", b"x")
     files.write(tmp_path / "season" / "out.csv", b"x")
 
 
-def test_a_device_gets_what_is_written(tmp_path: Path) -> None:
+def test_a_device_receives_what_is_written(tmp_path: Path) -> None:
     files.write(Path(os.devnull), b"x")
 
 
 WRITERS = {"files.py", "capture/tape.py"}
-"""The modules that may write files directly: this guard, and the tape, whose file is always new."""
+"""The modules that may write files directly: the guard, and the tape, whose file is always new."""
 
 
-def test_every_file_is_written_past_the_guard() -> None:
+def test_every_file_is_written_through_the_guard() -> None:
     for file in sorted((ROOT / "fieldkit").rglob("*.py")):
         if str(file.relative_to(ROOT / "fieldkit")) in WRITERS:
             continue
@@ -319,10 +319,10 @@ REPLACED_WHOLE = {
     "motors/own.py": "a file that the flyer names, whatever it was before",
     "planning/kit_file.py": "kits, within the lock of `services/kits.py`",
 }
-"""The modules that replace a file of fieldkit without its lock, and what it is."""
+"""The modules that replace a file of fieldkit without its lock, and which file."""
 
 
-def test_every_file_that_several_programs_change_is_replaced_within_its_lock() -> None:
+def test_every_shared_file_is_replaced_under_its_lock() -> None:
     found = set()
     for file in sorted((ROOT / "fieldkit").rglob("*.py")):
         code = file.read_text(encoding="utf-8")
@@ -333,7 +333,7 @@ def test_every_file_that_several_programs_change_is_replaced_within_its_lock() -
 
 
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
-def test_a_minus_is_standard_output_and_no_file(
+def test_a_minus_is_standard_output_and_not_a_file(
     home: Path, names: tuple[str, ...], parameter: Any, command: Any, capfd: pytest.CaptureFixture[str]
 ) -> None:
     if names == ("train",):
@@ -345,7 +345,7 @@ def test_a_minus_is_standard_output_and_no_file(
     assert "Traceback" not in shown.err
 
 
-def test_an_export_to_a_minus_is_the_table(home: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_an_export_to_standard_output_is_the_table(home: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["export"]) == 0
     table = capfd.readouterr().out
     assert main(["export", "-"]) == 0
@@ -353,7 +353,7 @@ def test_an_export_to_a_minus_is_the_table(home: Path, capfd: pytest.CaptureFixt
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
-def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_gets_what_is_written(tmp_path: Path) -> None:
+def test_a_pipe_without_a_reader_is_refused_and_one_with_a_reader_is_written(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     with pytest.raises(FieldkitError, match="no program reads"):
@@ -391,7 +391,7 @@ READERS = {
 """The modules that open files without `files.read`, and what they read."""
 
 
-def test_every_file_from_elsewhere_is_read_within_bounds() -> None:
+def test_every_untrusted_file_is_read_within_bounds() -> None:
     for file in sorted((ROOT / "fieldkit").rglob("*.py")):
         if file.relative_to(ROOT / "fieldkit").as_posix() in READERS:
             continue
@@ -403,7 +403,7 @@ def test_every_file_from_elsewhere_is_read_within_bounds() -> None:
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no file without an end")
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
-def test_a_file_without_an_end_is_refused_in_a_line(
+def test_an_endless_file_is_refused_in_one_line(
     home: Path, names: tuple[str, ...], parameter: Any, command: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if parameter.name in WRITTEN or names == ("export",):
