@@ -158,7 +158,7 @@ class Logger:
     dip: bool = False
     """Whether shocks near the speed of sound lower the heights."""
     drift: float = 0.0
-    """Drift of the zero on the pad and in flight, and its value at lift-off."""
+    """Error of the zero at lift-off, and its growth per hour."""
     jitter: float = 0.0
     """Jitter of the clock, as a fraction of the step."""
     rest: float = 10.0

@@ -47,7 +47,7 @@ def known(draw: st.DrawFn) -> Flight:
 
 
 @pytest.mark.parametrize("write", [csv_table, as_json])
-def test_a_table_goes_through_the_ledger_and_comes_out_the_same(
+def test_a_table_survives_the_ledger_and_an_export_unchanged(
     write: Callable[[list[Flight]], str], tmp_path: Path
 ) -> None:
     @examples(40)
@@ -109,7 +109,9 @@ def test_a_standard_deviation_scales_with_its_unit_and_is_not_offset(column: obj
         ("coast_to_apogee_sd_s", "0.1", "found a value beside an empty coast_to_apogee_s, expected none"),
     ],
 )
-def test_a_bad_value_beside_a_readout_costs_its_row_and_names_the_column(header: str, cell: str, found: str) -> None:
+def test_a_bad_standard_deviation_or_source_rejects_its_row_and_names_the_column(
+    header: str, cell: str, found: str
+) -> None:
     table = f'flight_id,rocket,apogee_m,{header}\n1,Astra,281.3,"{cell}"\n2,Astra,280,\n'
     intake = read(table.encode(), "t.csv", any_motor)
     (rejected,) = intake.rejected
@@ -138,12 +140,12 @@ def test_a_bad_value_in_json_is_refused(member: str, found: str) -> None:
     assert found in rejected.error
 
 
-def test_json_of_an_older_fieldkit_has_standard_deviations_as_texts() -> None:
+def test_standard_deviations_as_text_in_json_of_an_older_fieldkit_are_read() -> None:
     text = '{"flights": [{"flight_id": "1", "apogee_m": 281.3, "apogee_sd_m": "0.66"}]}'
     assert read(text.encode(), "x.json", any_motor).flights[0].sd == {"apogee": 0.66}
 
 
-def test_a_readout_of_another_value_loses_what_was_known_of_the_old_one() -> None:
+def test_a_changed_readout_loses_the_standard_deviation_and_source_of_the_old_one() -> None:
     assert FLIGHT.with_changes(apogee=281.3).sd == FLIGHT.sd
     assert FLIGHT.with_changes(apogee=290.0).sd == {"coast_to_apogee": 0.1}
     assert FLIGHT.with_changes(apogee=None).readout("apogee") is None
@@ -151,7 +153,7 @@ def test_a_readout_of_another_value_loses_what_was_known_of_the_old_one() -> Non
     assert given.readout("apogee") == Readout(290.0, 1.0, "gps")
 
 
-def test_a_log_says_how_well_and_by_which_sensor_and_what_it_only_states() -> None:
+def test_a_log_gives_standard_deviations_and_sensors_and_marks_stated_figures() -> None:
     (flight,) = read(LOG.read_bytes(), LOG.name, any_motor).flights
     assert flight.readouts().keys() >= flight.source.keys() >= flight.sd.keys() >= {"apogee", "top_speed"}
     assert flight.source["apogee"] == "baro"
@@ -160,7 +162,7 @@ def test_a_log_says_how_well_and_by_which_sensor_and_what_it_only_states() -> No
     assert {other.source[name] for name in ("top_speed", "peak_accel")} == {"accel"}
 
 
-def test_what_is_typed_reports_it_and_takes_the_device_s_own_noise(tmp_path: Path) -> None:
+def test_a_typed_readout_is_marked_as_typed_and_has_the_devices_noise(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         flight, _ = enter(ledger, Flight(rocket="Astra", apogee=281.3, duration=40.0))
         assert (dict(flight.sd), flight.source) == ({}, {"apogee": "typed", "duration": "typed"})
@@ -174,7 +176,7 @@ def test_what_is_typed_reports_it_and_takes_the_device_s_own_noise(tmp_path: Pat
         assert ledger.flight("2") == edited
 
 
-def test_what_stands_beside_a_readout_is_edited_like_a_column(tmp_path: Path) -> None:
+def test_the_standard_deviation_and_source_of_a_readout_are_edited_like_columns(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([FLIGHT])
 
@@ -194,15 +196,13 @@ def test_what_stands_beside_a_readout_is_edited_like_a_column(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(("part", "value"), [("sd", float("nan")), ("sd", -1.0), ("source", "radar")])
-def test_a_ledger_keeps_no_standard_deviation_and_no_source_that_is_invalid(
-    part: str, value: object, tmp_path: Path
-) -> None:
+def test_a_ledger_stores_no_invalid_standard_deviation_or_source(part: str, value: object, tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         (conflict,) = ledger.add([FLIGHT.with_changes(**{part: {"apogee": value}})]).conflicts
     assert conflict.error.startswith("apogee_s")
 
 
-def test_json_of_a_flight_has_what_is_recorded_of_its_readouts() -> None:
+def test_json_of_a_flight_has_all_recorded_facts_of_its_readouts() -> None:
     details = document(FLIGHT.with_changes(source={"apogee": "baro"}))
     assert (details["apogee_sd_m"], details["apogee_source"], details["coast_to_apogee_sd_s"]) == (0.5, "baro", 0.1)
     assert "coast_to_apogee_source" not in details
@@ -214,7 +214,7 @@ def raw(flights: list[Flight]) -> Array:
     return np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
 
 
-def test_a_fit_takes_the_standard_deviation_of_a_readout_if_there_is_one() -> None:
+def test_a_fit_uses_the_standard_deviation_of_a_readout_if_there_is_one() -> None:
     bare = FLIGHT.with_changes(sd={})
     own = own_sd([FLIGHT, bare], raw([FLIGHT, bare]))
     apogee, coast, speed = (OBSERVED_READOUTS.index(name) for name in ("apogee", "coast_to_apogee", "top_speed"))
@@ -231,7 +231,7 @@ def test_a_fit_takes_the_standard_deviation_of_a_readout_if_there_is_one() -> No
     )
 
 
-def test_a_vague_apogee_moves_a_forecast_less_than_a_sure_one(
+def test_an_imprecise_apogee_moves_a_forecast_less_than_a_precise_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     middles = []
@@ -267,7 +267,7 @@ def inferred(*several: Flight) -> FieldPosterior:
     return infer_field(several, found)
 
 
-def test_a_network_takes_a_vague_readout_for_less_and_a_sure_one_as_usual() -> None:
+def test_a_network_gives_an_imprecise_readout_less_weight_and_a_precise_one_the_usual_weight() -> None:
     vague = [ALL.with_changes(sd={"apogee": sd}) for sd in (0.5, 8.0, 25.0, 1e4)]
     estimates = inferred(ALL, *vague, ALL.with_changes(apogee=None))
     sd = estimates.cd_sd
@@ -279,7 +279,7 @@ def test_a_network_takes_a_vague_readout_for_less_and_a_sure_one_as_usual() -> N
 
 
 @pytest.mark.parametrize("name", ["apogee", "top_speed", "burn_time", "coast_to_apogee", "eject_altitude", "duration"])
-def test_a_readout_far_out_is_no_misfit_if_it_is_as_vague(name: str) -> None:
+def test_a_readout_far_off_is_not_an_outlier_if_it_is_equally_imprecise(name: str) -> None:
     full = ALL.with_changes(
         peak_accel=150.0, apogee_to_eject=0.3, eject_altitude=249.0, descent_speed=5.0, duration=57.0
     )

@@ -32,13 +32,13 @@ def inside(row: Forecast) -> bool:
     return row.corrected[0] <= row.flown <= row.corrected[1]
 
 
-def test_a_flight_at_the_end_of_its_interval_is_one_out() -> None:
+def test_a_flight_at_the_end_of_its_interval_has_a_ratio_of_one() -> None:
     assert [surprise(flown, INTERVAL) for flown in (100.0, 80.0, 130.0)] == pytest.approx([0, 1, 1])
     assert surprise(169.0, INTERVAL) == pytest.approx(2.0)
     assert surprise(150.0, (100.0, 100.0, 100.0)) == float("inf")
 
 
-def test_few_forecasts_change_nothing() -> None:
+def test_too_few_forecasts_change_nothing() -> None:
     assert stretch([3.0] * (MIN_FORECASTS_TO_CORRECT - 1)) is None
     assert stretch([3.0] * MIN_FORECASTS_TO_CORRECT) == 3.0
 
@@ -50,7 +50,7 @@ def test_an_interval_is_stretched_about_its_median_by_ratio() -> None:
 
 
 @pytest.mark.parametrize("spread", [0.05, 0.4])
-def test_nine_in_ten_later_flights_come_to_lie_inside_however_wrong_the_model_is(spread: float) -> None:
+def test_nine_in_ten_later_flights_are_inside_however_wrong_the_model_is(spread: float) -> None:
     rng = np.random.default_rng(3)
     rows = [forecast(n, float(100 * np.exp(spread * rng.normal()))) for n in range(600)]
     found = corrected_by_earlier(rows)
@@ -73,7 +73,7 @@ def test_a_flight_scored_twice_counts_once() -> None:
     assert saved_surprises(kept) == pytest.approx([2.0])
 
 
-def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_reports_it(tmp_path: Path) -> None:
+def test_a_forecast_is_widened_as_scored_ones_required_and_reports_it(tmp_path: Path) -> None:
     plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(str(n), "Astra", apogee=169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])

@@ -61,9 +61,7 @@ def quantiles(values: Array, weight: Array) -> Array:
     [(OBSERVED_READOUTS, 0.3, 0.05), (("apogee", "top_speed"), 0.3, 0.17), (("apogee",), 0.03, 0.25)],
     ids=["all", "apogee and speed", "apogee"],
 )
-def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(
-    kept: tuple[str, ...], effective: float, off: float
-) -> None:
+def test_a_forecast_agrees_with_exactly_weighted_draws(kept: tuple[str, ...], effective: float, off: float) -> None:
     """The tolerance is a fraction of the width before scatter; from apogees alone drag and thrust lie on a curved
     ridge."""
     rng = np.random.default_rng(5)

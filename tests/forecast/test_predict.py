@@ -1,4 +1,4 @@
-"""Forecasts trust the simulator and the device only as far as the flights confirm them."""
+"""Forecasts trust the simulator and the device only as far as flights confirm them."""
 
 from dataclasses import replace
 from datetime import datetime
@@ -61,18 +61,18 @@ def test_a_motor_on_which_the_simulator_is_wrong_is_forecast_from_its_own_flight
         assert np.median(next_on(motor, flown).apogee) == pytest.approx(mean_apogee(motor, flown), rel=0.05)
 
 
-def test_it_is_the_simulator_that_is_doubted_and_not_the_altimeter() -> None:
+def test_the_error_is_attributed_to_the_simulator_and_not_to_the_altimeter() -> None:
     """In standard air an altimeter shows the truth, also on the motor with a wrong simulation."""
     forecast = next_on("F24", season({"F24": 1.25}))
     assert np.median(forecast.true_apogee) == pytest.approx(np.median(forecast.apogee), rel=0.01)
 
 
-def test_a_rocket_never_flown_is_forecast_from_its_priors() -> None:
+def test_a_rocket_that_never_flew_is_forecast_from_its_priors() -> None:
     low, middle, high = next_on("F24", []).apogee_quantiles()
     assert 0 < 1.3 * low < middle < high / 1.3
 
 
-def test_if_motors_disagree_a_new_one_is_less_sure() -> None:
+def test_a_new_motor_is_less_certain_if_motors_disagree() -> None:
     def width(motor: str, flown: Flown) -> float:
         low, _, high = next_on(motor, flown).apogee_quantiles()
         return float(np.log(high / low))
@@ -82,13 +82,13 @@ def test_if_motors_disagree_a_new_one_is_less_sure() -> None:
     assert width("F52", apart) > 1.25 * width("F52", same_motors)
 
 
-def test_a_device_that_reads_speed_and_coast_wrong_does_not_lead_apogees_astray() -> None:
+def test_a_device_that_misreads_speed_and_coast_does_not_bias_apogees() -> None:
     flown = season({"top_speed": 0.8, "coast_to_apogee": 1.1, "peak_accel": 0.6})
     for motor in MOTORS:
         assert np.median(next_on(motor, flown).apogee) == pytest.approx(mean_apogee(motor, flown), rel=0.04)
 
 
-def test_what_a_noisy_rocket_or_device_gets_wrong_scales_with_it() -> None:
+def test_the_forecast_spread_scales_with_the_noise_of_rocket_and_device() -> None:
     found = [catalogue().resolve("F24")]
     certain, doubtful = base_model([PLAN], found), base_model([PLAN], found, learned())
     assert {term.scaled_by for term in certain.terms} == {""}
@@ -110,7 +110,7 @@ ALTERNATIVES = (
 
 
 @pytest.mark.parametrize(("past", "diameter"), [(0, 0.066), (3, None), (5, 0.066)])
-def test_what_is_reported_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, diameter: float | None) -> None:
+def test_the_forecast_of_a_plan_does_not_depend_on_other_plans(past: int, diameter: float | None) -> None:
     flown = [(one.with_changes(diameter=diameter), motor) for one, motor in season({})]
     flown = flown[:past] if past != 3 else [pair for pair in flown if pair[0].motor == "F24"]  # or a single motor
     plan = PLAN.with_changes(diameter=diameter)
@@ -121,7 +121,7 @@ def test_what_is_reported_of_a_plan_does_not_hang_on_the_plans_beside_it(past: i
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
 
 
-def test_a_new_configuration_without_a_design_is_forecast_as_alone() -> None:
+def test_a_new_configuration_without_a_design_is_forecast_as_if_alone() -> None:
     flown, motor = season({}, 2), catalogue().resolve("F24")
     new, designed = ((PLAN.with_changes(config=config), motor) for config in ("B", "C"))
     cds = {"A": 0.5, "C": 0.9}
@@ -129,7 +129,7 @@ def test_a_new_configuration_without_a_design_is_forecast_as_alone() -> None:
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
 
 
-def test_a_plan_without_a_date_is_forecast_as_alone() -> None:
+def test_a_plan_without_a_date_is_forecast_as_if_alone() -> None:
     flown = [
         (one.with_changes(date_time=datetime(2026, 5, 1 + row // 2)), motor)
         for row, (one, motor) in enumerate(season({}, 3))
@@ -168,12 +168,12 @@ def test_an_interval_narrows_as_a_normal_mean_becomes_known(more: float) -> None
     assert made(known, scatter).narrowed(more) == pytest.approx(exact, abs=5e-3)
 
 
-def test_nothing_narrows_what_is_random_and_all_goes_if_there_is_none() -> None:
+def test_random_variance_never_narrows_and_without_it_the_interval_vanishes() -> None:
     assert made(0.0, 0.05).narrowed(np.inf) == pytest.approx(1.0, abs=1e-6)
     assert made(0.05, 0.0).narrowed(1) == pytest.approx(0.0, abs=1e-6)
 
 
-def test_the_interval_narrows_by_what_was_said_once_the_flights_are_flown() -> None:
+def test_the_interval_narrows_as_announced_once_the_flights_are_flown() -> None:
     """The mean over some seasons, because the scatter is estimated from the flights too."""
     forecast, became = [], []
     for seed in range(16):
@@ -184,7 +184,7 @@ def test_the_interval_narrows_by_what_was_said_once_the_flights_are_flown() -> N
     assert np.mean(became) == pytest.approx(np.mean(forecast), abs=0.12)
 
 
-def test_more_flights_never_widen_and_a_motor_never_flown_gains_most() -> None:
+def test_more_flights_never_widen_an_interval_and_a_new_motor_gains_most() -> None:
     flown = [(flight, found) for flight, found in season({}) if flight.motor != "E35"]
     new, known = next_on("E35", flown), next_on("F24", flown)
     steps = [new.narrowed(more) for more in (0, 1, 2, 5, np.inf)]
@@ -193,7 +193,7 @@ def test_more_flights_never_widen_and_a_motor_never_flown_gains_most() -> None:
     assert new.narrowed(1) < known.narrowed(1) - 0.1
 
 
-def test_flights_without_a_recorded_wind_flew_in_the_usual_one_and_not_in_a_calm() -> None:
+def test_flights_without_a_recorded_wind_are_assumed_to_have_the_usual_wind() -> None:
     flown = season({})
     at = {
         wind: float(np.median(predict(flown, [(PLAN.with_changes(wind=wind), flown[0][1])])[0].apogee))

@@ -42,7 +42,7 @@ def fitted(terms: list[int], mean: np.ndarray, covariance: np.ndarray) -> Any:
     )
 
 
-def test_a_posterior_at_a_bound_is_truncated_with_what_goes_with_it() -> None:
+def test_a_posterior_at_a_bound_is_truncated_together_with_correlated_terms() -> None:
     covariance = np.array([[1.0, 0.8], [0.8, 1.0]])
     values, _ = term_draws(model(), [0, 1], fitted([0, 1], np.zeros(2), covariance), DRAWS, np.random.default_rng(0))
     assert values[:, 1].min() > 0.0
@@ -50,7 +50,7 @@ def test_a_posterior_at_a_bound_is_truncated_with_what_goes_with_it() -> None:
     assert values[:, 0].mean() == pytest.approx(0.8 * np.sqrt(2 / np.pi), abs=0.06)
 
 
-def test_the_prior_of_a_term_that_no_flight_shows_is_truncated() -> None:
+def test_the_prior_of_an_unconstrained_term_is_truncated() -> None:
     result = fitted([0], np.zeros(1), np.eye(1))
     values, _ = term_draws(model(), [0], result, DRAWS, np.random.default_rng(0))
     prior = WIND.prior

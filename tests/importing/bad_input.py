@@ -1,4 +1,4 @@
-"""Logs damaged as cables, memories, spreadsheets and attackers damage them, and rules that still hold."""
+"""Logs damaged as by cables, memories, spreadsheets and attackers, and rules that must still hold."""
 
 import random
 import signal
@@ -56,7 +56,7 @@ def _short(log: bytes) -> bytes:
 
 
 def _place(log: bytes, rng: random.Random) -> int:
-    """Somewhere in a log; the head, where the header is, every second time."""
+    """A random position in a log; in its head, which has the header, every second time."""
     return rng.randrange(min(len(log), 400) + 1 if rng.random() < 0.5 else len(log) + 1)
 
 
@@ -67,7 +67,7 @@ def cut(log: bytes, rng: random.Random) -> bytes:
 
 
 def doubled(log: bytes, rng: random.Random) -> bytes:
-    """A part, a line or the whole comes twice."""
+    """A part, a line or the whole is repeated."""
     a, b = sorted((_place(log, rng), _place(log, rng)))
     return rng.choice((log + log, log[:b] + log[a:], log[:a] + log))
 
@@ -179,7 +179,7 @@ def lines_moved(log: bytes, rng: random.Random) -> bytes:
 
 
 def ends_of_lines_changed(log: bytes, rng: random.Random) -> bytes:
-    """Other line ends, or blanks and quotation marks if there were none."""
+    """Other line endings, or spaces and quotation marks if there were none."""
     new = rng.choice((b"\r\n", b"\r", b"\n\n", b"\x0b", b"\xc2\x85", b' "\n', b'"\n', b" \n", b",\n", b""))
     if rng.random() < 0.5:
         return log.replace(b"\n", new)
@@ -231,7 +231,7 @@ def mutated(all_seeds: Sequence[Seed], rng: random.Random) -> tuple[str, str, by
 
 
 def faults_among(numbers: range) -> tuple[Counter[str], dict[str, str]]:
-    """The number of bad logs of each format, and every kind of damage with an example."""
+    """Checks bad logs of each format: their number, and every kind of fault with an example."""
     all_seeds, tried, faults = seeds(), Counter[str](), dict[str, str]()
     for number in numbers:
         done, name, log = mutated(all_seeds, random.Random(number))

@@ -35,7 +35,7 @@ LARGEST = 200.0
 @pytest.mark.sampled
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
 @pytest.mark.parametrize("name", parsers())
-def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
+def test_a_bad_log_gives_messages_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
     rng = random.Random(f"{name} {change.__name__}")
     seed = rng.choice([seed for seed in SEEDS if seed.format == name])
     with patience():
@@ -44,20 +44,20 @@ def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # 
 
 @examples(30)
 @given(number=st.integers(0, 2**32))
-def test_any_bad_log_brings_lines_and_no_traceback(number: int) -> None:
+def test_any_bad_log_gives_messages_and_no_traceback(number: int) -> None:
     done, name, log = mutated(SEEDS, random.Random(number))
     with patience():
         must_hold(log, name)
     assert done
 
 
-def test_a_table_parted_by_quotation_marks_is_read_or_refused() -> None:
+def test_a_table_broken_up_by_quotation_marks_is_read_or_refused() -> None:
     log = next(s for s in SAMPLES if s.name == "openrocket__semicolons_and_german_names.csv").read_bytes()
     must_hold(log.replace(b";", b'"'), "openrocket")
 
 
 @pytest.mark.slow
-def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
+def test_fifty_thousand_bad_logs_give_messages_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     started, tried, faults = time.monotonic(), Counter[str](), dict[str, str]()
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         for some, found in pool.map(faults_among, [range(i, i + 500) for i in range(0, MANY, 500)]):
@@ -71,7 +71,7 @@ def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.Cap
     assert not faults, "\n".join(f"{fault}: {where}" for fault, where in faults.items())
 
 
-def test_a_damaged_header_is_refused_or_its_unit_is_what_it_says() -> None:
+def test_a_damaged_header_is_refused_or_its_unit_is_right() -> None:
     """One letter of the header is wrong and the rows are complete: heights do not change, or a height in ft is not
     used."""
     log = next(s for s in SAMPLES if s.name.startswith("mapped_table__time_three_axes")).read_bytes()
@@ -124,7 +124,7 @@ in_kilobytes = pytest.mark.skipif(
 
 
 CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
-"""Starts a process that does not inherit the peak of the one that tests."""
+"""Starts a process that does not inherit the peak memory of the test process."""
 
 
 def run_clean(home: Path, code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -211,7 +211,7 @@ WHOLE = [*parsers(), *(f"{name} without an end" for name in parsers() if clocks_
 
 
 def write_waiting(file: Path, size: int, flown: bool = False) -> None:
-    """A logger that waited on the pad for hours, and may have flown in the end: one table without an end."""
+    """A logger that waited on the pad for hours, and may have flown at the end: one very long table."""
     with file.open("wb") as stream:
         stream.write(b"time_ms,alt_m,pressure_pa,temp_c\n")
         waited = size // 26
@@ -221,7 +221,7 @@ def write_waiting(file: Path, size: int, flown: bool = False) -> None:
 
 
 def flown_height(time: float) -> float:
-    """A second under thrust to 80 m/s, up to 366 m and down at 8 m/s. [m]"""
+    """Height of a flight: a second under thrust to 80 m/s, up to 366 m and down at 8 m/s. [m]"""
     if time < 1:
         return 40 * max(time, 0.0) ** 2
     coast = time - 1
@@ -229,7 +229,7 @@ def flown_height(time: float) -> float:
 
 
 def write_torn(file: Path, log: bytes, size: int) -> None:
-    """The beginning of a log, followed only by half lines."""
+    """The beginning of a log, followed only by truncated lines."""
     lines = log.splitlines(keepends=True)
     halves = b"".join(line[: len(line) // 2] + b"\n" for line in lines[len(lines) // 2 :])
     with file.open("wb") as stream:
@@ -311,7 +311,7 @@ def test_work_and_memory_grow_no_faster_than_a_log(name: str, tmp_path: Path) ->
     for size in TORN:
         write_torn(tmp_path / "torn.log", biggest(name)[: TORN[0]], size)
         logs.append((tmp_path / "torn.log").read_bytes()[:size])
-        read_in_vain(name, logs[-1])  # what is looked at once only is looked at now
+        read_in_vain(name, logs[-1])  # warm up: some things are read only once
     small, medium, large = (calls(name, log) for log in logs)
     assert large - medium < 1.35 * (medium - small) + 1_000
     assert peak(name, logs[-1]) < 64 * len(logs[-1])
@@ -344,6 +344,6 @@ def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_m
     assert float(used.split()[0]) < LARGEST
 
 
-def test_seeds_are_logs_that_are_read() -> None:
+def test_seeds_are_readable_logs() -> None:
     assert {seed.format for seed in SEEDS} == set(parsers())
     assert all(isinstance(seed, Seed) for seed in SEEDS)

@@ -1,4 +1,4 @@
-"""Counts from files of unknown origin are bounded, and neither a pipe nor a device is waited for."""
+"""Counts in files of unknown origin are bounded, and reading never waits for a pipe or a device."""
 
 import contextlib
 import gzip
@@ -82,7 +82,7 @@ print(int(memory[0]) // 1024, file=sys.stderr)
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="only Linux reports the memory")
-def test_designs_that_count_too_much_of_something_are_read_or_refused_at_once(tmp_path: Path) -> None:
+def test_designs_with_too_much_of_something_are_read_or_refused_at_once(tmp_path: Path) -> None:
     files = [tmp_path / f"{what.replace(' ', '_')}.ork" for what in HOSTILE]
     for file, content in zip(files, HOSTILE.values(), strict=True):
         file.write_bytes(content())
@@ -103,7 +103,7 @@ def test_designs_that_count_too_much_of_something_are_read_or_refused_at_once(tm
         assert status == "0" or any(line.startswith(f"{file.name}") for line in message)
 
 
-def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_names_what_a_design_has_too_much_of(monkeypatch: pytest.MonkeyPatch) -> None:
     for module, name, most, text, message in (
         (archive, "MOST_ELEMENTS", 20, zipped(design()), "more than 20 elements"),
         (archive, "MAX_DEPTH", 5, zipped(design()), "nested more than 5 deep"),
@@ -120,7 +120,7 @@ def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pyte
 @pytest.mark.sampled
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, zipfile.ZIP_DEFLATED])
 @pytest.mark.parametrize("part", ["rocket.ork", "mimetype", "xl/workbook.xml"])
-def test_a_few_bytes_of_an_archive_never_become_many(part: str, method: int) -> None:
+def test_small_archives_never_expand_to_much_memory(part: str, method: int) -> None:
     """Forty megabytes of zeros in a few hundred bytes of bzip2; `mimetype` is read to recognize a spreadsheet."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", method) as packed, packed.open(part, "w") as file:
@@ -139,7 +139,7 @@ def test_a_few_bytes_of_an_archive_never_become_many(part: str, method: int) -> 
     assert peak < (100 << 20 if part.endswith(".ork") and method == zipfile.ZIP_DEFLATED else 30 << 20)
 
 
-def test_columns_of_a_simulation_beyond_those_counted_are_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_excess_columns_of_a_simulation_are_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     points = "".join(f"<datapoint>{t},0.35,0.05</datapoint>" for t in range(10))
     titles = "Time,Mass,Motor mass"
     assert read_design(zipped(simulated(titles, points)), "x.ork").dry_mass == pytest.approx(0.30)
@@ -183,7 +183,7 @@ def test_no_command_waits_for_a_pipe_or_a_device(
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")
 @pytest.mark.parametrize("name", ["settings.json", "mappings.json", "limits.toml", "drills.toml", "motors/x.eng"])
-def test_a_pipe_in_the_place_of_a_file_of_ours_is_not_waited_for(
+def test_a_pipe_in_place_of_one_of_fieldkits_files_is_not_waited_for(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
@@ -197,7 +197,7 @@ def test_a_pipe_in_the_place_of_a_file_of_ours_is_not_waited_for(
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"units": ' * 50_000, "\ud800".encode("utf-8", "surrogatepass")])
-def test_settings_that_nobody_wrote_are_those_at_first(text: str | bytes, tmp_path: Path) -> None:
+def test_unreadable_settings_are_replaced_by_the_defaults(text: str | bytes, tmp_path: Path) -> None:
     file = tmp_path / "settings.json"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     assert read_settings(file) == Settings()
@@ -214,7 +214,7 @@ DEEP = {
 
 
 @pytest.mark.parametrize("what", DEEP)
-def test_a_log_that_is_nested_or_wide_without_end_is_read_or_refused(what: str) -> None:
+def test_an_extremely_nested_or_wide_log_is_read_or_refused(what: str) -> None:
     began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with contextlib.suppress(FieldkitError):
         read(DEEP[what], "wide.csv", lambda name: None)

@@ -16,12 +16,12 @@ LAUNCHES = next(sample for sample in SAMPLES if sample.name.startswith("altimete
 ROCKETS = next(sample for sample in SAMPLES if sample.name.startswith("altimetertwo_journal__the_rockets"))
 
 
-def test_plug_ins_come_in_alphabetical_order() -> None:
+def test_plug_ins_are_in_alphabetical_order() -> None:
     assert list(parsers()) == sorted(parsers())
     assert {"flight_table", "altimetertwo_journal"} <= set(parsers())
 
 
-def test_a_module_without_its_name_is_a_fault_of_ours() -> None:
+def test_a_plug_in_that_binds_no_parser_is_an_internal_error() -> None:
     with pytest.raises(AttributeError, match="NOBODY_BINDS_THIS"):
         plugins("parsers", "NOBODY_BINDS_THIS")
 
@@ -32,19 +32,19 @@ def test_an_unknown_ensemble_is_refused_by_name() -> None:
 
 
 @pytest.mark.parametrize("log", [bytes(range(256)) * 64, b"", b"\0" * 100, b"\xff\xd8\xff\xe0JFIF", b"a,b\n1,2\n"])
-def test_a_file_that_no_parser_recognizes_is_near_to_none(log: bytes) -> None:
+def test_an_unrecognized_file_is_not_near_any_format(log: bytes) -> None:
     with pytest.raises(
         UnknownFormat, match=r"^junk\.csv: no parser recognizes this file, and no known format is similar$"
     ):
         read(log, "junk.csv", any_motor)
 
 
-def test_a_format_nobody_has_lists_those_there_are() -> None:
+def test_an_unknown_format_is_refused_with_the_known_ones() -> None:
     with pytest.raises(UnknownFormat, match=r"no parser is called 'xls', expected one of .*altimetertwo_journal"):
         recognise(b"", format="xls")
 
 
-def test_an_unknown_motor_rejects_its_row_alone() -> None:
+def test_an_unknown_motor_rejects_only_its_row() -> None:
     table = b"flight_id,rocket,motor,apogee_m\n1,Swift,C6-5,200\n2,Swift,ZZ99-1,210\n"
     intake = read(table, "t.csv", any_motor)
     assert [flight.flight_id for flight in intake.flights] == ["1"]
@@ -67,7 +67,7 @@ def test_a_flight_without_a_name_gets_the_same_one_in_any_unit_and_order() -> No
     assert third.flight_id != one.flight_id
 
 
-def test_rockets_listed_in_another_file_are_named_and_weighed() -> None:
+def test_names_and_masses_of_rockets_come_from_another_file() -> None:
     files = [(LAUNCHES.name, LAUNCHES.read_bytes()), (ROCKETS.name, ROCKETS.read_bytes())]
     launches, rockets = read_together(files, any_motor)
     named = {flight.flight_id: (flight.rocket, flight.dry_mass) for flight in launches.flights}
@@ -83,7 +83,7 @@ def test_one_unusable_file_of_several_is_named() -> None:
         read_together(files, any_motor)
 
 
-def test_plans_come_in_order_and_without_readouts() -> None:
+def test_plans_are_in_order_and_without_readouts() -> None:
     header = b"flight_id,rocket,config,dry_mass_g,motor,wind_mps,apogee_m\n"
     table = header + b"p1,Astra,A,322,F24-4W,2,\n,Astra,B,448,F39,,99\n"
     first, second = read_plans(table, "plans.csv", any_motor)
@@ -100,12 +100,12 @@ def test_plans_come_in_order_and_without_readouts() -> None:
         (b"p,Astra,F39,two", "plans.csv, row 2, Wind_mps: found 'two'"),
     ],
 )
-def test_a_bad_plan_stops_the_table_and_says_where(row: bytes, message: str) -> None:
+def test_a_bad_plan_stops_the_table_and_its_row_is_named(row: bytes, message: str) -> None:
     with pytest.raises(DamagedLog, match=f"^{message}"):
         read_plans(b"flight_id,rocket,Motor,Wind_mps\n" + row + b"\n", "plans.csv", any_motor)
 
 
-def test_figures_that_contradict_each_other_are_reported_and_taken() -> None:
+def test_contradictory_figures_are_reported_and_imported() -> None:
     table = b"flight_id,rocket,apogee_m,eject_altitude_m,top_speed_mps,avg_accel_g,burn_time_s,peak_accel_g\n"
     intake = read(table + b"1,Swift,71,93,37.6,2.1,8,2\n", "t.csv", any_motor)
     assert len(intake.flights) == 1
@@ -113,7 +113,7 @@ def test_figures_that_contradict_each_other_are_reported_and_taken() -> None:
     assert "ejection altitude 93 m is above apogee 71 m" in intake.notes[2]
 
 
-def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_messages_of_a_parser_are_harmless_for_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     nasty = "\x1b[2J\u202e" + "x" * 9999 + "\nrow 2"
     found = [Note(nasty, row=1), DamagedLog(nasty, row=2, column=nasty), Reading({"apogee": 100.0})]
     monkeypatch.setattr(recognize, "parsers", lambda: {"rude": Parser("Rude", lambda head: True, lambda log: found)})
@@ -122,7 +122,7 @@ def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pyt
     assert all(len(line) < 2000 and line.isprintable() for line in lines)
 
 
-def test_a_fallback_is_asked_if_nobody_else_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fallback_parser_is_used_if_no_other_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
     last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
     known = {**parsers(), "last": last}
     monkeypatch.setattr(recognize, "parsers", lambda: known)
@@ -131,7 +131,7 @@ def test_a_fallback_is_asked_if_nobody_else_claims_a_log(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("name", ["flight_table", "fieldkit_json", "altimetertwo_journal"])
-def test_a_table_of_flights_without_end_is_refused_at_once(name: str) -> None:
+def test_an_endless_table_of_flights_is_refused_at_once(name: str) -> None:
     log = next(sample for sample in SAMPLES if sample.name.startswith(name)).read_bytes()
     with pytest.raises(DamagedLog, match="found 5 MB, expected at most 4 in a table of flights; split it"):
         read(log + b" " * (5 << 20), "t", any_motor, name)

@@ -1,4 +1,4 @@
-"""Which parser reads a file: the surest first, the next if that finds no flight, and what an unknown file lacks."""
+"""Which parser reads a file: the most certain first, the next if it finds no flight, and what an unknown file lacks."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -37,7 +37,7 @@ def with_parser(monkeypatch: pytest.MonkeyPatch, parser: Parser) -> None:
 
 
 def heights(found: object) -> float:
-    """The highest that any barometer or satellite of what was found shows above its own start. [m]"""
+    """The greatest height above its own start that any barometer or satellite receiver shows. [m]"""
     best = 0.0
     for item in found if isinstance(found, list | tuple) else []:
         for series in item.clocks if isinstance(item, Reading) else ():
@@ -69,7 +69,7 @@ def test_no_parser_claims_the_sample_of_another_or_reads_a_flight_of_another_hei
 
 @pytest.mark.sampled
 @every_sample
-def test_a_sample_has_the_signs_of_its_parser_best(sample: Path) -> None:
+def test_a_sample_matches_its_own_parser_best(sample: Path) -> None:
     parser = parsers()[owner(sample)]
     if not parser.signs or b"tabs_without_a_header" in sample.name.encode():
         return
@@ -106,7 +106,7 @@ def test_a_mutated_header_is_read_the_same_or_refused_and_never_read_wrong(sampl
                 assert got == pytest.approx(own, rel=0.08), f"{how}: as {opened.format}"
 
 
-def test_an_unknown_file_is_reported_the_nearest_formats_and_what_it_lacks() -> None:
+def test_for_an_unknown_file_the_nearest_formats_are_reported_with_what_it_lacks() -> None:
     content = b"Time,Altitude,Pressure,Velocity,Temp\n" + b"0,x,y,z,w\n" * 5
     with pytest.raises(UnknownFormat) as error:
         read(content, "odd.csv", any_motor)
@@ -116,14 +116,14 @@ def test_an_unknown_file_is_reported_the_nearest_formats_and_what_it_lacks() -> 
     assert "blueraven_usb" not in message
 
 
-def test_the_parser_with_more_of_its_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_parser_with_more_matching_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
     greedy = Parser("Greedy", lambda head: True, lambda content: [Reading({"apogee": 100.0})])
     with_parser(monkeypatch, greedy)
     assert recognise(TABLE).title == "Flight table (CSV)"
     assert recognise(TABLE, format="other") is greedy
 
 
-def test_parsers_that_are_equally_sure_are_both_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_equally_certain_parsers_are_both_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with_parser(monkeypatch, Parser("Twin", *_of("flight_table"), signs=parsers()["flight_table"].signs))
     with pytest.raises(UnknownFormat, match="flight_table and other both recognize"):
         recognise(TABLE)
@@ -134,7 +134,7 @@ def _of(name: str) -> tuple[object, object]:
 
 
 @pytest.mark.parametrize("finds", ["nothing", "an empty flight", "damage"])
-def test_a_claim_without_a_flight_falls_through_to_the_table_of_samples(
+def test_a_claimed_log_without_a_flight_falls_back_to_a_table_of_samples(
     monkeypatch: pytest.MonkeyPatch, finds: str
 ) -> None:
     def empty(content: bytes) -> list[Found]:
@@ -161,7 +161,7 @@ def test_a_claim_is_kept_if_no_other_parser_finds_a_flight(monkeypatch: pytest.M
         open_log(b"a,b\n1,2\n", "x.csv", None)
 
 
-def test_a_damaged_simulation_is_not_taken_for_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_damaged_simulation_is_not_mistaken_for_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
     def damaged(content: bytes) -> list[Found]:
         raise DamagedLog("found units that disagree")
 

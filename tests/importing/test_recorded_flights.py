@@ -88,7 +88,7 @@ def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path)
     assert json.loads(out)["duplicates"] == 1
 
 
-def test_several_flights_in_a_log_are_distinguished_and_found_again(run: Run, tmp_path: Path) -> None:
+def test_several_flights_in_a_log_are_distinguished_and_recognized_again(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "two.lark"
     path.write_bytes(written(SMALL, LARGE))
     ids = json.loads(run("import", path, "--json")[1])["flights"]
@@ -112,7 +112,7 @@ def test_a_flight_without_a_log_has_no_recording(run: Run, tmp_path: Path) -> No
             recording_of(ledger, "nine")
 
 
-def test_a_log_that_a_table_names_fills_the_row_and_is_found_again(run: Run, tmp_path: Path) -> None:
+def test_a_log_named_in_a_table_fills_in_its_row_and_is_a_duplicate_later(run: Run, tmp_path: Path) -> None:
     (tmp_path / "one.lark").write_bytes(written(SMALL))
     table = tmp_path / "t.csv"
     table.write_text("flight_id,rocket,apogee_m,log\n1,Swift,460,one.lark\n")
@@ -127,7 +127,7 @@ def test_a_log_that_a_table_names_fills_the_row_and_is_found_again(run: Run, tmp
     assert recording.recorded.events["apogee"].sd > 0
 
 
-def test_a_simulation_is_no_flight_and_is_sent_to_compare(run: Run, tmp_path: Path) -> None:
+def test_a_simulation_is_not_a_flight_and_the_message_suggests_compare(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "sim.lark"
     path.write_bytes(written(SMALL, kind="simulation", noise=0.0))
     status, out, err = run("import", path, "--json")
@@ -137,7 +137,7 @@ def test_a_simulation_is_no_flight_and_is_sent_to_compare(run: Run, tmp_path: Pa
     assert "fieldkit compare" in line
 
 
-def test_a_log_without_apogee_reports_it_and_is_kept(run: Run, tmp_path: Path) -> None:
+def test_a_log_without_an_apogee_is_reported_and_kept(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "short.lark"
     path.write_bytes(written(LARGE, early=0.8, stated=1500.0))
     status, out, err = run("import", path, "--json")
@@ -148,7 +148,7 @@ def test_a_log_without_apogee_reports_it_and_is_kept(run: Run, tmp_path: Path) -
     assert shown["duration_s"] is None
 
 
-def test_compare_lays_a_flight_beside_another_device_and_a_simulation(run: Run, tmp_path: Path) -> None:
+def test_compare_shows_a_flight_beside_another_device_and_a_simulation(run: Run, tmp_path: Path) -> None:
     one, two, sim = (tmp_path / f"{name}.lark" for name in ("one", "two", "sim"))
     one.write_bytes(written(SMALL))
     two.write_bytes(written(SMALL, start=7.0, rate=50))
@@ -167,7 +167,7 @@ def test_compare_lays_a_flight_beside_another_device_and_a_simulation(run: Run, 
     assert "Apogee" in text
 
 
-def test_compare_takes_readouts_that_were_typed(run: Run, tmp_path: Path) -> None:
+def test_compare_accepts_typed_readouts(run: Run, tmp_path: Path) -> None:
     one, table = tmp_path / "one.lark", tmp_path / "t.csv"
     one.write_bytes(written(SMALL))
     table.write_text("flight_id,rocket,apogee_m\n1,Swift,200\n")
@@ -178,7 +178,7 @@ def test_compare_takes_readouts_that_were_typed(run: Run, tmp_path: Path) -> Non
     assert compared["differences"]["apogee_m"]["difference"] < -100
 
 
-def test_compare_wants_two_recordings(run: Run, tmp_path: Path) -> None:
+def test_compare_requires_two_recordings(run: Run, tmp_path: Path) -> None:
     one = tmp_path / "one.lark"
     one.write_bytes(written(SMALL))
     assert run("compare", one)[0] == 1

@@ -41,7 +41,7 @@ def season(count: int, bias: float = 0.0, wide: float = 1.0, seed: int = 1, rock
     return rows
 
 
-def test_the_scores_of_every_way_are_those_of_its_draws() -> None:
+def test_the_scores_of_every_method_are_those_of_its_draws() -> None:
     rows = season(40)
     own, point = tally(rows, OWN_FORECAST), tally(rows, "uncalibrated")
     flown = np.array([row.flown for row in rows])
@@ -54,7 +54,7 @@ def test_the_scores_of_every_way_are_those_of_its_draws() -> None:
     assert tally(rows, "fleet_ratio").flights == 0
 
 
-def test_fractions_below_are_even_if_forecasts_are_right_and_not_if_they_are_narrow() -> None:
+def test_fractions_below_are_uniform_if_forecasts_are_right_and_not_if_they_are_too_narrow() -> None:
     right, narrow = (judged_report(season(400, wide=wide, seed=2)).calibration for wide in (1.0, 0.4))
     assert all(one.honest for one in right.intervals)
     low, high = right.expected
@@ -95,12 +95,12 @@ def test_a_rival_with_a_spread_is_scored_by_it() -> None:
     assert against(rows, "scalar").crps.less > 0
 
 
-def test_a_report_of_no_flights_is_empty() -> None:
+def test_a_report_on_no_flights_is_empty() -> None:
     found = judged_report([])
     assert (found.ways, found.against, found.behind) == ((), (), ())
 
 
-def test_the_whole_ledger_is_scored_and_one_rocket_of_it(
+def test_a_whole_ledger_or_one_rocket_can_be_scored(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     base = Flight(config="A", motor="F24-4W", dry_mass=0.32, diameter=0.066)
@@ -137,7 +137,9 @@ def test_the_whole_ledger_is_scored_and_one_rocket_of_it(
     assert "First flights of a rocket: 2" in out
 
 
-def test_another_hyperprior_is_scored_and_nothing_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_another_hyperprior_can_be_scored_and_nothing_is_saved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     from fieldkit.model.hyperprior import learned
 
     card = tmp_path / "card.json"
@@ -158,7 +160,7 @@ def test_another_hyperprior_is_scored_and_nothing_kept(tmp_path: Path, capsys: p
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf"])
-def test_the_calibration_is_drawn(tmp_path: Path, kind: str) -> None:
+def test_the_calibration_is_plotted(tmp_path: Path, kind: str) -> None:
     file = tmp_path / f"score.{kind}"
     write_picture(LedgerScores(None, 0, judged_report(season(12)), judged_report([]), {}, None), file)
     assert file.read_bytes()[:4] == {"png": b"\x89PNG", "pdf": b"%PDF"}[kind]

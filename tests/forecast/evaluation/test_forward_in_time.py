@@ -36,7 +36,7 @@ def found() -> list[Forecast]:
     return forward(fleet())
 
 
-def test_every_clean_flight_is_forecast_the_first_of_a_rocket_too(found: list[Forecast]) -> None:
+def test_every_clean_flight_is_forecast_including_the_first_of_a_rocket(found: list[Forecast]) -> None:
     assert [(row.rocket, row.earlier) for row in found] == [
         ("Astra", 0),
         ("Luna", 0),
@@ -74,7 +74,7 @@ def test_a_fleet_informs_a_first_flight(found: list[Forecast]) -> None:
     assert low[5].p50 < high[5].p50
 
 
-def test_one_rocket_is_forecast_as_it_is_among_all(found: list[Forecast]) -> None:
+def test_a_rocket_is_forecast_the_same_alone_and_among_all(found: list[Forecast]) -> None:
     own = forward(fleet(), "Luna")
     assert [row.flight_id for row in own] == ["1", "3"]
     for row in own:
@@ -83,7 +83,7 @@ def test_one_rocket_is_forecast_as_it_is_among_all(found: list[Forecast]) -> Non
         np.testing.assert_array_equal(row.rivals["fleet_ratio"], same.rivals["fleet_ratio"])
 
 
-def test_a_flight_with_an_anomaly_is_not_forecast_and_shows_nothing(found: list[Forecast]) -> None:
+def test_a_flight_with_an_anomaly_is_neither_forecast_nor_used(found: list[Forecast]) -> None:
     flown = fleet()
     flown[2] = (flown[2][0].with_changes(tags=("off_axis",)), flown[2][1])
     rows = forward(flown)
@@ -92,13 +92,13 @@ def test_a_flight_with_an_anomaly_is_not_forecast_and_shows_nothing(found: list[
     assert rows[2].p50 != found[3].p50
 
 
-def test_another_hyperprior_forecasts_otherwise(found: list[Forecast]) -> None:
+def test_another_hyperprior_gives_other_forecasts(found: list[Forecast]) -> None:
     narrow = learned().with_sds(drag__rocket=0.01, apogee__flight=0.01, drag__fleet=0.01)
     rows = forward(fleet()[:1], hyperprior=narrow)
     assert np.log(rows[0].p95 / rows[0].p05) < 0.9 * np.log(found[0].p95 / found[0].p05)
 
 
-def test_it_says_how_far_it_is_and_can_be_stopped() -> None:
+def test_progress_is_reported_and_it_can_be_stopped() -> None:
     steps: list[tuple[str, float]] = []
 
     def on_progress(text: str, share: float) -> None:

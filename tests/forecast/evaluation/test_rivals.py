@@ -31,7 +31,7 @@ def forecast_by(rival: str, earlier: list[Simulated], plan: Simulated) -> list[f
     return [] if draws is None else draws.tolist()
 
 
-def test_without_a_flight_only_those_with_a_prior_or_a_simulation_say_anything() -> None:
+def test_without_a_flight_only_rivals_with_a_prior_or_a_simulation_forecast() -> None:
     plan = flown(None, 210.0)
     assert rival_draws([], plan).keys() == {"uncalibrated", "fleet_ratio"}
     other = [flown(180.0, rocket="Luna")]
@@ -50,7 +50,7 @@ def test_the_scalar_correction_is_the_mean_ratio_of_the_rocket_and_has_a_spread_
     assert np.quantile(draws, 0.95) == pytest.approx(210 * ratios.mean() * np.exp(sd * ndtri(0.95)), rel=0.01)
 
 
-def test_the_last_flight_on_the_motor_is_repeated_else_scaled() -> None:
+def test_the_last_flight_on_the_motor_is_repeated_or_else_scaled() -> None:
     earlier = [flown(220.0), flown(240.0), flown(390.0, 400.0, motor="F39-6T"), flown(500.0, rocket="Luna")]
     assert forecast_by("last_on_motor", earlier, flown(None, 210.0)) == [240.0]
     assert forecast_by("last_on_motor", earlier[:2], flown(None, 400.0, motor="F39-6T")) == pytest.approx([400 * 1.15])
@@ -65,7 +65,7 @@ def test_a_flight_that_the_simulation_leaves_on_the_pad_has_no_ratio() -> None:
     assert np.median(fleet_ratio(earlier, flown(None, 0.0))) == 0.0
 
 
-def test_the_uncalibrated_forecast_is_the_plain_simulation_whatever_was_learned(
+def test_the_uncalibrated_forecast_is_always_the_plain_simulation(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plan = Flight("1", "Astra", motor="F24-4W", dry_mass=0.32, apogee=250.0)
@@ -101,7 +101,7 @@ def test_the_fleet_ratio_of_normal_flights_is_the_conjugate_posterior(monkeypatc
     assert variance == pytest.approx(MEAN_SD**2 + ROCKET_SD**2 - gain @ cross)
 
 
-def test_the_fleet_ratio_learns_of_a_new_rocket_from_others_and_doubts_an_outlier() -> None:
+def test_the_fleet_ratio_of_a_new_rocket_follows_other_rockets_and_resists_outliers() -> None:
     others = [flown(200.0, rocket=name) for name in "ABCDEF" for _ in range(3)]
     plan = flown(None, 200.0)
     start, later = (float(np.median(fleet_ratio(earlier, plan))) for earlier in ([], others))

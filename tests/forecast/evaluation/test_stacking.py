@@ -40,7 +40,7 @@ def test_the_density_of_draws_is_that_of_their_distribution() -> None:
     assert np.isfinite(log_density(lognormal(200.0, 0.01), 400.0))
 
 
-def test_few_flights_do_not_move_the_weights_and_many_find_the_better() -> None:
+def test_few_flights_do_not_move_the_weights_and_many_favor_the_better_method() -> None:
     for better in range(3):
         scores = np.zeros((300, 3))
         scores[:, better] = 2.0
@@ -53,7 +53,7 @@ def test_few_flights_do_not_move_the_weights_and_many_find_the_better() -> None:
     assert weights_after([np.array([0.0, 9.0, 0.0])] * 60)[1] > 0.8
 
 
-def test_without_a_difference_the_prior_is_left() -> None:
+def test_without_a_difference_the_weights_keep_their_prior() -> None:
     weights = stacking_weights(np.zeros((50, 3)), prior_counts(3))
     np.testing.assert_allclose(weights, prior_counts(3) / PRIOR_FLIGHTS)
     assert weights[0] == pytest.approx(PRIOR_OWN)
@@ -74,7 +74,7 @@ def test_no_other_weights_score_higher(rows: list[tuple[float, float, float]]) -
         assert value(best) >= value(0.9 * best + 0.1 * other) - 1e-4
 
 
-def test_a_mixture_holds_each_way_by_its_weight() -> None:
+def test_a_mixture_contains_each_method_by_its_weight() -> None:
     one, other = lognormal(100.0, 0.02), lognormal(300.0, 0.02)
     mixture = stacked(one, [other], np.array([0.7, 0.3]))
     assert len(mixture) == len(one)
@@ -89,7 +89,7 @@ def row(number: int, flown: float, **rivals: np.ndarray) -> Forecast:
     return Forecast("Astra", str(number), "F24-4", number, flown, 184.0, 200.0, 217.0, draws, rivals)
 
 
-def test_forecasts_are_stacked_by_earlier_flights_alone() -> None:
+def test_forecasts_are_stacked_from_earlier_flights_only() -> None:
     better = {"fleet_ratio": lognormal(250.0, 0.05)}
     rows = [row(n, 250.0, **better) for n in range(40)]
     found = with_stacked(rows)
@@ -102,7 +102,7 @@ def test_forecasts_are_stacked_by_earlier_flights_alone() -> None:
     assert next_weights(rows)["fleet_ratio"] > 0.7
 
 
-def test_the_weight_of_an_absent_rival_or_one_without_a_spread_goes_to_the_model() -> None:
+def test_the_weight_of_a_rival_without_a_forecast_or_a_spread_goes_to_the_model() -> None:
     weights = next_weights([row(n, 210.0, scalar=np.array([210.0])) for n in range(30)])
     assert weights == pytest.approx(
         dict(zip(("fieldkit", *STACKED_RIVALS), prior_counts(3) / PRIOR_FLIGHTS, strict=True))

@@ -11,13 +11,13 @@ TYPICAL = Coefficients(46372, 43981, 29059, 27842, 31553, 28165)
 """The worked example of the MS5607-02BA03 data sheet."""
 
 
-def test_pressure_is_that_of_the_data_sheets_example() -> None:
+def test_pressure_agrees_with_the_example_in_the_data_sheet() -> None:
     pressure, temperature = ms5607(np.array([6465444]), np.array([8077636]), TYPICAL)
     assert pressure == [110002]
     assert temperature == pytest.approx([293.15])
 
 
-def test_a_cold_sensor_is_compensated_to_the_second_order() -> None:
+def test_a_cold_sensor_is_compensated_to_second_order() -> None:
     # by hand, from the formulas of the data sheet, in floating point
     for counts in (7_000_000, 5_500_000):
         dt = counts - 31553 * 256
@@ -30,11 +30,11 @@ def test_a_cold_sensor_is_compensated_to_the_second_order() -> None:
         sens = 46372 * 2**16 + 29059 * dt / 128 - sens2
         expected = (6465444 * sens / 2**21 - off) / 2**15
         pressure, temperature = ms5607(np.array([6465444]), np.array([counts]), TYPICAL)
-        assert pressure == pytest.approx([expected], abs=5)  # integers round
+        assert pressure == pytest.approx([expected], abs=5)  # integer arithmetic rounds
         assert temperature == pytest.approx([(hundredths - t2) / 100 + 273.15], abs=0.02)
 
 
-def test_pressures_that_a_telemetrum_1_exported_are_whole_counts() -> None:
+def test_pressures_exported_from_a_telemetrum_1_are_whole_counts() -> None:
     assert mp3h6115(np.array([21788, 21796, 21784])).round(2).tolist() == [84471.31, 84498.45, 84457.74]
 
 
@@ -44,7 +44,7 @@ def test_a_clock_of_16_bits_continues_where_it_wraps_and_not_where_it_steps_back
     )
 
 
-def test_a_record_is_sound_if_its_bytes_and_the_seed_add_up_to_nothing() -> None:
+def test_a_record_is_valid_if_its_bytes_and_the_seed_sum_to_zero() -> None:
     record = [ord("A"), 0, 1, 2, 3, 4, 5, 6]
     record[1] = -(sum(record) + 0x5A) % 256
     assert sound(np.array([record, [*record[:-1], 7]])).tolist() == [True, False]

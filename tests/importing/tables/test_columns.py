@@ -1,4 +1,4 @@
-"""Numbers from a table: every complete row and no other, with a line about each damaged one."""
+"""Numbers from a table: every complete row and no others, with a line about each damaged one."""
 
 import numpy as np
 import pytest
@@ -21,14 +21,14 @@ def reported(table: LogTable) -> list[str]:
     return [f"note {item.row}" if isinstance(item, Note) else str(item) for item in table.found]
 
 
-def test_numbers_are_si_and_rows_are_those_of_the_file() -> None:
+def test_numbers_are_in_si_and_rows_are_numbered_as_in_the_file() -> None:
     table = read_columns(b"Time,Alt\n0.0, 10\n\n0.1,20\n", CHANNELS, after=1)
     assert table.values["altitude"] == pytest.approx([3.048, 6.096])
     assert table.rows.tolist() == [2, 4]
     assert not table.found
 
 
-def test_a_damaged_row_costs_itself_and_says_what_is_wrong_with_it() -> None:
+def test_only_the_damaged_row_is_lost_and_its_fault_is_reported() -> None:
     log = b"Time,Alt\n0.0,10\n0.1,1o4\n0.2,20,5\n0.3,30\n,40\n0.5,inf\n0.6,50\n"
     table = read_columns(log, CHANNELS, after=1, widths={2})
     assert table.values["time"].tolist() == [0.0, 0.3, 0.6]
@@ -41,20 +41,20 @@ def test_a_damaged_row_costs_itself_and_says_what_is_wrong_with_it() -> None:
 
 
 @pytest.mark.parametrize("gap", ["", "  ", "NaN", "-", "None", "n/a"])
-def test_an_absent_number_is_nan_and_no_damage(gap: str) -> None:
+def test_a_missing_number_is_nan_and_not_damage(gap: str) -> None:
     table = read_columns(f"0,{gap},1\n1,5,2\n2,{gap},3\n".encode(), CHANNELS, after=0)
     assert np.isnan(table.values["altitude"]).tolist() == [True, False, True]
     assert not table.found
 
 
 @pytest.mark.parametrize("cell", ["1_0", "٣", "0x10", "1,5", "--1", "1e999", "12 3", "5ft"])
-def test_what_is_no_plain_number_is_never_taken_for_one(cell: str) -> None:
+def test_only_plain_numbers_are_read_as_numbers(cell: str) -> None:
     table = read_columns(f"0;1.5\n1;{cell}\n2;3\n".encode(), CHANNELS, after=0, separator=";")
     assert table.values["time"].tolist() == [0, 2]
     assert len(table.found) == 1
 
 
-def test_a_last_row_cut_off_is_a_note() -> None:
+def test_a_truncated_last_row_gives_a_note() -> None:
     assert reported(read_columns(b"0,10\n0.1,20\n0.", CHANNELS, after=0, widths={2})) == ["note 3"]
     assert reported(read_columns(b"0,10\n0.1,20\n0.\n", CHANNELS, after=0, widths={2})) != ["note 3"]
 
@@ -78,7 +78,7 @@ def test_any_encoding_and_line_end_give_the_same_numbers(encoding: str, end: str
     assert not table.found
 
 
-def test_words_and_remarks_are_kept_with_their_rows() -> None:
+def test_text_and_comments_are_kept_with_their_rows() -> None:
     log = b"0,1,-\n0.1,2,-\n# Event APOGEE occurred at t=0.1 seconds\n0.2,3,Drogue\nx,3,-\n"
     table = read_columns(log, CHANNELS, after=0, words={"event": 2}, comment="#")
     assert table.where("event", "Drogue").tolist() == [2]
@@ -87,17 +87,17 @@ def test_words_and_remarks_are_kept_with_their_rows() -> None:
     assert len(table.found) == 1
 
 
-def test_blank_space_may_stand_between_cells() -> None:
+def test_cells_may_be_separated_by_spaces() -> None:
     table = read_columns(b"  0   10\n1\t20  \n2 -\n", CHANNELS, after=0, separator=None, widths={2})
     assert table.values["altitude"] == pytest.approx([3.048, 6.096, np.nan], nan_ok=True)
 
 
-def test_a_stray_quotation_mark_costs_one_row() -> None:
+def test_a_stray_quotation_mark_loses_one_row() -> None:
     table = read_columns(b'"0","10"\n1,"20\n2,30\n3,40\n', CHANNELS, after=0)
     assert table.values["time"].tolist() in ([0, 2, 3], [0, 1, 2, 3])
 
 
-def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_overlong_line_loses_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(text, "BLOCK", 64)
     table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
     assert table.values["time"].tolist() == [0, 2]
@@ -111,7 +111,7 @@ def test_many_damaged_rows_are_reported_as_one() -> None:
     assert reported(table)[rows.MAX_REPORTED :] == ["found 480 more damaged rows"]
 
 
-def test_a_table_too_long_is_thinned_evenly_and_reports_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_overlong_table_is_thinned_evenly_and_reports_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(text, "BLOCK", 256)
     monkeypatch.setattr(rows, "MOST_NUMBERS", 2000)
     log = b"".join(b"%d,1,%s\n" % (i, b"Main" if i == 3777 else b"-") for i in range(5000))
@@ -123,7 +123,7 @@ def test_a_table_too_long_is_thinned_evenly_and_reports_it(monkeypatch: pytest.M
     assert reported(table) == ["note None"]
 
 
-def test_nothing_to_read_is_a_damaged_log() -> None:
+def test_a_table_without_readable_rows_is_a_damaged_log() -> None:
     for log in (b"", b"\0" * 100, b"Time,Alt\n", b"Time,Alt\nx,y\n"):
         with pytest.raises(DamagedLog):
             read_columns(log, CHANNELS, after=1)
@@ -138,18 +138,18 @@ def test_rows_out_of_order_are_left_out_and_reported() -> None:
     ]
 
 
-def test_a_time_days_away_is_no_time_of_this_flight() -> None:
+def test_a_time_days_away_does_not_belong_to_the_flight() -> None:
     parts, found = read_columns(b"0,1\n1,1\n2,1\n3,1\n9999999999,1\n", CHANNELS, after=0).flights()
     assert parts[0].values["time"].tolist() == [0, 1, 2, 3]
     assert len(found) == 1
 
 
-def test_a_clock_that_is_set_on_the_way_keeps_one_of_its_times() -> None:
+def test_one_time_is_kept_of_a_clock_that_is_set_during_the_log() -> None:
     parts, _ = read_columns(b"0,1\n1,1\n1700000000,1\n1700000001,1\n", CHANNELS, after=0).flights()
     assert len(parts[0]) == 2
 
 
-def test_a_clock_that_restarts_starts_a_flight() -> None:
+def test_a_clock_that_restarts_begins_another_flight() -> None:
     first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
     parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
     assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
@@ -172,7 +172,7 @@ def test_a_monotonic_selection_never_runs_backwards_and_could_not_be_longer(cloc
         max_size=60,
     )
 )
-def test_blocks_read_as_rows_do_one_by_one(cells: list[tuple[str, int]]) -> None:
+def test_blocks_are_read_like_single_rows(cells: list[tuple[str, int]]) -> None:
     def values(lines: list[str]) -> list[tuple[float, float]]:
         try:
             table = read_columns("".join(lines).encode(), CHANNELS, after=0, widths={2})

@@ -1,4 +1,4 @@
-"""Text of a serial monitor and JSON lines: the same flight as in a table, and nothing taken for it that is a table."""
+"""Text of a serial monitor and JSON lines: the same flight as in a table, and no table is mistaken for them."""
 
 import json
 from collections.abc import Callable
@@ -77,7 +77,7 @@ def test_labels_without_a_time_are_not_read() -> None:
         open_log(text_of(lambda t, h, v: f"Altitude = {h:.2f} m"), "monitor.txt", None)
 
 
-def test_endless_text_is_read_in_linear_time() -> None:
+def test_long_text_is_read_in_linear_time() -> None:
     assert labeled_table(b"a" * 2_000_000) is None
     assert labeled_table(b"a: 1 " * 400_000) is None
     assert labeled_table(b"a: " * 600_000) is None

@@ -1,4 +1,4 @@
-"""Large tables are read by pandas if they are plain, and say the same as line by line."""
+"""Large plain tables are read by pandas, with the same result as line by line."""
 
 from itertools import product
 
@@ -19,7 +19,7 @@ CELLS = ("1.5", "-2", "1e3", "", "nan", "NaN", "None", "n/a", " 3 ", "x", "1_000
 
 
 def both(log: bytes, monkeypatch: pytest.MonkeyPatch, **settings: object) -> tuple[object, object]:
-    """What is read of a log line by line, and by blocks as of a large one."""
+    """A log read line by line, and in blocks like a large one."""
     found = []
     for least in (1 << 40, 0):
         monkeypatch.setattr(large_tables, "LARGE_LOG", least)

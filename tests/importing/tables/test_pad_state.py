@@ -1,4 +1,4 @@
-"""The axis of a rocket found among three, and the unit of an accelerometer that never was at rest."""
+"""Finding the rocket's axis among three, and the unit of an accelerometer that was never at rest."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ MOUNTED = [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, 0.8), 
 
 
 def felt_on(direction: tuple[float, float, float], late: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times, three axes with noise across the rocket, and what is felt along it."""
+    """Times, three axes with noise across the rocket, and the specific force along it."""
     settings = Logger(accelerometer=100.0, scale=1.0, bias=0.0, start=0.0, late=late)
     _, felt = log(fly(LARGE), settings, np.random.default_rng(1))
     along = np.array(direction)
@@ -33,13 +33,13 @@ def test_the_axis_is_found_however_it_is_mounted(direction: tuple[float, float, 
     assert np.abs(found - felt)[climbing].max() < 0.03 * np.abs(felt).max()
 
 
-def test_gravity_across_the_thrust_is_no_axis() -> None:
+def test_the_direction_of_gravity_is_not_the_axis_if_thrust_is_across_it() -> None:
     time, axes, _ = felt_on((0.0, 0.0, 1.0))
     axes[:, time < 0] = np.array([[STANDARD_GRAVITY], [0.0], [0.0]])
     assert along_thrust(time, axes) is None
 
 
-def test_what_was_never_pushed_has_no_axis() -> None:
+def test_without_thrust_no_axis_is_found() -> None:
     time = np.arange(0, 20, 0.01)
     axes = np.stack([np.zeros(time.size), np.zeros(time.size), np.full(time.size, STANDARD_GRAVITY)])
     assert along_thrust(time, axes) is None
@@ -63,7 +63,7 @@ def test_a_table_of_three_axes_is_measured_along_the_rocket() -> None:
         assert figure.value == pytest.approx(truth.readouts()[name], abs=3 * figure.sd)
 
 
-def test_a_steady_thrust_is_no_rest() -> None:
+def test_constant_thrust_is_not_rest() -> None:
     boost = np.full(400, 32.2) + np.random.default_rng(0).normal(0, 0.01, 400)
     coast = np.linspace(-4.0, -0.3, 900) + np.random.default_rng(1).normal(0, 0.4, 900)
     assert settle_felt(np.concatenate([boost, coast])) is None
@@ -79,7 +79,7 @@ def test_a_rest_before_a_boost_settles_the_unit(unit: str, one: float) -> None:
 
 
 @pytest.mark.parametrize("net", [False, True])
-def test_the_blow_of_a_charge_is_no_boost_to_find_the_rest_before(net: bool) -> None:
+def test_the_shock_of_a_charge_is_not_taken_for_the_boost(net: bool) -> None:
     random, time = np.random.default_rng(2), np.arange(0, 40, 0.002)
     felt = np.select([time < 3, time < 4.7, time < 9.6], [9.8, 50.0, 0.0], 9.0)
     felt = felt + 150 * np.exp(-(((time - 9.7) / 0.03) ** 2)) + random.normal(0, 0.4, time.size)

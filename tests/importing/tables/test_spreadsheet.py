@@ -1,4 +1,4 @@
-"""Spreadsheets are read as the CSV that they hold: flight tables and tables of samples, `.xlsx` and `.ods`."""
+"""Spreadsheets (`.xlsx`, `.ods`) are read like CSV with the same cells: flight tables and tables of samples."""
 
 import io
 import tracemalloc
@@ -52,7 +52,7 @@ def test_a_flight_table_is_read_from_any_sheet(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_table_of_samples_is_read_as_its_csv(kind: str) -> None:
+def test_a_table_of_samples_is_read_like_csv(kind: str) -> None:
     rows: list[list[object]] = [
         [cell if row < 2 or not cell.replace(".", "").strip("-").isdigit() else float(cell) for cell in line.split(",")]
         for row, line in enumerate(SAMPLE.read_text().splitlines())
@@ -79,7 +79,7 @@ def test_a_second_sheet_with_a_table_is_named() -> None:
     assert any("only one sheet is read; 'fall' also holds a table" in note for note in found.notes)
 
 
-def test_an_archive_is_no_spreadsheet() -> None:
+def test_another_zip_archive_is_not_a_spreadsheet() -> None:
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as archive:
         archive.writestr("flight.csv", "time,altitude\n")
@@ -87,13 +87,13 @@ def test_an_archive_is_no_spreadsheet() -> None:
         read(out.getvalue(), "logs.zip", any_motor)
 
 
-def test_a_spreadsheet_beyond_its_bounds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_spreadsheet_beyond_the_bounds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(spreadsheet, "MAX_UNPACKED", 1000)
     with pytest.raises(DamagedLog, match="MB in a spreadsheet"):
         read(book(".xlsx", flights=FLIGHTS), "table.xlsx", any_motor)
 
 
-def test_a_torn_spreadsheet_is_damaged_and_not_a_crash() -> None:
+def test_a_truncated_spreadsheet_is_damaged_and_not_a_crash() -> None:
     log = book(".xlsx", flights=FLIGHTS)
     for part in (0.3, 0.6, 0.9):
         with pytest.raises((DamagedLog, UnknownFormat)):
@@ -158,7 +158,7 @@ def test_a_table_that_starts_in_another_column_keeps_the_empty_ones() -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_large_spreadsheet_is_read_row_by_row(kind: str) -> None:
-    """Its text is all of it that Python holds: a cell as an object would be 30 bytes, and its place in a list 8."""
+    """Only its text is in memory: a cell as an object would take 30 bytes, and its place in a list 8."""
     log = book(kind, log=[[n + 0.125] * 8 for n in range(4000)])
     tracemalloc.start()
     try:
