@@ -231,7 +231,7 @@ def mutated(all_seeds: Sequence[Seed], rng: random.Random) -> tuple[str, str, by
 
 
 def faults_among(numbers: range) -> tuple[Counter[str], dict[str, str]]:
-    """Checks bad logs of each format: their number, and every kind of fault with an example."""
+    """The number of bad logs checked of each format, and every kind of fault with an example."""
     all_seeds, tried, faults = seeds(), Counter[str](), dict[str, str]()
     for number in numbers:
         done, name, log = mutated(all_seeds, random.Random(number))

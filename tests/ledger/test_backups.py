@@ -39,7 +39,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "ledger.db"
 
 
-def test_the_last_ten_copies_are_kept_each_a_sound_ledger(file: Path) -> None:
+def test_the_last_ten_backups_are_kept_and_each_is_a_sound_ledger(file: Path) -> None:
     add(file, *map(str, range(14)))
     kept = backups.backups(file)
     assert [one.flights for one in kept] == [13, 12, 11, 10, 9, 8, 7, 6, 5, 4]
@@ -47,12 +47,12 @@ def test_the_last_ten_copies_are_kept_each_a_sound_ledger(file: Path) -> None:
     assert len(list(backups.folder_of(file).iterdir())) == 10, "and nothing half-made beside them"
 
 
-def test_one_copy_a_day_is_enough_until_many_changes(tmp_path: Path) -> None:
+def test_one_backup_a_day_is_made_until_there_are_many_changes(tmp_path: Path) -> None:
     add(tmp_path / "ledger.db", *map(str, range(8)))
     assert [one.flights for one in backups.backups(tmp_path / "ledger.db")] == [1]
 
 
-def test_a_restore_can_be_taken_back_by_another(file: Path) -> None:
+def test_a_restore_can_be_reverted_by_another(file: Path) -> None:
     add(file, "1", "2", "3")
     assert main(["--ledger", str(file), "backups", "restore", "1", "--yes"]) == 0
     assert flown(file) == ["1"]
@@ -64,7 +64,7 @@ def test_a_restore_can_be_taken_back_by_another(file: Path) -> None:
 def test_a_restore_from_which_a_page_was_not_read_changes_nothing(
     file: Path, hurt: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """SQLite takes a page that a disk does not hand over, without an error, for one of zeros."""
+    """If a disk does not return a page, SQLite reads zeros without an error."""
     add(file, "1", "2", "3")
     first = next(one for one in backups.backups(file) if one.number == 1)
     content, size = first.file.read_bytes(), 4096
@@ -85,10 +85,10 @@ def test_a_restore_from_which_a_page_was_not_read_changes_nothing(
 
 
 @pytest.mark.parametrize("times", [1, 2])
-def test_a_restore_that_cannot_be_checked_is_taken_back_and_reports_it(
+def test_a_restore_that_cannot_be_checked_is_reverted_and_reports_it(
     file: Path, times: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`times` 2: nor can it be taken back."""
+    """With `times` 2 it cannot be reverted either."""
     add(file, "1", "2", "3")
     first, real, calls = next(one for one in backups.backups(file) if one.number == 1), restoring.opened, []
 
@@ -97,7 +97,7 @@ def test_a_restore_that_cannot_be_checked_is_taken_back_and_reports_it(
 
     def failing(asked: Path) -> Any:
         calls.append(asked)
-        if asked == first.file:  # all is kept: the next copy is that for the check
+        if asked == first.file:  # everything is kept: the next copy is the one for the check
             monkeypatch.setattr(restoring, "copy", full)
         elif times == 2 and first.file in calls:
             raise sqlite3.OperationalError("disk I/O error")
@@ -127,7 +127,7 @@ def test_a_linked_ledger_is_restored_at_its_target_with_its_own_mode(file: Path)
     assert not backups.folder_of(link).exists()
 
 
-def test_a_restore_holds_the_ledger_from_copy_to_replacement(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_restore_locks_the_ledger_from_copy_to_replacement(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     add(file, "1", "2")
     taken, refused = restoring.taken, []
 
@@ -146,7 +146,7 @@ def test_a_restore_holds_the_ledger_from_copy_to_replacement(file: Path, monkeyp
     assert refused == ["SQLITE_BUSY"]
 
 
-def test_who_waits_for_a_damaged_ledger_does_not_write_into_what_was_put_aside(file: Path) -> None:
+def test_a_writer_that_waits_during_a_restore_does_not_write_into_the_replaced_ledger(file: Path) -> None:
     add(file, "1", "2")
     with closing(sqlite3.connect(file)) as waiting:
         assert waiting.execute("SELECT count(*) FROM flights").fetchone() == (2,)
@@ -161,7 +161,7 @@ def test_who_waits_for_a_damaged_ledger_does_not_write_into_what_was_put_aside(f
     assert flown(file) == ["1"]
 
 
-def test_copies_made_at_once_get_numbers_of_their_own(file: Path) -> None:
+def test_simultaneous_backups_get_different_numbers(file: Path) -> None:
     add(file, "1", "2")
 
     def copied(_: int) -> int:
@@ -174,7 +174,7 @@ def test_copies_made_at_once_get_numbers_of_their_own(file: Path) -> None:
     assert [one.number for one in backups.backups(file)][:8] == sorted(numbers, reverse=True)
 
 
-def test_one_copy_is_enough_if_many_begin_to_write(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_backup_is_made_if_many_begin_to_write(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     add(file, "1")
     backups.folder_of(file).mkdir()
     claim = backups._claim(file)[1]
@@ -200,7 +200,7 @@ CHANGES = (
 
 
 @pytest.mark.parametrize(("change", "message"), CHANGES)
-def test_what_sqlite_finds_nothing_wrong_with_is_never_copied_over_a_good_copy(
+def test_damage_that_sqlite_does_not_detect_never_replaces_a_good_backup(
     change: str, message: str, tmp_path: Path
 ) -> None:
     file, copy = tmp_path / "ledger.db", tmp_path / "copy.db"
@@ -222,7 +222,7 @@ def test_what_sqlite_finds_nothing_wrong_with_is_never_copied_over_a_good_copy(
     assert backups.backups(file) == kept
 
 
-def test_a_copy_that_has_rotted_hides_no_damage_and_makes_none(file: Path) -> None:
+def test_a_damaged_backup_neither_hides_nor_causes_damage(file: Path) -> None:
     add(file, "1", "2", "3")
     rotten = backups.backups(file)[0].file
     for rot in (bytes(100), bytes(4096), b"\xff" * 8192):
@@ -233,7 +233,7 @@ def test_a_copy_that_has_rotted_hides_no_damage_and_makes_none(file: Path) -> No
     assert "a row of 1 of Astra" in soundness.fault(file, since=rotten)
 
 
-def test_a_row_that_has_changed_on_the_disc_stops_the_next_change_and_is_restored(
+def test_a_row_that_changed_on_the_disk_stops_the_next_change_and_is_restored(
     file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     add(file, "1", "2", "3")
@@ -269,7 +269,7 @@ DAMAGES = [cut, without_tables, lambda _: b"", lambda content: content[:100], la
 
 
 @pytest.mark.parametrize("damage", DAMAGES, ids=["cut", "no tables", "empty", "a header", "zeros"])
-def test_a_damaged_ledger_is_named_offered_its_copy_and_put_back(
+def test_a_damaged_ledger_is_reported_with_its_backup_and_restored(
     damage: Callable[[bytes], bytes], file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     add(file, "1", "2", "3")
@@ -286,9 +286,7 @@ def test_a_damaged_ledger_is_named_offered_its_copy_and_put_back(
     assert [one.read_bytes() for one in aside] == ([hurt] if hurt else [])
 
 
-def test_a_text_that_is_invalid_any_more_is_damage_that_sqlite_does_not_see(
-    file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_invalid_text_is_damage_that_sqlite_does_not_detect(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     add(file, "1", "2")
     file.write_bytes(file.read_bytes().replace(b"Astra", b"A\xf3tra"))
     assert main(["--ledger", str(file), "flights"]) == 1
@@ -301,7 +299,7 @@ def test_a_text_that_is_invalid_any_more_is_damage_that_sqlite_does_not_see(
     assert b"A\xf3tra" in aside.read_bytes(), "what was there is kept, and counts as no copy"
 
 
-def test_a_damaged_ledger_pushes_no_good_copy_out(file: Path) -> None:
+def test_a_damaged_ledger_displaces_no_good_backup(file: Path) -> None:
     add(file, "1", "2")
     content = bytearray(file.read_bytes())
     content[-4096:] = b"\x5a" * 4096
@@ -312,7 +310,7 @@ def test_a_damaged_ledger_pushes_no_good_copy_out(file: Path) -> None:
     assert backups.backups(file) == kept
 
 
-def test_a_folder_without_room_for_copies_is_a_warning_and_no_refusal(
+def test_a_folder_without_space_for_backups_gives_a_warning_and_not_a_refusal(
     file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     add(file, "1")
@@ -322,7 +320,7 @@ def test_a_folder_without_room_for_copies_is_a_warning_and_no_refusal(
     assert len(flown(file)) == 2
 
 
-def test_a_file_whose_name_is_no_moment_is_no_backup(file: Path) -> None:
+def test_a_file_whose_name_is_not_a_time_is_not_a_backup(file: Path) -> None:
     add(file, "1", "2")
     known = backups.backups(file)
     (backups.folder_of(file) / "000009_20269999T999999Z_5.db").write_bytes(b"")
@@ -338,7 +336,9 @@ def test_a_backup_that_another_process_deleted_is_not_created_by_looking_at_it(f
     assert not first.file.exists()
 
 
-def test_a_backup_that_cannot_be_deleted_denies_no_restore(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_backup_that_cannot_be_deleted_does_not_prevent_a_restore(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     add(file, "1", "2", "3")
     monkeypatch.setattr(backups, "MAX_BACKUPS", 1)
 
@@ -366,7 +366,7 @@ def test_everyone_who_may_write_the_ledger_may_write_its_backups(tmp_path: Path)
     assert {stat.S_IMODE(one.file.stat().st_mode) for one in backups.backups(file)} == {0o664}
 
 
-def test_a_folder_of_backups_that_cannot_be_listed_is_a_warning(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_of_backups_that_cannot_be_listed_gives_a_warning(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     add(file, "1")
 
     def refused(*_: object) -> None:

@@ -59,7 +59,7 @@ def test_a_damaged_row_is_left_to_the_ledger(file: Path, value: object) -> None:
     assert first_rows(file, 5) == []
 
 
-def test_no_ledger_another_file_or_a_server_has_no_first_rows(tmp_path: Path) -> None:
+def test_a_missing_ledger_another_file_or_a_server_has_no_first_rows(tmp_path: Path) -> None:
     (tmp_path / "text.db").write_text("not a database\n" * 100)
     for where in (tmp_path / "none.db", tmp_path / "text.db", tmp_path, "postgresql://nowhere/fieldkit"):
         assert first_rows(where, 5) == []

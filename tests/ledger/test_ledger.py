@@ -85,8 +85,8 @@ records = st.builds(
 
 
 @pytest.mark.parametrize("where", [pytest.param("postgres", marks=[pytest.mark.postgres, needs_server])], indirect=True)
-def test_pages_are_of_one_state_of_a_server(ledger: Ledger, where: str) -> None:
-    """In SQLite a reader holds off writers instead."""
+def test_all_pages_show_one_state_of_a_server(ledger: Ledger, where: str) -> None:
+    """In SQLite a reader blocks writers instead."""
     count = 2 * PAGE
     ledger.add([FIRST.with_changes(flight_id=str(number)) for number in range(count)])
     pages = ledger.summaries()
@@ -124,14 +124,14 @@ def test_importing_the_same_flight_twice_changes_nothing(ledger: Ledger) -> None
     assert len(ledger.history()) == 1
 
 
-def test_the_same_flight_through_other_units_is_the_same_flight(ledger: Ledger) -> None:
+def test_the_same_flight_in_other_units_is_the_same_flight(ledger: Ledger) -> None:
     ledger.add([FIRST])
     there_and_back = 281.3 * (1 + 1e-12)
     assert ledger.add([FIRST.with_changes(apogee=there_and_back)]).duplicates == 1
     assert ledger.flight("1").apogee == 281.3
 
 
-def test_another_content_under_a_taken_name_is_a_conflict_that_points_to_edit(ledger: Ledger) -> None:
+def test_different_content_under_an_existing_name_is_a_conflict_that_suggests_edit(ledger: Ledger) -> None:
     ledger.add([FIRST])
     added = ledger.add([FIRST.with_changes(apogee=300.0, config="B"), SECOND])
     assert added.new == ("2",)
@@ -141,7 +141,7 @@ def test_another_content_under_a_taken_name_is_a_conflict_that_points_to_edit(le
     assert ledger.flight("1") == FIRST
 
 
-def test_a_flight_edited_since_is_still_the_one_that_its_table_holds(ledger: Ledger) -> None:
+def test_a_flight_edited_later_is_still_a_duplicate_of_its_row(ledger: Ledger) -> None:
     ledger.add([FIRST])
     ledger.edit("1", apogee=300.0)
     ledger.tag("1", "off_axis")
@@ -160,7 +160,7 @@ def test_a_dry_run_says_what_would_happen_and_changes_nothing(ledger: Ledger) ->
     assert len(ledger.history()) == 1
 
 
-def test_two_of_one_name_in_one_table_are_a_duplicate_or_a_conflict(ledger: Ledger) -> None:
+def test_two_flights_with_one_name_in_a_table_are_a_duplicate_or_a_conflict(ledger: Ledger) -> None:
     added = ledger.add([FIRST, FIRST, FIRST.with_changes(apogee=1.0)])
     assert (len(added.new), added.duplicates, len(added.conflicts)) == (1, 1, 1)
 
@@ -175,7 +175,7 @@ def test_two_of_one_name_in_one_table_are_a_duplicate_or_a_conflict(ledger: Ledg
         ({"tags": ("\ud800",)}, "tags"),
     ],
 )
-def test_what_a_ledger_cannot_keep_is_named_and_the_rest_goes_in(
+def test_values_that_a_ledger_cannot_store_are_named_and_the_rest_is_imported(
     ledger: Ledger, change: dict[str, object], found: str
 ) -> None:
     added = ledger.add([FIRST.with_changes(**change), SECOND])
@@ -186,7 +186,7 @@ def test_what_a_ledger_cannot_keep_is_named_and_the_rest_goes_in(
     assert ledger.flight("2") == SECOND
 
 
-def test_flights_come_by_date_then_entry_and_undated_ones_after_what_was_entered_before(ledger: Ledger) -> None:
+def test_flights_are_ordered_by_date_then_entry_and_undated_ones_by_entry(ledger: Ledger) -> None:
     undated = SECOND.with_changes(flight_id="0", date_time=None)
     twin = FIRST.with_changes(flight_id="3")
     ledger.add([undated, twin, SECOND, FIRST])
@@ -196,7 +196,7 @@ def test_flights_come_by_date_then_entry_and_undated_ones_after_what_was_entered
     assert [flight.flight_id for flight in ledger.flights(FIRST.rocket)] == ["0", "3", "1", "2", "4"]
 
 
-def test_an_id_is_the_flight_id_if_that_is_unique(ledger: Ledger) -> None:
+def test_an_id_is_the_flight_id_if_it_is_unique(ledger: Ledger) -> None:
     other = FIRST.with_changes(rocket="Comet")
     assert ledger.add([FIRST, SECOND]).new == ("1", "2")
     assert ledger.add([other]).new == ("Comet/1",)
@@ -207,7 +207,7 @@ def test_an_id_is_the_flight_id_if_that_is_unique(ledger: Ledger) -> None:
         ledger.flight("1")
 
 
-def test_an_unknown_id_suggests_near_ones(ledger: Ledger) -> None:
+def test_an_unknown_id_is_refused_with_similar_ones(ledger: Ledger) -> None:
     ledger.add([FIRST.with_changes(flight_id="astra-07"), SECOND])
     with pytest.raises(LedgerError, match="did you mean astra-07"):
         ledger.flight("astra-7")
@@ -241,7 +241,7 @@ def test_every_kind_of_change_can_be_undone_and_redone(ledger: Ledger) -> None:
     assert commands == ["import", "edit", "edit", "tag", "untag", "remove", *["undo"] * 6, *["redo"] * 6]
 
 
-def test_what_was_settled_beside_the_flights_is_taken_back_with_them(ledger: Ledger) -> None:
+def test_documents_changed_with_flights_are_undone_with_them(ledger: Ledger) -> None:
     ledger.add([FIRST])
     assert ledger.change_draft("plan", {"wind": (1, 2)}, "plan", "Astra")
     assert not ledger.change_draft("plan", {"wind": [1, 2]}, "plan", "Astra"), "it is so already"
@@ -274,7 +274,7 @@ def test_a_change_after_an_undo_ends_what_could_be_redone(ledger: Ledger) -> Non
     assert ledger.flights() == []
 
 
-def test_a_change_that_changes_nothing_stays_out_of_the_journal(ledger: Ledger) -> None:
+def test_a_change_without_effect_is_not_in_the_journal(ledger: Ledger) -> None:
     ledger.add([FIRST])
     ledger.tag("1", "mine")
     ledger.edit("1", apogee=FIRST.apogee)
@@ -283,14 +283,14 @@ def test_a_change_that_changes_nothing_stays_out_of_the_journal(ledger: Ledger) 
     assert len(ledger.history()) == 1
 
 
-def test_an_edit_to_a_taken_name_is_refused(ledger: Ledger) -> None:
+def test_an_edit_to_an_existing_name_is_refused(ledger: Ledger) -> None:
     ledger.add([FIRST, SECOND])
     with pytest.raises(LedgerError, match="flight 1 of Astra is already in the ledger"):
         ledger.edit("2", flight_id="1")
     assert ledger.flights() == [FIRST, SECOND]
 
 
-def test_taking_off_a_tag_that_is_not_there_names_those_that_are(ledger: Ledger) -> None:
+def test_removing_a_missing_tag_lists_the_tags_of_the_flight(ledger: Ledger) -> None:
     ledger.add([FIRST])
     with pytest.raises(LedgerError, match="it has weak_launch, mine"):
         ledger.untag("1", "damaged")
@@ -303,7 +303,7 @@ def test_one_unknown_id_among_several_removes_nothing(ledger: Ledger) -> None:
     assert len(ledger.flights()) == 2
 
 
-def test_the_bytes_of_a_log_come_back_as_they_were(ledger: Ledger) -> None:
+def test_the_bytes_of_a_log_are_returned_unchanged(ledger: Ledger) -> None:
     ledger.add([FIRST], log=b"\0\xff" * 5000)
     ledger.add([SECOND], log=b"two")
     assert ledger.log("1") == b"\0\xff" * 5000
@@ -315,7 +315,7 @@ def test_the_bytes_of_a_log_come_back_as_they_were(ledger: Ledger) -> None:
     assert ledger.log("3") is None
 
 
-def test_what_was_used_last_is_offered_first(ledger: Ledger) -> None:
+def test_the_values_used_last_are_offered_first(ledger: Ledger) -> None:
     assert ledger.latest() is None
     ledger.add([SECOND.with_changes(rocket="Comet", config=""), FIRST])
     assert ledger.names("rocket") == ["Astra", "Comet"]
@@ -355,7 +355,7 @@ def test_accepting_a_model_version_can_be_undone(ledger: Ledger) -> None:
     assert ledger.versions("Astra") == []
 
 
-def test_a_prediction_is_kept_once_and_undo_passes_it_by(ledger: Ledger) -> None:
+def test_a_prediction_is_saved_once_and_not_affected_by_undo(ledger: Ledger) -> None:
     ledger.add([FIRST])
     made = ledger.keep_prediction({"p50": 281.0}, digest="d1", rocket="Astra", flight_id="2")
     assert made.at.tzinfo is UTC
@@ -369,7 +369,7 @@ def test_a_prediction_is_kept_once_and_undo_passes_it_by(ledger: Ledger) -> None
     assert len(ledger.predictions()) == 3
 
 
-def test_a_draft_is_kept_until_it_is_dropped(ledger: Ledger) -> None:
+def test_a_draft_is_kept_until_it_is_discarded(ledger: Ledger) -> None:
     assert ledger.draft("add") is None
     ledger.keep_draft("add", {"rocket": "Astra"})
     ledger.keep_draft("add", {"rocket": "Astra", "apogee": "923ft"})
@@ -399,7 +399,7 @@ def test_a_flight_that_is_undone_is_a_draft_again_unless_another_was_started(led
     assert not ledger.flights()
 
 
-def test_a_removal_that_was_undone_leaves_what_was_known_before_a_flight(ledger: Ledger) -> None:
+def test_undoing_a_removal_keeps_what_was_known_before_the_flight(ledger: Ledger) -> None:
     ledger.add([FIRST])
     ledger.add([SECOND])
     ledger.remove("1")
@@ -411,7 +411,7 @@ def test_a_removal_that_was_undone_leaves_what_was_known_before_a_flight(ledger:
     assert [[flight.flight_id for flight in one.flights] for one in past] == [[], ["1"]]
 
 
-def test_a_flight_that_was_renamed_is_a_duplicate_though_another_took_its_name(ledger: Ledger) -> None:
+def test_a_renamed_flight_is_a_duplicate_even_if_another_has_its_old_name(ledger: Ledger) -> None:
     ledger.add([FIRST])
     ledger.edit("1", rocket="Vega")
     ledger.add([FIRST.with_changes(apogee=300.0)])
@@ -420,7 +420,7 @@ def test_a_flight_that_was_renamed_is_a_duplicate_though_another_took_its_name(l
     assert (again.duplicates, again.conflicts) == (1, ())
 
 
-def test_a_flight_that_is_edited_while_its_files_are_read_again_keeps_the_edit(ledger: Ledger) -> None:
+def test_a_flight_edited_while_its_files_are_reread_keeps_the_edit(ledger: Ledger) -> None:
     read = Flight(
         "1", "Astra", apogee=100.0, top_speed=40.0, sd={"apogee": 2.0}, extra={"kinds": "raw", "color": "red"}
     )

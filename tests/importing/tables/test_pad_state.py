@@ -33,7 +33,7 @@ def test_the_axis_is_found_however_it_is_mounted(direction: tuple[float, float, 
     assert np.abs(found - felt)[climbing].max() < 0.03 * np.abs(felt).max()
 
 
-def test_the_direction_of_gravity_is_not_the_axis_if_thrust_is_across_it() -> None:
+def test_no_axis_is_found_if_gravity_was_across_the_thrust() -> None:
     time, axes, _ = felt_on((0.0, 0.0, 1.0))
     axes[:, time < 0] = np.array([[STANDARD_GRAVITY], [0.0], [0.0]])
     assert along_thrust(time, axes) is None

@@ -1,4 +1,4 @@
-"""Histories of one rocket for tests: readouts simulated without scatter, times factors of the test."""
+"""Histories of one rocket for tests: readouts simulated without scatter, multiplied by factors chosen in the test."""
 
 from datetime import datetime, timedelta
 

@@ -1,4 +1,4 @@
-"""The check of the network by the model: the model's answer passes, and a different one does not."""
+"""The check of the network against the model: the model's own answer passes, and a different one does not."""
 
 from dataclasses import replace
 
@@ -41,25 +41,25 @@ def test_the_models_own_answer_passes(own: QuickAnswer) -> None:
     assert found.apogee_effective > 0.8
 
 
-def test_the_same_draws_come_with_the_same_seed(own: QuickAnswer) -> None:
+def test_the_same_seed_gives_the_same_draws(own: QuickAnswer) -> None:
     assert check(own) == check(own)
     assert check(own, seed=1) != check(own)
 
 
-def test_an_apogee_elsewhere_does_not_pass(own: QuickAnswer) -> None:
+def test_a_different_apogee_does_not_pass(own: QuickAnswer) -> None:
     sd = float(own.summary.baseline.apogee_sd[0])
     effective = [check(replace(own, log_apogee=own.log_apogee + off * sd)).apogee_effective for off in (0.0, 1.0, 3.0)]
     assert effective == sorted(effective, reverse=True)
     assert not check(replace(own, log_apogee=own.log_apogee + 3 * sd)).agrees
 
 
-def test_parameters_elsewhere_do_not_pass(own: QuickAnswer) -> None:
+def test_different_parameters_do_not_pass(own: QuickAnswer) -> None:
     mean, sd = own.log_cd
     assert check(own).parameters_effective > check(replace(own, log_cd=(mean + 3 * sd, sd))).parameters_effective
     assert not check(replace(own, log_cd=(mean + 8 * sd, 0.1 * sd))).agrees
 
 
-def test_a_wide_network_passes_and_a_narrow_one_counts_for_less(own: QuickAnswer) -> None:
+def test_a_wide_network_passes_and_a_narrow_one_has_fewer_effective_draws(own: QuickAnswer) -> None:
     mean, sd = own.log_cd
     alpha, alpha_sd = own.log_alpha
     wide = replace(own, log_cd=(mean, 1.5 * sd), log_alpha=(alpha, 1.5 * alpha_sd))
@@ -67,7 +67,7 @@ def test_a_wide_network_passes_and_a_narrow_one_counts_for_less(own: QuickAnswer
     assert check(wide).pareto_k < check(narrow).pareto_k
 
 
-def test_it_takes_both_to_agree() -> None:
+def test_apogee_and_parameters_must_both_agree() -> None:
     assert Check(0.7, 0.1, 0.5, 400).agrees
     assert not Check(0.71, 0.9, 0.9, 400).agrees
     assert not Check(0.1, 0.9, 0.49, 400).agrees
@@ -81,7 +81,7 @@ def test_several_plans_are_refused(answer: QuickAnswer) -> None:
         check(replace(answer, summary=replace(answer.summary, forecast=two)))
 
 
-def test_the_forecast_is_a_mixture_of_students_t(answer: QuickAnswer) -> None:
+def test_the_forecast_is_a_mixture_of_student_t_distributions(answer: QuickAnswer) -> None:
     linear, rng = answer.summary.forecast, np.random.default_rng(3)
     sds, nu = np.sqrt(own_variance(linear)[:, 0]), linear.model.hyperprior.tail
     middle, weight = np.array([4.5, 4.7, np.nan, 5.1]), rng.dirichlet(np.ones(4 * len(sds))).reshape(4, -1)

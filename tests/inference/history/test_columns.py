@@ -1,4 +1,4 @@
-"""The columns of evidence, compared with sums over one effect after the other."""
+"""The columns of evidence, compared with sums over one effect at a time."""
 
 import numpy as np
 import pytest

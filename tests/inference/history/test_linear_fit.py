@@ -46,7 +46,7 @@ def linear(response: FlightResponse) -> LinearFit:
     return linear_fit(model, history_data(WORN.flights[:COUNT], WORN.used_in_fit, WORN.selection), response)
 
 
-def test_between_the_drags_that_were_flown_the_response_is_the_simulators(
+def test_between_simulated_drag_values_the_response_agrees_with_the_simulator(
     response: FlightResponse, linear: LinearFit
 ) -> None:
     at = np.array([[0.0] * len(linear.model.terms)])
@@ -59,7 +59,7 @@ def test_between_the_drags_that_were_flown_the_response_is_the_simulators(
 
 @pytest.mark.parametrize("elsewhere", [(), ("thrust of AeroTech F39T",)])
 def test_plans_on_new_motors_share_the_terms_of_one(elsewhere: tuple[str, ...]) -> None:
-    """A motor that other rockets flew keeps its own terms."""
+    """A motor flown by other rockets keeps its own terms."""
     named = [catalogue().resolve(name) for name in ("F39-6T", "E15-4W", "F24-4W", "E16-4W", "D12-5")]
     plans = [WORN.flights[-1].with_changes(motor=found.motor.name) for found in named]
     flights, found = (*WORN.flights[:COUNT], *plans), (*WORN.found[:COUNT], *named)
@@ -77,7 +77,7 @@ def _coarse(linear: LinearFit) -> Model:
     return replace(linear.model, coarse=True)
 
 
-def test_the_drag_slope_is_that_of_differences(response: FlightResponse) -> None:
+def test_the_drag_slope_agrees_with_finite_differences(response: FlightResponse) -> None:
     step = 1e-4
     higher, lower = (moved_at(response, 0.1 + side * step)[""][:, :3] for side in (1, -1))
     assert moved_at(response, 0.1)["drag"][:, :3] == pytest.approx((higher - lower) / (2 * step), abs=1e-6)
@@ -88,7 +88,7 @@ def _without_bounds(candidate: Candidate) -> Candidate:
     return replace(candidate, terms=terms)
 
 
-def test_the_evidence_is_that_of_a_fit_with_the_effect_in_it(linear: LinearFit) -> None:
+def test_the_evidence_agrees_with_a_fit_that_includes_the_effect(linear: LinearFit) -> None:
     found = [
         _without_bounds(one)
         for one in quick_candidates(linear.model, WORN.used_in_fit)
@@ -107,7 +107,7 @@ def _part(term: Term, rows: slice) -> Term:
     return replace(term, weight=term.weight[rows])
 
 
-def test_the_evidence_beside_an_accepted_effect_is_that_of_both_less_that_of_one(linear: LinearFit) -> None:
+def test_the_evidence_beside_an_accepted_effect_is_that_of_both_minus_that_of_one(linear: LinearFit) -> None:
     found = [
         _without_bounds(one)
         for one in quick_candidates(linear.model, WORN.used_in_fit)
@@ -133,7 +133,7 @@ def test_the_evidence_beside_an_accepted_effect_is_that_of_both_less_that_of_one
     assert beside[1, 1] == pytest.approx(evidence([1]) - fixed.fit.log_evidence, abs=0.01)
 
 
-def test_what_one_flight_says_is_no_robust_evidence(linear: LinearFit) -> None:
+def test_evidence_from_a_single_flight_is_not_robust(linear: LinearFit) -> None:
     trials = weigh(linear, quick_candidates(linear.model, WORN.used_in_fit))
     assert (trials.robust <= trials.log_bayes + 1e-12).all()
     days = [row for row, number in enumerate(trials.candidate) if trials.family[row] == ""]

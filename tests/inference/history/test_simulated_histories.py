@@ -21,7 +21,7 @@ KNOWN = stock(split_motors()[0])
 PRIOR = inclusion_probabilities()
 
 
-def test_rockets_are_drawn_as_long_and_with_as_many_motors_as_said() -> None:
+def test_rockets_have_the_requested_numbers_of_flights_and_motors() -> None:
     rng = np.random.default_rng(0)
     drawn = [draw_rocket(rng, KNOWN) for _ in range(200)]
     lengths = np.array([len(one.used_in_fit) for one in drawn])
@@ -36,7 +36,7 @@ def test_rockets_are_drawn_as_long_and_with_as_many_motors_as_said() -> None:
 
 
 @pytest.mark.usefixtures("shapes_checked")
-def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> None:
+def test_a_history_states_its_effects_and_has_the_readouts_of_its_rocket() -> None:
     found = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, PRIOR, 8, 2)
     assert len({one.effects for one in found}) > 2
     for one in found:
@@ -47,7 +47,7 @@ def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> Non
     assert [one.apogee for one in again] == [one.apogee for one in found]
 
 
-def test_effects_are_there_as_probably_as_the_prior_has_it() -> None:
+def test_effects_are_present_with_their_prior_probability() -> None:
     """No effects with a prior of zero; with a prior of one all effects that each rocket's flights could show, and a
     pattern."""
     nothing, everything = (dict.fromkeys(PRIOR, chance) for chance in (0.0, 1.0))
@@ -62,7 +62,7 @@ def test_effects_are_there_as_probably_as_the_prior_has_it() -> None:
         assert one.unexplained
 
 
-def test_shards_of_another_prior_are_not_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_shards_of_another_prior_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "ROCKETS_PER_SHARD", 3)
     with ThreadPoolExecutor(1) as pool:
         shards.simulate_table(tmp_path, 5, 3, quick_candidates, PRIOR, pool)
@@ -80,7 +80,7 @@ def test_features_are_finite_and_named() -> None:
         assert made.baseline.apogee_sd > made.baseline.parameter_sd > 0
 
 
-def test_shards_that_are_there_are_taken_and_the_rest_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_existing_shards_are_used_and_missing_ones_created(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shards, "ROCKETS_PER_SHARD", 3)
     with ThreadPoolExecutor(1) as pool:
         whole = shards.simulate_table(tmp_path, 5, 6, quick_candidates, PRIOR, pool)

@@ -24,7 +24,7 @@ def test_scatter_that_is_larger_or_smaller_than_claimed_is_found(factor: float) 
     assert np.sqrt(FACTORS**2 @ found.weight) == pytest.approx(factor, rel=0.2)
 
 
-def test_one_odd_flight_does_not_widen_what_is_reported_of_the_others() -> None:
+def test_one_outlier_does_not_widen_the_intervals_of_other_flights() -> None:
     error, known, own = errors(1.0, 20)
     seen = np.ones(20, bool)
     calm = apogee_spread(error, known, own, seen)
@@ -34,7 +34,7 @@ def test_one_odd_flight_does_not_widen_what_is_reported_of_the_others() -> None:
     assert np.sqrt(FACTORS**2 @ scales.weight) < 1.3 * np.sqrt(FACTORS**2 @ calm.weight)
 
 
-def test_without_a_flight_is_the_spread_of_the_others_alone() -> None:
+def test_leaving_a_flight_out_gives_the_spread_of_the_others_only() -> None:
     error, known, own = errors(1.8, 12)
     seen = np.ones(12, bool)
     others = np.arange(12) != 5
@@ -42,7 +42,7 @@ def test_without_a_flight_is_the_spread_of_the_others_alone() -> None:
     assert apogee_spread(error, known, own, seen).weight_without[:, 5] == pytest.approx(alone.weight)
 
 
-def test_flights_that_were_not_seen_say_nothing() -> None:
+def test_flights_without_an_apogee_have_no_influence() -> None:
     error, known, own = errors(2.6, 12)
     prior = apogee_spread(error, known, own, np.zeros(12, bool))
     assert np.log(FACTORS) @ prior.weight == pytest.approx(0.0, abs=0.05)

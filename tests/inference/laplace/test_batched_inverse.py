@@ -9,7 +9,7 @@ pytestmark = pytest.mark.fast
 
 
 @pytest.mark.parametrize("many", [(), (7,), (18, 5)])
-def test_inverses_and_determinants_are_those_of_lapack(many: tuple[int, ...]) -> None:
+def test_inverses_and_determinants_agree_with_lapack(many: tuple[int, ...]) -> None:
     rng = np.random.default_rng(2)
     half = rng.normal(size=(*many, 6, 5))
     matrices = half @ np.swapaxes(half, -1, -2) + rng.uniform(1e-3, 1.0, (*many, 6, 1)) * np.eye(6)
@@ -20,7 +20,7 @@ def test_inverses_and_determinants_are_those_of_lapack(many: tuple[int, ...]) ->
     np.testing.assert_array_equal(matrices, kept)
 
 
-def test_what_was_not_seen_stays_apart_from_what_was() -> None:
+def test_unobserved_rows_do_not_mix_with_observed_ones() -> None:
     seen = np.array([[2e-6, 1e-6], [1e-6, 3e-6]])
     inverse, log_det = inverses(np.block([[seen, np.zeros((2, 1))], [np.zeros((1, 2)), np.array([[1e6]])]]))
     np.testing.assert_allclose(inverse[:2, :2], np.linalg.inv(seen), rtol=1e-12)

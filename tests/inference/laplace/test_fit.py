@@ -1,4 +1,4 @@
-"""The fit recovers true parameters with calibrated uncertainty, and leaves flights out as if they had not been
+"""The fit recovers true parameters with calibrated uncertainty, and leaves flights out as if they had never been
 flown."""
 
 from collections.abc import Callable
@@ -132,13 +132,13 @@ def kinked(seed: int) -> tuple[Model, Data]:
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_a_fit_settles_where_ejection_meets_apogee(seed: int) -> None:
+def test_a_fit_converges_if_ejection_is_near_apogee(seed: int) -> None:
     early, data = kinked(seed)
     after_five, after_nine = (fit(early, data, rounds=rounds).log_evidence for rounds in (5, 9))
     assert after_five == pytest.approx(after_nine, abs=0.1)
 
 
-def test_fits_that_meet_are_settled_once() -> None:
+def test_fits_that_have_converged_are_not_continued() -> None:
     one, data = model(), seasons()[0]
     start, every = np.array([term.mean for term in one.terms]), tuple(range(len(one.terms)))
     with patch.object(shapes, "jaxtyping_disable", True):
@@ -146,7 +146,7 @@ def test_fits_that_meet_are_settled_once() -> None:
     assert found[0] is found[1]
 
 
-def test_a_step_that_turns_back_goes_half_as_far() -> None:
+def test_a_step_that_reverses_direction_is_halved() -> None:
     settled = fits()[0]
     walk = DampedSteps(settled.tangent.at)
     wanted = settled.mean[int(np.argmax(settled.log_weight))]
@@ -165,7 +165,7 @@ def test_a_step_that_turns_back_goes_half_as_far() -> None:
 # Recovery
 
 
-def test_the_fit_finds_drag_again() -> None:
+def test_the_fit_recovers_the_drag() -> None:
     drag = model().names.index("drag")
     means, sds = np.array([result.moments() for result in fits()])[:, :, drag].T
     assert np.corrcoef(truths()[:, drag], means)[0, 1] > 0.97
@@ -173,13 +173,13 @@ def test_the_fit_finds_drag_again() -> None:
 
 
 @pytest.mark.parametrize("level", [0.5, 0.9])
-def test_every_term_lies_inside_its_interval_as_often_as_said(level: float) -> None:
+def test_every_terms_interval_has_its_stated_coverage(level: float) -> None:
     error = errors(fits())
     poor = [name for name, one in zip(model().names, error.T, strict=True) if not calibrated(one, level)]
     assert not poor
 
 
-def test_misses_are_neither_one_sided_nor_too_large() -> None:
+def test_errors_are_neither_biased_nor_too_large() -> None:
     error = errors(fits())
     assert np.abs(error.mean(axis=0)).max() < 4 / np.sqrt(SETS)
     assert 0.85 < error.std() < 1.15
@@ -196,7 +196,7 @@ def test_a_distorted_posterior_is_noticed(distort: Callable[[Any], Any]) -> None
     assert not calibrated(distort(drag), 0.5)
 
 
-def test_scatter_that_is_there_is_seen() -> None:
+def test_large_scatter_is_recognized() -> None:
     """Sets with large scatter have more weight on large scales than sets with small scatter."""
     pair = np.random.default_rng(22).choice(
         len(CERTIFIED_PRIOR.scales()[2]), SETS, p=np.exp(CERTIFIED_PRIOR.scales()[2])
@@ -216,7 +216,7 @@ def without(data: Data, flight: int) -> Data:
 
 
 @pytest.mark.parametrize("flight", [0, 2, 7])
-def test_leaving_a_flight_out_is_solving_without_it(flight: int) -> None:
+def test_leaving_a_flight_out_equals_solving_without_it(flight: int) -> None:
     result = fits()[0]
     left = leave_one_out(result)
     rest = solve(result.model, without(result.data, flight), result.tangent)
@@ -259,7 +259,7 @@ def test_leaving_a_flight_out_is_close_to_refitting_without_it() -> None:
             assert abs(again - mean[flight]) < 0.25 * sd[flight]
 
 
-def test_forecasts_of_flights_left_out_are_calibrated() -> None:
+def test_leave_one_out_forecasts_are_calibrated() -> None:
     error = []
     for result in fits():
         left = leave_one_out(result)
@@ -272,7 +272,7 @@ def test_forecasts_of_flights_left_out_are_calibrated() -> None:
 
 
 @pytest.mark.parametrize("flight", [1, 3, 7])
-def test_a_growing_fit_is_that_of_the_flights_before(flight: int) -> None:
+def test_a_fit_extended_flight_by_flight_equals_the_fit_of_those_flights(flight: int) -> None:
     result = fits()[0]
     before, near = slice(flight), result.tangent
     part = Tangent(near.at, near.values[before], near.slope[before], near.scatter_slope[before])
@@ -333,7 +333,7 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
 
 
 def prior_covariance(model: Model, scale: int) -> Any:
-    """Of the terms, for one pair of scales."""
+    """Prior covariance of the terms, for one pair of scales."""
     covariance = np.diag(term_sds(model)[scale] ** 2)
     if model.shared is not None:
         rows = [model.names.index(name) for name in model.shared.names]
@@ -342,7 +342,7 @@ def prior_covariance(model: Model, scale: int) -> Any:
 
 
 SHARED = SharedPrior(("1", "0"), np.array([0.3, -0.4]), np.array([[0.5, 0.2], [0.2, 0.4]]))
-"""Of two terms of the toy, in another order."""
+"""Indices of two terms of the toy model, in another order."""
 
 
 @pytest.mark.parametrize("shared", [None, SHARED], ids=["alone", "with other rockets"])
@@ -365,7 +365,7 @@ def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(
     np.testing.assert_allclose(result.covariance[scale], prior - gain @ slope @ prior, atol=1e-9)
 
 
-def test_what_was_not_observed_is_not_used_in_the_fit() -> None:
+def test_missing_readouts_are_not_used_in_the_fit() -> None:
     model, data, near = toy(np.random.default_rng(6))
     values = data.values.copy()
     values[2, 3] = 1e6
@@ -374,7 +374,7 @@ def test_what_was_not_observed_is_not_used_in_the_fit() -> None:
     assert here.log_evidence == pytest.approx(there.log_evidence)
 
 
-def test_a_term_that_says_nothing_costs_no_evidence_and_keeps_its_prior() -> None:
+def test_an_unconstrained_term_does_not_change_the_evidence_and_keeps_its_prior() -> None:
     model, data, near = toy(np.random.default_rng(7))
     idle = model.with_terms(Term("idle", "drag", 0.5, 0.2, np.zeros(5)))
     wider = replace(

@@ -30,7 +30,7 @@ FLIGHTS = 4
 SHARED = ("drag of the fleet", "thrust of the fleet")
 PRIOR = {"drag of the fleet": (-0.4, 0.3), "thrust of the fleet": (0.1, 0.2), "drag": (0.0, 0.5)}
 ONE_SCALE = replace(learned(), scatter=Scale((1.0,), 1.0, 0.5), reading=Scale((1.0,), 1.0, 0.5))
-"""Without scales to integrate over everything is normal, and messages lose nothing."""
+"""Without scales to integrate over, everything is normal and messages are exact."""
 
 
 def linear_rocket(seed: int) -> Fit:
@@ -88,7 +88,7 @@ def alone(result: Fit) -> RocketFit:
     return RocketFit(result.log_evidence, message_of(result), independent_prior([result.model]))
 
 
-def test_messages_together_are_the_dense_posterior_of_what_is_shared() -> None:
+def test_all_messages_combined_give_the_dense_posterior_of_the_shared_terms() -> None:
     fits = [linear_rocket(seed) for seed in range(3)]
     found = shared_prior([alone(result) for result in fits])
     assert found is not None
@@ -98,12 +98,12 @@ def test_messages_together_are_the_dense_posterior_of_what_is_shared() -> None:
     np.testing.assert_allclose(found.covariance[np.ix_(order, order)], covariance, atol=1e-8)
 
 
-def test_the_evidence_of_a_fleet_is_that_of_all_its_flights_at_once() -> None:
+def test_the_evidence_of_a_fleet_is_that_of_all_its_flights_together() -> None:
     fits = [linear_rocket(seed) for seed in range(3)]
     assert joint_evidence([alone(result) for result in fits]) == pytest.approx(dense(fits)[2], abs=1e-7)
 
 
-def test_a_rocket_that_starts_from_the_others_ends_at_the_dense_posterior() -> None:
+def test_a_rocket_with_messages_from_the_others_has_the_dense_posterior() -> None:
     fits = [linear_rocket(seed) for seed in range(3)]
     others = shared_prior([alone(result) for result in fits[1:]])
     model = with_shared(fits[0].model, others)
@@ -114,7 +114,7 @@ def test_a_rocket_that_starts_from_the_others_ends_at_the_dense_posterior() -> N
     np.testing.assert_allclose(result.covariance[0][np.ix_(rows, rows)], dense(fits)[1], atol=1e-8)
 
 
-def test_a_rocket_without_readouts_says_nothing() -> None:
+def test_a_rocket_without_readouts_sends_no_information() -> None:
     flown = [
         (flight.with_changes(apogee=None), found) for flight, found in season(np.random.default_rng(1), ("apogee",), 3)
     ]
@@ -134,7 +134,7 @@ def lower(flown: list[tuple[Flight, Found]], factor: float) -> list[tuple[Flight
     return [(one.with_changes(apogee=one.apogee * factor), motor) for one, motor in flown if one.apogee]
 
 
-def test_a_fleet_that_flies_low_lowers_a_rocket_that_never_flew() -> None:
+def test_a_fleet_that_flies_low_lowers_the_forecast_of_a_new_rocket() -> None:
     from fieldkit.forecast.predict import predict
 
     rockets = [lower(season(np.random.default_rng(seed), ("apogee",), 4), 0.75) for seed in range(6)]

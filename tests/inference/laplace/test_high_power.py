@@ -26,7 +26,7 @@ FRESH = replace(START, high_power=1.0, design_drag=DESIGN_DRAG)
 
 @cache
 def forecast_of(dry_mass: float, cd: float, motor: str = "K550W") -> DesignForecast:
-    """A forecast by this simulator of a rocket with a known mass and drag."""
+    """A forecast by this simulator for a rocket with a known mass and drag."""
     found = catalogue().resolve(motor)
     plan = Flight("1", "Four Inch", "A", motor, dry_mass=dry_mass, diameter=DIAMETER)
     area = np.array([np.pi / 4 * DIAMETER**2])
@@ -43,7 +43,7 @@ def simulated(scale: float, drag: float, count: int = 400) -> list[Departure]:
 
 
 @pytest.mark.parametrize(("dry_mass", "cd"), [(3.0, 0.5), (6.0, 0.35), (2.0, 0.8)])
-def test_a_forecast_gives_back_the_rocket_that_it_is_for(dry_mass: float, cd: float) -> None:
+def test_the_rocket_can_be_recovered_from_its_forecast(dry_mass: float, cd: float) -> None:
     assert matched(forecast_of(dry_mass, cd)) == pytest.approx((dry_mass, cd), rel=0.02)
 
 
@@ -57,12 +57,12 @@ def test_the_total_spread_of_many_simulated_flights_is_learned(scale: float) -> 
     assert sum(log_density(one, found) for one in flights) > sum(log_density(one, FRESH) for one in flights)
 
 
-def test_without_flights_the_figures_stay_at_their_starts() -> None:
+def test_without_flights_the_figures_keep_their_starting_values() -> None:
     found = learn_high_power([], FRESH)
     assert (found.high_power, found.design_drag) == pytest.approx((1.0, DESIGN_DRAG), rel=1e-3)
 
 
-def test_two_programs_that_agree_about_a_flight_weigh_as_one() -> None:
+def test_two_programs_that_agree_about_a_flight_count_as_one() -> None:
     once = simulated(0.5, 0.1, 30)
     twice = [replace(one, ratios=one.ratios * 2) for one in once]
     assert learn_high_power(twice, FRESH).high_power == pytest.approx(

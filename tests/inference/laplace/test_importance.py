@@ -41,19 +41,19 @@ def drawn(readouts: int = 6) -> Sampled:
 
 
 @pytest.mark.parametrize("readouts", [6, 2, 1])
-def test_few_draws_say_what_many_do(readouts: int) -> None:
+def test_few_draws_agree_with_many(readouts: int) -> None:
     few, many = drawn(readouts), sampled(fitted(readouts), np.random.default_rng(2), 12_000)
     assert few.pareto_k < RELIABLE_PARETO_K
     assert abs(few.log_evidence - many.log_evidence) < 4 * np.hypot(few.error, many.error)
     np.testing.assert_allclose(few.log_without, many.log_without, atol=0.35)
 
 
-def test_the_bound_of_the_fit_lies_below_the_evidence_and_near_it() -> None:
+def test_the_fits_lower_bound_is_close_below_the_evidence() -> None:
     gap = drawn().log_evidence - fitted().log_evidence
     assert -3 * drawn().error < gap < 2.5
 
 
-def test_a_flight_that_cannot_lift_off_is_no_evidence_for_a_model() -> None:
+def test_a_model_in_which_a_flight_cannot_lift_off_has_no_evidence() -> None:
     model, data = _season()
     heavy = [one.with_changes(dry_mass=9.0) if row == 2 else one for row, one in enumerate(model.flights)]
     result = fit(base_model(heavy, model.found), data, outlier_flights=True)
@@ -62,7 +62,7 @@ def test_a_flight_that_cannot_lift_off_is_no_evidence_for_a_model() -> None:
     assert -3 * found.error < found.log_evidence - result.log_evidence < 2.5
 
 
-def test_without_a_flight_it_is_the_fit_that_never_saw_it() -> None:
+def test_leave_one_out_agrees_with_a_fit_without_the_flight() -> None:
     result, rows = fitted(), [0, 4]
     for row, again in zip(rows, refits_without(result, rows), strict=True):
         assert not again.data.seen[row].any()
@@ -74,7 +74,7 @@ def test_without_a_flight_it_is_the_fit_that_never_saw_it() -> None:
         assert abs(mean - other) < 0.25 * spread
 
 
-def test_an_odd_flight_counts_for_little() -> None:
+def test_an_outlier_has_little_weight() -> None:
     result = fitted()
     values = result.data.values.copy()
     values[3, :2] -= 0.5
@@ -89,7 +89,7 @@ def test_an_odd_flight_counts_for_little() -> None:
 
 
 @pytest.mark.parametrize("shape", [0.2, 0.6, 1.1])
-def test_the_shape_of_a_tail_is_found(shape: float) -> None:
+def test_the_shape_of_a_pareto_tail_is_estimated(shape: float) -> None:
     weight = genpareto(shape).rvs(20_000, random_state=4)
     smooth, found = smoothed(np.log(weight))
     assert found == pytest.approx(shape, abs=0.15)

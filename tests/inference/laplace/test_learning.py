@@ -47,26 +47,26 @@ def taught(rocket_sd: float, flight_sd: float) -> Hyperprior:
 
 
 @pytest.mark.usefixtures("shapes_checked")
-def test_a_step_of_learning_has_the_shapes_that_it_says() -> None:
+def test_a_step_of_learning_has_the_annotated_shapes() -> None:
     assert learn_hyperprior([fleet(0.3, 0.05)[:2]], COARSE, rounds=1, steps=1).sds
 
 
-def test_flights_that_scatter_more_are_learned_to() -> None:
+def test_larger_scatter_of_flights_is_learned() -> None:
     calm, wild = taught(0.3, 0.02), taught(0.3, 0.15)
     assert calm.sd("apogee", "flight") < START.sd("apogee", "flight") < wild.sd("apogee", "flight")
     assert wild.sd("apogee", "flight") == pytest.approx(0.15, rel=0.4)
 
 
-def test_rockets_that_differ_more_are_learned_to() -> None:
+def test_larger_differences_between_rockets_are_learned() -> None:
     assert taught(0.05, 0.03).sd("drag", "rocket") < 0.75 * taught(0.6, 0.03).sd("drag", "rocket")
 
 
-def test_what_is_learned_makes_the_flights_more_likely() -> None:
+def test_learning_increases_the_likelihood_of_the_flights() -> None:
     flights = [fleet(0.3, 0.15)]
     assert evidence(flights, taught(0.3, 0.15)) > evidence(flights, COARSE) + 1.0
 
 
-def test_effects_that_the_start_does_not_have_stay_out() -> None:
+def test_effects_absent_at_the_start_stay_absent() -> None:
     assert set(taught(0.3, 0.02).sds) == set(START.sds)
     assert taught(0.3, 0.02).reading.log_sd == START.reading.log_sd
 
@@ -78,13 +78,13 @@ def fleets_known_to(variance: float, flyers: int) -> list[SharedPrior]:
     return [SharedPrior(names, np.zeros(len(names)), np.diag(variance * between))] * flyers
 
 
-def test_a_mean_that_no_flyer_shows_is_as_well_known_as_before() -> None:
+def test_the_uncertainty_of_an_unobserved_mean_does_not_change() -> None:
     for sd in mean_sds(fleets_known_to(1.0, 3), START).values():
         assert sd == pytest.approx(MEAN_SD)
 
 
 @pytest.mark.parametrize("flyers", [1, 3, 1000])
-def test_a_mean_is_known_as_well_as_flyers_who_are_known_exactly_agree(flyers: int) -> None:
+def test_the_uncertainty_of_a_mean_follows_from_the_agreement_of_flyers(flyers: int) -> None:
     """Of n draws from a normal distribution, and a normal prior."""
     for quantity, sd in mean_sds(fleets_known_to(0.0, flyers), START).items():
         between = START.sd(quantity, "fleet")
@@ -98,7 +98,7 @@ def test_a_new_flyer_may_differ_by_both() -> None:
     assert card.fleet_sd("delay") == 0.0
 
 
-def test_what_is_learned_says_how_well_it_knows_each_mean() -> None:
+def test_a_learned_card_states_the_uncertainty_of_each_mean() -> None:
     found = taught(0.3, 0.02)
     assert set(found.mean_sds) == set(found.means) == {"drag", "apogee"}
     assert found.mean_sds["drag"] < MEAN_SD

@@ -45,7 +45,7 @@ def test_an_outlier_is_named_with_its_weight() -> None:
     assert line.endswith(f"`fieldkit tag {name} {CHECKED_TAG}`")
 
 
-def test_what_the_flyer_has_checked_is_not_named() -> None:
+def test_a_readout_that_the_flyer_confirmed_is_not_named() -> None:
     flown = with_a_slip(season({}))
     flight, motor = flown[0]
     tagged = [(flight.with_changes(tags=(CHECKED_TAG,)), motor), *flown[1:]]

@@ -43,7 +43,7 @@ def on_dense_grids(result: Fit) -> Fit:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("readouts", [6, 2, 1])
-def test_five_values_of_each_scale_around_its_mode_integrate_as_a_dense_grid_does(readouts: int) -> None:
+def test_five_values_of_each_scale_around_its_mode_integrate_like_a_dense_grid(readouts: int) -> None:
     fine = around_mode(fitted(readouts))
     dense = on_dense_grids(fine)
     assert fine.log_evidence == pytest.approx(dense.log_evidence, abs=0.1)

@@ -43,14 +43,14 @@ def recard(folder: Path, **changes: object) -> None:
 
 
 @pytest.mark.parametrize("name", trained())
-def test_every_trained_folder_is_what_its_card_says(name: str) -> None:
+def test_every_trained_folder_matches_its_card(name: str) -> None:
     found = load(name)
     assert found.name == name
     assert found.card["command"].startswith("fieldkit train ")
     assert set(found.card) >= {"priors", "seed", "n_train", "features", "effects", "test", "digests"}
 
 
-def test_a_flight_alone_is_answered_as_among_others(shipped: Ensemble) -> None:
+def test_a_flight_is_answered_the_same_alone_and_among_others(shipped: Ensemble) -> None:
     features = paper_draws(np.random.default_rng(5), 200).features
     mean, spread = shipped(features)
     one_by_one = [shipped(row[None]) for row in features]
@@ -63,12 +63,12 @@ def test_flights_do_not_depend_on_their_order(shipped: Ensemble) -> None:
     np.testing.assert_allclose(shipped(features[::-1])[0][::-1], shipped(features)[0], atol=1e-6)
 
 
-def test_no_flights_are_no_answers(shipped: Ensemble) -> None:
+def test_no_flights_give_no_answers(shipped: Ensemble) -> None:
     mean, spread = shipped(np.empty((0, 5)))
     assert mean.shape == spread.shape == (0, 2)
 
 
-def test_absurd_features_stay_within_the_squashed_ranges(shipped: Ensemble) -> None:
+def test_absurd_features_give_answers_within_the_prior_ranges(shipped: Ensemble) -> None:
     absurd = np.random.default_rng(7).normal(0, 1e6, size=(300, 5))
     mean, _ = shipped(absurd)
     assert ((mean >= (0.2, 0.5)) & (mean <= (1.5, 1.5))).all()
@@ -92,7 +92,7 @@ def paper_apogees(motor: int, dry_mass: float, cd: np.ndarray, alpha: np.ndarray
     return apogees(paper.paper_setup(np.array(motor), np.array(dry_mass), cd, alpha))
 
 
-def test_the_card_shows_the_errors_that_fresh_flights_show(shipped: Ensemble) -> None:
+def test_the_errors_in_the_card_agree_with_new_flights(shipped: Ensemble) -> None:
     fresh = paper_draws(np.random.default_rng(8), 1500)
     found, carded = score(shipped, fresh.features, fresh.truth), shipped.card["test"]
     for name in ("cd", "alpha"):
@@ -102,7 +102,7 @@ def test_the_card_shows_the_errors_that_fresh_flights_show(shipped: Ensemble) ->
             assert found[name]["coverage"][level] == pytest.approx(carded[name]["coverage"][level], abs=0.04)
 
 
-def test_score_notices_an_honest_spread() -> None:
+def test_the_score_recognizes_a_calibrated_spread() -> None:
     rng = np.random.default_rng(9)
     truth = rng.normal(size=(4000, 2))
 
@@ -118,7 +118,7 @@ def test_score_notices_an_honest_spread() -> None:
     assert coverage["90"] == pytest.approx(0.9, abs=0.02)
 
 
-def test_features_are_the_declared_figures_of_the_motor() -> None:
+def test_features_include_the_declared_figures_of_the_motor() -> None:
     found = paper_features(np.array([281.3]), np.array([1]), np.array([0.322]))
     assert dict(zip(PAPER_FEATURES, found[0], strict=True)) == {
         "apogee_m": 281.3,
@@ -129,7 +129,7 @@ def test_features_are_the_declared_figures_of_the_motor() -> None:
     }
 
 
-def test_a_graph_that_is_not_the_cards_is_refused(copy: Path) -> None:
+def test_a_graph_that_does_not_match_its_card_is_refused(copy: Path) -> None:
     graph = bytearray((copy / GRAPH).read_bytes())
     graph[len(graph) // 2] ^= 1
     (copy / GRAPH).write_bytes(graph)
@@ -191,14 +191,14 @@ def test_inference_answers_each_flight() -> None:
         ({"apogee": None}, ImpossibleFlight, "apogee_m: found nothing"),
     ],
 )
-def test_a_flight_that_the_paper_does_not_know_is_refused(
+def test_a_flight_outside_of_the_papers_problem_is_refused(
     changes: dict[str, object], error: type[FieldkitError], words: str
 ) -> None:
     with pytest.raises(error, match=words):
         infer_paper([ASTRA, ASTRA.with_changes(**changes)])
 
 
-def test_inference_wakes_onnxruntime_late_and_torch_never() -> None:
+def test_inference_imports_onnxruntime_late_and_never_torch() -> None:
     code = (
         "import sys, fieldkit.inference.network.posterior as p, fieldkit.flight as f;"
         "print('onnxruntime' in sys.modules);"
@@ -214,9 +214,9 @@ def test_training_without_its_extra_says_what_to_install(tmp_path: Path, monkeyp
         training.trainer("paper", tmp_path / "out")
 
 
-def test_loading_is_quick(benchmark: BenchmarkFixture) -> None:
+def test_loading_is_fast(benchmark: BenchmarkFixture) -> None:
     benchmark(load, "paper")
 
 
-def test_one_flight_is_quick(benchmark: BenchmarkFixture, shipped: Ensemble) -> None:
+def test_one_flight_is_inferred_fast(benchmark: BenchmarkFixture, shipped: Ensemble) -> None:
     benchmark(shipped, paper_draws(np.random.default_rng(1), 1).features)

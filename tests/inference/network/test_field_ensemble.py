@@ -41,7 +41,7 @@ def flight(**known: float) -> Flight:
 
 
 @pytest.mark.parametrize("name", SUBSETS)
-def test_intervals_cover_as_often_as_they_say(name: str, field: Ensemble, truth: Truth, observed: Observed) -> None:
+def test_intervals_have_their_stated_coverage(name: str, field: Ensemble, truth: Truth, observed: Observed) -> None:
     density = posterior(observed.only(*SUBSETS[name]), field)
     found, _ = score(np.random.default_rng(1), density.rows(slice(0, 1000)), truth.parameters[:1000])
     for parameter in ("drag_area", "alpha"):
@@ -49,14 +49,14 @@ def test_intervals_cover_as_often_as_they_say(name: str, field: Ensemble, truth:
             assert covered == pytest.approx(float(level), abs=0.05)
 
 
-def test_every_further_readout_narrows_the_posterior(field: Ensemble, observed: Observed) -> None:
+def test_every_additional_readout_narrows_the_posterior(field: Ensemble, observed: Observed) -> None:
     some = observed.rows(slice(0, 500))
     sds = [posterior(some.only(*kept), field).margin(1).moments()[1].mean() for kept in SUBSETS.values()]
     assert sds == sorted(sds, reverse=True)
     assert sds[-1] < 0.7 * sds[0]
 
 
-def test_the_card_says_how_good_it_is_and_that_is_good_enough() -> None:
+def test_the_accuracy_in_the_card_is_sufficient() -> None:
     card = json.loads((trained_folder("field") / "card.json").read_text())
     for name in SUBSETS:
         for coverage in card["test"][name]["coverage"].values():
@@ -65,7 +65,7 @@ def test_the_card_says_how_good_it_is_and_that_is_good_enough() -> None:
     assert len(table(card)) > 10
 
 
-def test_a_flight_alone_and_among_others_gets_the_same_answer(field: Ensemble) -> None:
+def test_a_flight_gets_the_same_answer_alone_and_among_others(field: Ensemble) -> None:
     flights = [flight(), flight(apogee=150.0), flight(coast_to_apogee=5.0)]
     found = [catalogue().find(one.motor) for one in flights]
     together = infer_field(flights, found, field)
@@ -74,7 +74,7 @@ def test_a_flight_alone_and_among_others_gets_the_same_answer(field: Ensemble) -
     assert together.alpha_sd == pytest.approx([one.alpha_sd[0] for one in alone], rel=1e-4)
 
 
-def test_less_height_at_the_same_speed_is_more_drag(field: Ensemble) -> None:
+def test_less_height_at_the_same_speed_means_more_drag(field: Ensemble) -> None:
     flights = [flight(apogee=170.0), flight(apogee=195.0)]
     found = infer_field(flights, [catalogue().find(one.motor) for one in flights], field)
     assert found.cd[0] > found.cd[1]
@@ -88,7 +88,7 @@ def test_draws_agree_with_mean_and_spread(field: Ensemble) -> None:
     assert found.cd[0] == pytest.approx(found.drag_area[0] / (np.pi / 4 * 0.041**2))
 
 
-def test_without_a_diameter_drag_area_is_known_and_cd_is_a_guess(field: Ensemble) -> None:
+def test_without_a_diameter_drag_area_is_known_and_cd_is_not(field: Ensemble) -> None:
     whole = flight(coast_to_apogee=5.0, burn_time=1.5)
     motor = catalogue().find("Estes D12-5")
     found = infer_field([whole, replace(whole, diameter=None)], [motor, motor], field)
@@ -111,17 +111,17 @@ def test_apogee_of_a_heavy_rocket_alone_does_not_constrain_drag(field: Ensemble)
     assert any("apogee alone cannot separate drag from thrust" in line for line in found.warnings[0])
 
 
-def test_no_mass_is_an_error_that_names_the_flight(field: Ensemble) -> None:
+def test_a_missing_mass_is_an_error_that_names_the_flight(field: Ensemble) -> None:
     with pytest.raises(ImpossibleFlight, match="1: found no dry mass"):
         infer_field([Flight(flight_id="1", apogee=100.0)], [catalogue().find("Estes D12-5")], field)
 
 
-def test_good_flights_are_warned_about_one_time_in_a_hundred(field: Ensemble, observed: Observed) -> None:
+def test_one_good_flight_in_a_hundred_gets_a_warning(field: Ensemble, observed: Observed) -> None:
     assert 0.002 < (misfit(field, observed) >= 0).mean() < 0.025
 
 
 @pytest.mark.parametrize(("name", "factor"), [("apogee", 1.5), ("top_speed", 1.5), ("coast_to_apogee", 0.4)])
-def test_a_readout_that_does_not_fit_is_named(name: str, factor: float, field: Ensemble, observed: Observed) -> None:
+def test_an_inconsistent_readout_is_named(name: str, factor: float, field: Ensemble, observed: Observed) -> None:
     some = observed.rows(slice(0, 300))
     readouts = some.readouts.copy()
     readouts[:, READOUT_NAMES.index(name)] *= factor
@@ -130,7 +130,7 @@ def test_a_readout_that_does_not_fit_is_named(name: str, factor: float, field: E
     assert np.isin(which, [INDEPENDENT_READOUTS.index(one) for one in alike]).mean() > 0.6
 
 
-def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
+def test_an_inconsistent_readout_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
     good = flight(coast_to_apogee=5.0, burn_time=1.5)
     motor = catalogue().find("Estes D12-5")
     found = infer_field([good, replace(good, apogee=400.0)], [motor, motor], field)
@@ -139,7 +139,7 @@ def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
     assert found.cd_sd[1] > found.cd_sd[0]
 
 
-def test_circumstances_beyond_training_are_reported(field: Ensemble) -> None:
+def test_conditions_beyond_training_are_reported(field: Ensemble) -> None:
     brick = flight(dry_mass=0.9)
     found = infer_field([brick], [catalogue().find("Estes D12-5")], field)
     assert any("outside the training range" in line for line in found.warnings[0])

@@ -25,7 +25,7 @@ def ends(of: History) -> tuple[float, float]:
     return float(np.exp(estimate.log_apogee[MEDIAN])), high - low
 
 
-def test_strong_wear_is_found_and_likelier_than_anything_else() -> None:
+def test_strong_wear_is_found_and_is_the_most_probable_effect() -> None:
     estimate = quick_answer(history(24, wear=0.05), quick_candidates)
     assert estimate.inclusion["wear"] > 0.8
     assert estimate.none < 0.2
@@ -39,7 +39,7 @@ def test_nothing_is_found_in_a_clean_history() -> None:
         assert max(estimate.inclusion.values()) < 0.5, seed
 
 
-def test_more_flights_narrow_the_forecast_and_the_drag() -> None:
+def test_more_flights_narrow_the_forecast_and_the_posterior_of_drag() -> None:
     few, many = (history(count, seed=3) for count in (2, 30))
     assert ends(many)[1] < ends(few)[1]
     assert quick_answer(many, quick_candidates).log_cd[1] < quick_answer(few, quick_candidates).log_cd[1]
@@ -68,7 +68,7 @@ def test_names_of_flights_rockets_and_configurations_change_nothing() -> None:
     assert one.log_apogee == pytest.approx(other.log_apogee, abs=1e-6)
 
 
-def test_the_order_of_one_moments_flights_changes_nothing_that_does_not_grow() -> None:
+def test_the_order_of_simultaneous_flights_matters_only_for_effects_that_grow() -> None:
     """Two flights of one day with the same setup exchange their readouts."""
     whole = history(10)
     flights = list(whole.flights)
@@ -82,7 +82,7 @@ def test_the_order_of_one_moments_flights_changes_nothing_that_does_not_grow() -
     assert one.inclusion["mass_offset"] == pytest.approx(other.inclusion["mass_offset"], abs=0.1)
 
 
-def test_probabilities_are_probabilities_and_quantiles_in_order() -> None:
+def test_probabilities_are_between_zero_and_one_and_quantiles_in_order() -> None:
     rng = np.random.default_rng(0)
     estimate = answer(3 * rng.normal(size=(50, 5, width(12))), 12)
     for chances in (estimate.inclusion, estimate.none, estimate.unexplained):
@@ -92,7 +92,7 @@ def test_probabilities_are_probabilities_and_quantiles_in_order() -> None:
 
 
 @pytest.mark.usefixtures("shapes_checked")
-def test_an_untrained_member_says_what_the_linear_fit_says() -> None:
+def test_an_untrained_member_answers_like_the_linear_fit() -> None:
     assert monotone(np.zeros(len(LEVELS))) == pytest.approx(STANDARD)
     draws = quantile_draws(STANDARD, 4000)
     assert draws.mean() == pytest.approx(0.0, abs=1e-3)
@@ -108,11 +108,11 @@ def test_a_card_with_other_features_is_refused() -> None:
 OTHERS_FLEW_ONE = SharedPrior(
     ("drag of the fleet", "thrust of AeroTech F39T"), np.array([-0.55, 0.02]), np.array([[0.02, 1e-4], [1e-4, 1e-3]])
 )
-"""Information from other rockets, which flew one of the motors that are new to this one."""
+"""Information from other rockets, which flew one of the motors that are new to this rocket."""
 
 
 @pytest.mark.parametrize("shared", [None, OTHERS_FLEW_ONE])
-def test_many_motors_at_once_are_answered_as_each_alone(shared: SharedPrior | None) -> None:
+def test_many_motors_at_once_are_answered_as_if_each_were_alone(shared: SharedPrior | None) -> None:
     """Motors that the rocket flew, others, and one twice."""
     whole = history(8)
     flown = list(zip(whole.flights[:-1], whole.found[:-1], strict=True))

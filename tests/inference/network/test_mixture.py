@@ -30,7 +30,7 @@ def test_a_density_integrates_to_one_over_its_interval() -> None:
     assert total == pytest.approx([1.0, 1.0], abs=0.02)
 
 
-def test_outside_of_its_interval_there_is_nothing() -> None:
+def test_the_density_outside_of_its_interval_is_zero() -> None:
     assert some(1).log_density(np.array([[-5.9, 1.0]]))[0] == -np.inf
 
 
@@ -49,13 +49,13 @@ def test_draws_stay_inside_and_agree_with_the_margins() -> None:
         assert sd == pytest.approx(drawn[..., axis].std(axis=0), rel=0.03)
 
 
-def test_logits_and_intervals_undo_each_other() -> None:
+def test_logits_and_intervals_are_inverse_functions() -> None:
     values = np.array([[-7.3, 0.9], [-6.1, 1.2]])
     line = logits(values, np.broadcast_to(LOW, (2, 2)), np.broadcast_to(HIGH, (2, 2)))
     assert LOW + (HIGH - LOW) / (1 + np.exp(-line)) == pytest.approx(values)
 
 
-def test_a_posterior_that_is_right_is_found_right_and_one_that_is_too_sure_is_not() -> None:
+def test_a_right_posterior_is_recognized_as_calibrated_and_an_overconfident_one_is_not() -> None:
     rng = np.random.default_rng(3)
     found = some(3000)
     truth = found.draws(rng, 1)[0]

@@ -29,7 +29,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     return out, capsys.readouterr().out
 
 
-def test_the_loss_is_the_density_that_numpy_gives() -> None:
+def test_the_loss_agrees_with_the_density_from_numpy() -> None:
     from fieldkit.inference.training.density import log_density
 
     rng = np.random.default_rng(1)
@@ -42,7 +42,7 @@ def test_the_loss_is_the_density_that_numpy_gives() -> None:
     assert mixture(outputs, low, high).log_density(values) == pytest.approx(own - stretch)
 
 
-def test_the_loss_is_that_of_a_library_of_distributions() -> None:
+def test_the_loss_agrees_with_torchs_distributions() -> None:
     from torch.distributions import Categorical, MixtureSameFamily, MultivariateNormal
 
     from fieldkit.inference.network.mixture import COMPONENTS
@@ -59,7 +59,7 @@ def test_the_loss_is_that_of_a_library_of_distributions() -> None:
     assert torch.allclose(log_density(outputs, target), whole.log_prob(target))
 
 
-def test_the_graph_says_what_the_network_says(tmp_path: Path) -> None:
+def test_the_exported_graph_agrees_with_the_network(tmp_path: Path) -> None:
     from fieldkit.inference.network.ensemble import from_parts
     from fieldkit.inference.training.density import Members
     from fieldkit.inference.training.density_graph import density_graph

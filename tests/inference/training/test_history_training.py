@@ -15,14 +15,14 @@ pytest.importorskip("onnx")
 pytestmark = pytest.mark.train
 
 
-def test_quantiles_in_torch_are_those_in_numpy() -> None:
+def test_quantiles_in_torch_agree_with_numpy() -> None:
     from fieldkit.inference.training.history_members import quantiles
 
     raw = np.random.default_rng(0).normal(size=(4, 3, len(LEVELS)))
     assert quantiles(torch.from_numpy(raw)).numpy() == pytest.approx(monotone(raw))
 
 
-def test_members_and_their_graph_say_the_same() -> None:
+def test_members_agree_with_their_exported_graph() -> None:
     from fieldkit.inference.network.ensemble import from_parts
     from fieldkit.inference.training.history_graph import history_graph
     from fieldkit.inference.training.history_members import HistoryMembers
@@ -42,7 +42,7 @@ def test_members_and_their_graph_say_the_same() -> None:
     assert answer(ensemble.members(features), 3).inclusion.shape == (7, 3)
 
 
-def test_effects_are_judged_by_one_function_but_for_their_level() -> None:
+def test_effects_share_one_function_except_for_their_levels() -> None:
     """Exchanging the features of two effects exchanges their probabilities before training."""
     from fieldkit.inference.training.history_members import HistoryMembers
 
@@ -89,7 +89,7 @@ def test_the_command_trains_a_network_that_answers(
 
 
 @pytest.mark.thorough
-def test_training_that_was_cut_short_continues(small: None, tmp_path: Path) -> None:
+def test_interrupted_training_resumes(small: None, tmp_path: Path) -> None:
     from concurrent.futures import ThreadPoolExecutor
 
     from fieldkit.inference.history.shards import simulate_table

@@ -1,4 +1,4 @@
-"""Training an ensemble, on few flights: what is exported is what was trained."""
+"""Training an ensemble on few flights: the exported network is the trained one."""
 
 import hashlib
 import json
@@ -38,7 +38,7 @@ def trained(seed: int = 0, members: int = 3, schedule: Schedule = TWO_EPOCHS) ->
     return model
 
 
-def test_onnxruntime_gives_what_torch_gives(tmp_path: Path) -> None:
+def test_onnxruntime_agrees_with_torch(tmp_path: Path) -> None:
     model, mean, scale = trained(), np.array([300.0, 1.0, 0.4, 45.0, 1.5]), np.array([100.0, 0.8, 0.06, 4.0, 0.4])
     features = mean + scale * np.random.default_rng(1).normal(size=(400, 5))
     card = {"name": "toy", "features": ["a", "b", "c", "d", "e"], "outputs": ["cd", "alpha"]}
@@ -54,7 +54,7 @@ def test_training_learns() -> None:
     assert float((found - truth).abs().mean()) < 0.5 * float((truth - truth.mean(dim=0)).abs().mean())
 
 
-def test_members_do_not_know_each_other() -> None:
+def test_members_are_independent() -> None:
     model, (x, _) = trained(), toy(50, seed=6)
     before = outputs(model, x).clone()
     with torch.no_grad():
@@ -138,13 +138,13 @@ def test_an_ensemble_is_never_overwritten(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"schedule": "slow"}, {"n_train": 10}])
-def test_a_recipe_that_cannot_be_followed_is_refused(tmp_path: Path, wrong: dict[str, object]) -> None:
+def test_an_impossible_recipe_is_refused(tmp_path: Path, wrong: dict[str, object]) -> None:
     with pytest.raises(BadValue, match="found"):
         train_paper(tmp_path / "out", **wrong)  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
 
 
-def test_the_command_trains_and_says_where(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_trains_and_reports_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "mine"
     assert main(["train", "--out", str(out), "--n-train", "256", "--seed", "3", "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)

@@ -26,7 +26,7 @@ def grid() -> Exact:
     ("names", "cd", "alpha"),
     [("apogee", 0.0878, 0.0707), ("apogee, speed", 0.023, 0.013), ("all five", 0.0165, 0.0098)],
 )
-def test_the_exact_posterior_errs_by_what_is_known(
+def test_the_exact_posterior_has_the_known_error(
     names: str, cd: float, alpha: float, flights: Restricted, grid: Exact
 ) -> None:
     found = np.array([grid.medians(flights, row, SUBSETS[names]) for row in range(FLIGHTS)])
