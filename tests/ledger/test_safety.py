@@ -1,4 +1,4 @@
-"""Faults that a ledger survives, and its errors for the others."""
+"""Faults that a ledger survives, and its errors after the others."""
 
 import os
 import sqlite3
@@ -59,7 +59,7 @@ def test_a_killed_process_loses_at_most_the_command_in_flight(tmp_path: Path) ->
         raw.close()
 
 
-def test_two_writers_at_once_both_get_in(tmp_path: Path) -> None:
+def test_two_simultaneous_writers_both_succeed(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
 
     def add(rocket: str) -> None:
@@ -77,9 +77,7 @@ def test_two_writers_at_once_both_get_in(tmp_path: Path) -> None:
         assert [change.number for change in ledger.history()] == list(range(1, 46))
 
 
-def test_a_failure_in_the_middle_of_a_command_leaves_nothing_behind(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failure_in_the_middle_of_a_command_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([FIRST])
         monkeypatch.setattr("fieldkit.ledger.journal._enter", lambda *_, **__: 1 / 0)
@@ -89,7 +87,7 @@ def test_a_failure_in_the_middle_of_a_command_leaves_nothing_behind(
         assert ledger.flights() == [FIRST]
 
 
-def test_a_file_that_is_no_ledger_is_reported_to_be_none(tmp_path: Path) -> None:
+def test_a_file_that_is_not_a_ledger_is_reported_as_such(tmp_path: Path) -> None:
     junk = tmp_path / "junk.db"
     junk.write_bytes(bytes(range(256)) * 64)
     with pytest.raises(LedgerError, match=r"junk\.db: this file is not a ledger"):
@@ -116,7 +114,7 @@ def test_a_ledger_of_a_newer_program_is_not_touched(tmp_path: Path) -> None:
         Ledger.open(file)
 
 
-def test_a_version_that_there_never_was_is_damage(tmp_path: Path) -> None:
+def test_an_unknown_version_is_damage(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     Ledger.open(file).close()
     with closing(sqlite3.connect(file)) as raw, raw:
@@ -125,7 +123,7 @@ def test_a_version_that_there_never_was_is_damage(tmp_path: Path) -> None:
         Ledger.open(file)
 
 
-def test_a_version_that_is_no_text_is_another_programs(tmp_path: Path) -> None:
+def test_a_version_that_is_not_text_means_another_programs_database(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     Ledger.open(file).close()
     with closing(sqlite3.connect(file)) as raw:
@@ -149,7 +147,7 @@ def test_ids_of_many_slashes_stay_within_the_values_of_a_query(tmp_path: Path, m
             ledger.flight("/" * 40_000)
 
 
-def test_a_damaged_ledger_is_reported_to_be_damaged(tmp_path: Path) -> None:
+def test_a_damaged_ledger_is_reported_as_damaged(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([FIRST.with_changes(flight_id=str(n)) for n in range(200)])
@@ -196,7 +194,7 @@ CHANGES = (
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_row_that_says_something_else_than_was_written_is_damage(change: str, tmp_path: Path) -> None:
+def test_a_row_that_differs_from_what_was_written_is_damage(change: str, tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([FIRST.with_changes(notes="Qual flight 2", extra={"Weather": "grey"})], log=b"a log")
@@ -234,7 +232,7 @@ def failures(file: Path, asked: Sequence[Callable[[Ledger], object]]) -> list[st
     return messages
 
 
-def test_what_is_taken_back_is_sound_and_what_is_damaged_is_not_taken_back(tmp_path: Path) -> None:
+def test_sound_changes_can_be_undone_and_damaged_ones_cannot(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([FIRST])
@@ -251,7 +249,7 @@ def test_what_is_taken_back_is_sound_and_what_is_damaged_is_not_taken_back(tmp_p
             ledger.undo()
 
 
-def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
+def test_a_missing_column_and_a_wrong_index_are_damage(tmp_path: Path) -> None:
     file, other = tmp_path / "ledger.db", tmp_path / "other.db"
     for one in (file, other):
         with Ledger.open(one) as ledger:
@@ -267,7 +265,7 @@ def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
         ledger.flight("1")
 
 
-def test_a_schema_that_is_no_text_any_more_is_damage(tmp_path: Path) -> None:
+def test_a_schema_that_is_no_longer_text_is_damage(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([FIRST])
@@ -276,7 +274,7 @@ def test_a_schema_that_is_no_text_any_more_is_damage(tmp_path: Path) -> None:
         ledger.flights()
 
 
-def test_a_prediction_that_says_nothing_is_damage(tmp_path: Path) -> None:
+def test_an_empty_prediction_is_damage(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.keep_prediction({"apogee_m": 250.0}, digest="d", rocket="Astra")
@@ -290,7 +288,7 @@ def test_a_prediction_that_says_nothing_is_damage(tmp_path: Path) -> None:
                 ask()
 
 
-def test_a_read_only_ledger_can_be_read_and_says_why_it_cannot_be_changed(tmp_path: Path) -> None:
+def test_a_read_only_ledger_can_be_read_and_the_refused_change_is_explained(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([FIRST])
@@ -309,7 +307,7 @@ def test_a_full_disk_changes_nothing_and_reports_it(tmp_path: Path) -> None:
         assert ledger.flights() == [FIRST]
 
 
-def test_a_lock_that_is_not_let_go_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_lock_that_is_never_released_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "ledger.db"
     Ledger.open(file).close()
     other = sqlite3.connect(file, isolation_level=None)
@@ -320,7 +318,7 @@ def test_a_lock_that_is_not_let_go_is_named(tmp_path: Path, monkeypatch: pytest.
     other.close()
 
 
-def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+def test_a_missing_folder_is_named(tmp_path: Path) -> None:
     with pytest.raises(LedgerError, match=r"absent.*cannot open the file"):
         Ledger.open(tmp_path / "absent" / "ledger.db")
     with pytest.raises(LedgerError, match="found a folder or a device, expected a file"):
@@ -344,16 +342,16 @@ def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
         ("sqlite:///x.db?mode=ro", "nothing after it"),
     ],
 )
-def test_a_url_that_no_ledger_can_have_is_refused(url: str, found: str) -> None:
+def test_an_impossible_url_is_refused(url: str, found: str) -> None:
     with pytest.raises(LedgerError, match=found):
         Ledger.open(url)
 
 
 @pytest.mark.parametrize("name", ["", "  "])
-def test_a_ledger_without_a_name_is_not_the_usual_one(
+def test_an_empty_ledger_name_is_not_the_default_ledger(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As from a variable of a script that is not set."""
+    """For example from an unset variable of a script."""
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "usual.db"))
     with pytest.raises(LedgerError, match="expected a path or a URL"):
         Ledger.open(name)
@@ -361,7 +359,7 @@ def test_a_ledger_without_a_name_is_not_the_usual_one(
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="a device of Unix")
-def test_a_folder_or_a_device_is_no_ledger(tmp_path: Path) -> None:
+def test_a_folder_or_a_device_is_not_a_ledger(tmp_path: Path) -> None:
     for place in (tmp_path, "/dev/null"):
         with pytest.raises(LedgerError, match="found a folder or a device, expected a file"):
             Ledger.open(place)
@@ -380,7 +378,7 @@ def test_a_password_stays_out_of_messages() -> None:
     assert "secret" not in whereabouts.name_of(url)
 
 
-def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_environment_can_name_the_ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "mine.db"))
     with Ledger.open() as ledger:
         assert ledger.name == str(tmp_path / "mine.db")
@@ -389,7 +387,7 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
     assert whereabouts.location(None).database == str(tmp_path / "data" / "ledger.db")
 
 
-def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:
+def test_opening_a_current_ledger_does_not_import_alembic(tmp_path: Path) -> None:
     Ledger.open(tmp_path / "ledger.db").close()
     code = (
         "import sys; from fieldkit.flight.start import Start; from fieldkit.ledger import Ledger\n"
@@ -454,7 +452,7 @@ def measured(tmp_path: Path) -> Path:
     return tmp_path / "old.db"
 
 
-def test_what_was_measured_moves_out_of_the_extra_columns_and_undo_brings_it_back(measured: Path) -> None:
+def test_measurements_move_out_of_the_extra_columns_and_can_still_be_undone(measured: Path) -> None:
     with Ledger.open(measured) as ledger:
         (id,) = [flight.flight_id for flight in ledger.flights("Lark")]
         edited, entered = ledger.flight(id), ledger.entered(id)
@@ -487,7 +485,7 @@ def test_a_row_that_was_damaged_before_an_upgrade_is_found_after_it(measured: Pa
         ledger.flights()
 
 
-def test_a_ledger_that_goes_while_it_is_open_is_named_and_not_created_again(tmp_path: Path) -> None:
+def test_a_ledger_deleted_while_open_is_reported_and_not_created_again(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([Flight(flight_id="1", rocket="Astra", apogee=100.0)])
@@ -495,7 +493,7 @@ def test_a_ledger_that_goes_while_it_is_open_is_named_and_not_created_again(tmp_
         with pytest.raises(LedgerError, match=r"the file (is gone while it is open|was moved, removed or replaced)"):
             ledger.add([Flight(flight_id="2", rocket="Astra", apogee=100.0)])
         assert not file.exists()
-        ledger.close()  # which lets go of the connections that hold what was removed
+        ledger.close()  # which closes the connections to the removed file
         with pytest.raises(LedgerError, match="the file is gone while it is open"):
             ledger.flights()
     assert not file.exists()

@@ -33,7 +33,7 @@ def observed(truth: Truth) -> Observed:
     return measure(np.random.default_rng(2), truth)
 
 
-def test_no_feature_is_missing_whatever_the_flyer_left_out(observed: Observed) -> None:
+def test_no_feature_is_missing_whatever_the_flyer_omitted(observed: Observed) -> None:
     gaps = forget(np.random.default_rng(3), observed)
     columns = features(gaps)
     assert columns.shape == (len(gaps), len(FEATURES))
@@ -44,7 +44,7 @@ def test_no_feature_is_missing_whatever_the_flyer_left_out(observed: Observed) -
     assert np.isfinite(features(bare)).all()
 
 
-def test_average_acceleration_is_no_evidence_of_its_own(observed: Observed) -> None:
+def test_average_acceleration_is_not_independent_evidence(observed: Observed) -> None:
     readouts = observed.readouts.copy()
     column = READOUT_NAMES.index
     readouts[:, column("burn_time")] = np.maximum(readouts[:, column("burn_time")], 0.1)
@@ -56,14 +56,14 @@ def test_average_acceleration_is_no_evidence_of_its_own(observed: Observed) -> N
     assert differing == [FEATURES[flag]]
 
 
-def test_average_acceleration_stands_in_for_a_missing_speed(observed: Observed) -> None:
+def test_average_acceleration_substitutes_for_a_missing_speed(observed: Observed) -> None:
     speed = INDEPENDENT_READOUTS.index("top_speed")
     moving = observed.rows(observed.readout("burn_time") >= 0.5)
     typed, restored = shown(moving)[:, speed], shown(moving.without("top_speed"))[:, speed]
     assert np.median(np.abs(restored - typed)) < 0.03
 
 
-def test_a_burn_time_shown_to_a_tenth_is_sharpened_by_the_other_two() -> None:
+def test_a_burn_time_rounded_to_a_tenth_is_refined_by_the_other_two_readouts() -> None:
     def burn_time(**readouts: float) -> float:
         flight = Flight(flight_id="1", motor="Estes C6", dry_mass=0.06, diameter=0.025, **readouts)
         seen = shown(observe([flight], [catalogue().find("Estes C6")]))
@@ -82,7 +82,7 @@ def test_a_flight_without_a_mass_is_an_error_that_reports_it() -> None:
         observe([flight], [catalogue().find("Estes C6")])
 
 
-def test_a_flight_of_records_and_one_of_arrays_look_the_same(observed: Observed) -> None:
+def test_a_recorded_flight_and_one_in_arrays_have_the_same_features(observed: Observed) -> None:
     motor = catalogue().find("Estes C6-5")
     flight = Flight(flight_id="1", motor="Estes C6-5", dry_mass=0.06, diameter=0.025, apogee=200.0, top_speed=70.0)
     one = observe([flight], [motor])
@@ -93,7 +93,7 @@ def test_a_flight_of_records_and_one_of_arrays_look_the_same(observed: Observed)
     assert features(both)[0] == pytest.approx(features(one)[0])
 
 
-def test_without_a_diameter_the_drag_area_may_be_that_of_any_body(observed: Observed, truth: Truth) -> None:
+def test_without_a_diameter_any_drag_area_is_possible(observed: Observed, truth: Truth) -> None:
     known = np.ptp(np.stack(drag_area_range(observed)), axis=0)
     declared = observed.declared.copy()
     declared[:, DECLARED_FIELDS.index("diameter")] = np.nan
@@ -102,14 +102,14 @@ def test_without_a_diameter_the_drag_area_may_be_that_of_any_body(observed: Obse
     assert ((np.log(truth.drag_area) > low) & (np.log(truth.drag_area) < high)).all()
 
 
-def test_the_same_seed_flies_the_same_flights_and_another_does_not() -> None:
+def test_the_same_seed_gives_the_same_flights_and_another_does_not() -> None:
     motors = flown_motors(catalogue().motors)[:20]
     one, same, other = (simulate(np.random.default_rng(seed), motors, 50) for seed in (5, 5, 6))
     assert np.array_equal(one.readouts, same.readouts, equal_nan=True)
     assert not np.array_equal(one.alpha[:10], other.alpha[:10])
 
 
-def test_simulated_flights_fill_the_prior_and_lift_off(truth: Truth) -> None:
+def test_simulated_flights_cover_the_prior_and_lift_off(truth: Truth) -> None:
     assert len(truth) > 2800
     assert truth.readouts[:, READOUT_NAMES.index("apogee")].min() > 5
     assert ((truth.alpha > ALPHA_RANGE[0]) & (truth.alpha < ALPHA_RANGE[1])).all()
@@ -117,19 +117,19 @@ def test_simulated_flights_fill_the_prior_and_lift_off(truth: Truth) -> None:
     assert np.percentile(truth.cd, [1, 50, 99]) == pytest.approx([0.204, 0.55, 1.47], rel=0.1)
 
 
-def test_readouts_are_shown_in_the_devices_own_steps(observed: Observed) -> None:
+def test_readouts_have_the_resolution_of_the_device(observed: Observed) -> None:
     for column, name in enumerate(READOUT_NAMES):
         steps = observed.readouts[:, column] / NOISE[name].step
         assert np.nanmax(np.abs(steps - np.round(steps))) < 1e-6
 
 
-def test_average_acceleration_is_speed_over_burn_time_but_for_rounding(observed: Observed) -> None:
+def test_average_acceleration_is_speed_over_burn_time_except_for_rounding(observed: Observed) -> None:
     ratio = observed.readout("top_speed") / (observed.readout("avg_accel") * observed.readout("burn_time"))
     long = observed.readout("burn_time") > 1.5
     assert np.median(ratio[long]) == pytest.approx(1.0, abs=0.01)
 
 
-def test_every_subset_that_is_judged_occurs_in_training(observed: Observed) -> None:
+def test_every_evaluated_subset_of_readouts_occurs_in_training(observed: Observed) -> None:
     gaps = forget(np.random.default_rng(4), observed)
     patterns = {tuple(row) for row in np.isfinite(gaps.readouts)}
     whole = np.isfinite(observed.readouts).all(axis=0)

@@ -1,4 +1,4 @@
-"""Designed rockets on high-power motors depart less from their simulation; other flights are as before."""
+"""Designed rockets on high-power motors differ less from their simulation; other flights are unchanged."""
 
 from dataclasses import replace
 
@@ -36,6 +36,6 @@ def test_a_cluster_of_model_rocket_motors_is_not_high_power() -> None:
     assert not is_high_power(cluster)
 
 
-def test_the_limit_is_that_of_the_rules() -> None:
+def test_the_limit_agrees_with_the_rules() -> None:
     limits = {one.definition["impulse_of_one_ns"] for one in rule_sets() if one.definition}
     assert limits == {HIGH_POWER_IMPULSE}

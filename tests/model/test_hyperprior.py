@@ -14,18 +14,18 @@ from fieldkit.model.scale import Scale
 pytestmark = pytest.mark.fast
 
 
-def test_a_card_reads_back_as_it_was() -> None:
+def test_a_card_round_trips() -> None:
     again = read_card(json.dumps(learned().json()), "card")
     assert again.json() == learned().json()
     assert again.sds == learned().sds
 
 
-def test_learned_and_start_have_the_same_effects() -> None:
+def test_learned_and_starting_hyperprior_have_the_same_effects() -> None:
     assert set(learned().sds) == set(START.sds)
     assert all(sd > 0 for sd in learned().sds.values())
 
 
-def test_a_card_of_before_has_no_word_on_means_and_readouts_from_samples() -> None:
+def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
     card = learned().json()
     del card["mean_sds"]
     card["sds"] = {name: sd for name, sd in card["sds"].items() if not name.endswith(".logged")}
@@ -50,16 +50,14 @@ def test_a_card_of_before_has_no_word_on_means_and_readouts_from_samples() -> No
         ({"opening_s": [0.6, 0.0]}, "zero"),
     ],
 )
-def test_a_card_that_cannot_be_is_refused_by_name(change: dict[str, object], wanted: str) -> None:
+def test_an_invalid_card_is_refused_with_the_name_of_its_error(change: dict[str, object], wanted: str) -> None:
     card = {**learned().json(), **change}
     with pytest.raises(DamagedModel, match=wanted) as found:
         read_card(json.dumps(card), "club.json")
     assert str(found.value).startswith("club.json")
 
 
-def test_a_card_of_the_flyers_own_takes_the_place_of_the_shipped_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_flyers_own_card_replaces_the_shipped_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     shipped = learned.__wrapped__()
     (tmp_path / "hyperprior.json").write_text(json.dumps(shipped.with_sds(drag__rocket=0.5).json()))

@@ -23,23 +23,23 @@ def test_every_effect_can_act_in_simulated_flights(name: str) -> None:
     assert np.isfinite(bent.readouts[:, 0]).all()
 
 
-def test_no_effect_leaves_the_flights_as_they_were() -> None:
+def test_without_effects_the_flights_are_unchanged() -> None:
     plain, named = (simulate(np.random.default_rng(1), MOTORS, 60, names) for names in ((), []))
     assert np.array_equal(plain.readouts, named.readouts, equal_nan=True)
 
 
-def test_strengths_keep_within_their_prior() -> None:
+def test_strengths_follow_their_prior() -> None:
     values = drawn(np.random.default_rng(2), Prior(0.1, 1.0, 0.0, 0.5), 500)
     assert values.min() >= 0
     assert values.max() <= 0.5
 
 
-def test_an_unknown_effect_is_named_with_those_there_are() -> None:
+def test_an_unknown_effect_is_refused_with_the_known_ones() -> None:
     with pytest.raises(BadValue, match=r"'gusts', expected some of: air_density, .*wind"):
         known_effects(["wind", "gusts"])
 
 
-def test_the_card_will_say_what_was_drawn() -> None:
+def test_the_drawn_effects_are_in_the_card() -> None:
     assert priors(["mass_offset"]) == {
         "mass_offset": "normal, 0 and 0.09, between -0.5 and 0.6 [fraction of the dry mass]"
     }

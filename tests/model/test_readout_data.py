@@ -18,7 +18,7 @@ def test_no_recorded_readout_is_exact(sd: float) -> None:
     assert (stated.sd[0][[OBSERVED_READOUTS.index(name) for name in TIMES]] > 0).all()
 
 
-def test_a_recorded_error_is_relative_for_what_is_compared_by_ratio() -> None:
+def test_a_recorded_error_is_relative_for_readouts_compared_by_ratio() -> None:
     flight = Flight(apogee=150.0, apogee_to_eject=2.0, sd={"apogee": 3.0, "apogee_to_eject": 0.4})
     sd = observe([flight], [True]).sd[0]
     assert sd[OBSERVED_READOUTS.index("apogee")] == pytest.approx(0.02)

@@ -33,7 +33,7 @@ def flown(source: str, count: int = 2) -> list[tuple[Flight, Found]]:
     return flights
 
 
-def test_a_flight_without_the_readout_is_like_the_one_before() -> None:
+def test_a_flight_without_the_readout_has_the_source_of_the_previous_one() -> None:
     shows = [
         PLAN,
         PLAN.with_changes(top_speed=50.0, source={"top_speed": "typed"}),
@@ -64,7 +64,7 @@ def slow_device() -> Hyperprior:
     return replace(learned(), means=means).with_sds(top_speed__fleet=0.01, top_speed__rocket=0.01)
 
 
-def test_drag_and_thrust_are_found_from_logged_readouts_whatever_devices_show(slow_device: Hyperprior) -> None:
+def test_drag_and_thrust_follow_from_logged_readouts_despite_biased_devices(slow_device: Hyperprior) -> None:
     """Typed figures with the same values mean another flight, because that device would show 20% less speed."""
     motor = catalogue().resolve(PLAN.motor)
 

@@ -33,7 +33,7 @@ def test_a_diameter_missing_from_some_flights_changes_no_forecast() -> None:
     assert forecast(WIDTHS, PLAN.with_changes(diameter=None)) == pytest.approx(whole)
 
 
-def test_a_diameter_that_only_the_plan_has_is_not_another_rocket() -> None:
+def test_a_diameter_given_only_in_the_plan_does_not_mean_another_rocket() -> None:
     bare = (None,) * 4
     assert forecast(bare, PLAN) == pytest.approx(forecast(bare, PLAN.with_changes(diameter=None)))
 

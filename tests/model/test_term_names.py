@@ -1,4 +1,4 @@
-"""What a flyer calls a configuration changes nothing."""
+"""The name of a configuration changes nothing."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ def rocket(config: str, apogee: float) -> list[tuple[Flight, Found]]:
 
 
 @pytest.mark.parametrize("name", ["Estes C6", "the fleet", "fins on tape", "A of Estes C6"])
-def test_no_configuration_is_taken_for_a_motor_or_the_fleet(name: str) -> None:
+def test_no_configuration_is_mistaken_for_a_motor_or_the_fleet(name: str) -> None:
     def forecast(config: str) -> list[float]:
         other = [rocket_fit(rocket(config, 220.0), learned())]
         plan = replace(ONE, flight_id="next", config=f"{config}, new", apogee=None)

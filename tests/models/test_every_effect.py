@@ -26,7 +26,7 @@ FILES = sorted((plugin_folder("models") / "effects").glob("[!_]*.py"))
 every_effect = pytest.mark.parametrize("name", EFFECTS)
 MAY_IMPORT = ("fieldkit.physics", "fieldkit.flight", "fieldkit.errors", "fieldkit.shapes", "numpy")
 PLAIN = ("collections", "dataclasses", "math", "typing", "functools")
-"""Of Python's own library."""
+"""Modules of Python's own library that effects may import."""
 
 FLIGHTS = (
     Flight("1", dry_mass=0.322, diameter=0.066, delay=4.0, wind=4.0, motor="F24-4W", site="mead"),
@@ -64,7 +64,7 @@ def some(effect: Effect) -> float:
 
 
 @every_effect
-def test_an_effect_vanishes_at_zero_strength_on_a_rail_that_tilts_either_way(name: str) -> None:
+def test_an_effect_vanishes_at_zero_strength_with_a_rail_tilted_either_way(name: str) -> None:
     leaning = tuple(
         flight.with_changes(rail_angle=angle) for flight, angle in zip(FLIGHTS, (-0.1, 0.1, 0), strict=True)
     )
@@ -84,7 +84,7 @@ def test_an_effect_vanishes_at_zero_strength(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name, effect in EFFECTS.items() if effect.acceleration])
-def test_a_force_at_zero_strength_is_none(name: str) -> None:
+def test_a_force_at_zero_strength_is_zero(name: str) -> None:
     force = EFFECTS[name].acceleration
     assert force is not None
 
@@ -129,7 +129,7 @@ def test_flights_do_not_influence_each_other(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "sign"), [(name, -1) for name in LOWER] + [(name, 1) for name in HIGHER])
-def test_a_strength_bends_the_apogee_the_way_it_says(name: str, sign: int) -> None:
+def test_a_positive_strength_changes_the_apogee_in_the_documented_direction(name: str, sign: int) -> None:
     strengths = some(EFFECTS[name]) * np.linspace(0, 1, 6)[:, None]
     light = tuple(flight.with_changes(dry_mass=FASTER.get(name, flight.dry_mass)) for flight in FLIGHTS)
     heights = flown(name, np.broadcast_to(strengths, (6, 3)), light)["apogee"]
@@ -137,7 +137,7 @@ def test_a_strength_bends_the_apogee_the_way_it_says(name: str, sign: int) -> No
     assert np.any(sign * (heights[-1] - heights[0]) > 1)
 
 
-def test_denser_air_lowers_and_a_longer_burn_keeps_the_impulse() -> None:
+def test_denser_air_lowers_the_apogee_and_a_longer_burn_keeps_the_impulse() -> None:
     assert np.all(flown("air_density", 0.1)["apogee"] < flown("air_density", 0.0)["apogee"])
     short, long = flown("thrust_curve", 0.0), flown("thrust_curve", 0.2)
     np.testing.assert_allclose(long["burn_time"], 1.2 * short["burn_time"], rtol=0.05)
@@ -146,9 +146,7 @@ def test_denser_air_lowers_and_a_longer_burn_keeps_the_impulse() -> None:
 
 @pytest.mark.parametrize("name", ["site_elevation", "blank_elevation"])
 @pytest.mark.parametrize("temperature", [None, 290.0])
-def test_a_site_taken_for_sea_level_is_one_that_lies_as_high_as_the_effect_says(
-    name: str, temperature: float | None
-) -> None:
+def test_a_site_without_an_elevation_has_the_elevation_of_the_effect(name: str, temperature: float | None) -> None:
     unknown = tuple(flight.with_changes(site_elevation=None, temperature=temperature) for flight in FLIGHTS)
     known = tuple(flight.with_changes(site_elevation=1500.0) for flight in unknown)
     bent, declared = flown(name, 1500.0, unknown), flown(name, 0.0, known)
@@ -156,7 +154,7 @@ def test_a_site_taken_for_sea_level_is_one_that_lies_as_high_as_the_effect_says(
         np.testing.assert_allclose(bent[figure], declared[figure], rtol=2e-4, err_msg=figure)
 
 
-def test_a_day_without_a_temperature_is_as_warm_as_the_effect_says() -> None:
+def test_a_day_without_a_temperature_has_the_temperature_of_the_effect() -> None:
     unknown = tuple(flight.with_changes(temperature=None, site_elevation=300.0) for flight in FLIGHTS)
     known = tuple(flight.with_changes(temperature=288.15 - 0.0065 * 300 + 14) for flight in unknown)
     bent, declared = flown("weather", 14.0, unknown), flown("weather", 0.0, known)
@@ -164,7 +162,7 @@ def test_a_day_without_a_temperature_is_as_warm_as_the_effect_says() -> None:
         np.testing.assert_allclose(bent[figure], declared[figure], rtol=1e-6, err_msg=figure)
 
 
-def test_an_altimeters_scale_bends_heights_and_nothing_else() -> None:
+def test_an_altimeters_scale_changes_only_heights() -> None:
     true, shown = flown("altimeter_scale", 0.0), flown("altimeter_scale", 0.1)
     for figure, value in shown.items():
         share = 1.1 if figure in ("apogee", "eject_altitude") else 1.0
@@ -195,7 +193,7 @@ def test_tip_off_falls_with_the_square_of_the_speed_off_the_rail() -> None:
     np.testing.assert_allclose(np.degrees(angle) * speed**2, 3.0 * 15.0**2, rtol=1e-9)
 
 
-def test_base_drag_leaves_the_burn_alone_and_a_coast_without_drag_gains_what_it_does_in_vacuum() -> None:
+def test_base_drag_does_not_act_in_the_burn_and_a_coast_without_drag_is_as_in_vacuum() -> None:
     without, with_it = flown("base_drag", 0.0), flown("base_drag", 0.3)
     for figure in ("top_speed", "burn_time", "peak_accel", "rail_speed"):
         np.testing.assert_allclose(with_it[figure], without[figure], rtol=1e-9, err_msg=figure)
@@ -219,14 +217,14 @@ def test_a_heavy_rocket_turns_into_the_wind_later_and_a_stable_one_sooner() -> N
     assert low < high
 
 
-def test_what_begins_at_some_flight_bends_what_its_kin_bends() -> None:
+def test_an_effect_that_begins_at_a_flight_changes_the_same_quantity_as_its_constant_form() -> None:
     for late, kin in (("heavier_recovery", "mass_offset"), ("slow_lot", "thrust_curve")):
         np.testing.assert_allclose(flown(late, 0.1)["apogee"], flown(kin, 0.1)["apogee"])
         assert EFFECTS[late].form_of == kin
         assert not EFFECTS[late].from_first
 
 
-def test_flutter_leaves_slow_flights_alone_and_costs_fast_ones_more() -> None:
+def test_flutter_does_not_affect_slow_flights_and_costs_fast_ones_more() -> None:
     slow = tuple(flight.with_changes(dry_mass=0.9, motor="F24-4W") for flight in FLIGHTS[:1])
     assert flown("flutter", 0.0, slow)["top_speed"][0] < 100.0
     np.testing.assert_allclose(flown("flutter", 0.5, slow)["apogee"], flown("flutter", 0.0, slow)["apogee"], rtol=1e-3)
@@ -237,7 +235,7 @@ def test_flutter_leaves_slow_flights_alone_and_costs_fast_ones_more() -> None:
 
 
 @every_effect
-def test_an_effect_speaks_in_plain_words(name: str) -> None:
+def test_an_effect_is_described_in_plain_words(name: str) -> None:
     effect = EFFECTS[name]
     for text in (effect.title, effect.explains, effect.unit, effect.source, effect.tell_apart):
         assert text
@@ -260,13 +258,13 @@ def test_a_prior_lies_inside_its_bounds(name: str) -> None:
 
 
 @every_effect
-def test_an_effect_bends_one_thing(name: str) -> None:
+def test_an_effect_changes_one_thing(name: str) -> None:
     effect = EFFECTS[name]
     assert sum(bend is not None for bend in (effect.setup, effect.acceleration, effect.reading)) == 1
 
 
 @every_effect
-def test_an_effect_needs_a_column_without_which_it_cannot_act(name: str) -> None:
+def test_an_effect_requires_the_columns_without_which_it_cannot_act(name: str) -> None:
     effect = EFFECTS[name]
     if not effect.needs:
         return
@@ -278,7 +276,7 @@ def test_an_effect_needs_a_column_without_which_it_cannot_act(name: str) -> None
 
 
 @every_effect
-def test_a_squared_strength_is_even_in_what_it_does(name: str) -> None:
+def test_the_effect_of_a_squared_strength_is_even(name: str) -> None:
     """The square is fitted, so a strength and its negative must have the same effect."""
     effect = EFFECTS[name]
     if not effect.squared:
@@ -290,7 +288,7 @@ def test_a_squared_strength_is_even_in_what_it_does(name: str) -> None:
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_an_effect_imports_only_what_it_may(file: Path) -> None:
+def test_an_effect_imports_only_allowed_modules(file: Path) -> None:
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         names += [node.module or "."] if isinstance(node, ast.ImportFrom) else []

@@ -67,7 +67,7 @@ UNMISTAKABLE = {
     "L1080BB (AMW)": ("AMW BB-75-3500", None),
     "I205 (CTI)": ("Cesaroni I205", None),
     "N2700W": ("AeroTech N2700W-PS", None),
-    "G77-7R": ("AeroTech G77R/L", 7),  # of two with an R the one that is sold so
+    "G77-7R": ("AeroTech G77R/L", 7),  # of two with an R, the one sold under this name
     "G77-8R": ("AeroTech G77R", 8),
     "HyperTEK 2800CC172L-L540-P": ("Hypertek 2800CC172L-L540", None),
 }
@@ -107,7 +107,7 @@ def _label(motor: Motor) -> str:
 @pytest.mark.parametrize(
     ("text", "older", "made"), [("G80T-4", "PML G80T", "AeroTech G80T"), ("E12-10", "", "Estes E12")]
 )
-def test_a_motor_no_longer_made_is_not_taken_silently_for_its_delay(text: str, older: str, made: str) -> None:
+def test_a_discontinued_motor_is_not_silently_chosen_for_its_delay(text: str, older: str, made: str) -> None:
     found = catalogue().resolve(text)
     assert older in _label(found.motor)
     assert not found.motor.available
@@ -123,7 +123,7 @@ def test_a_name_as_flyers_write_it_finds_its_motor(text: str, expected: tuple[st
 
 
 @pytest.mark.parametrize(("text", "expected"), LIKELY.items())
-def test_of_several_motors_the_likeliest_is_taken_and_the_others_are_named(
+def test_of_several_motors_the_most_likely_is_chosen_and_the_others_are_named(
     text: str, expected: tuple[str, float | None]
 ) -> None:
     found = catalogue().resolve(text)
@@ -134,7 +134,7 @@ def test_of_several_motors_the_likeliest_is_taken_and_the_others_are_named(
             catalogue().find(text)
 
 
-def test_an_ambiguous_name_lists_each_motor_on_a_line_with_what_distinguishes_them() -> None:
+def test_an_ambiguous_name_lists_each_motor_on_a_line_with_the_differences() -> None:
     with pytest.raises(AmbiguousMotor) as caught:
         catalogue().find("38mm H123")
     assert str(caught.value).splitlines()[1:] == [
@@ -143,7 +143,7 @@ def test_an_ambiguous_name_lists_each_motor_on_a_line_with_what_distinguishes_th
     ]
 
 
-def test_the_maker_may_be_given_apart() -> None:
+def test_the_manufacturer_may_be_given_separately() -> None:
     assert _label(catalogue().find("C6-5", maker="estes").motor) == "Estes C6"
 
 
@@ -155,7 +155,7 @@ def test_clusters_and_stages_are_refused_by_name(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", [*UNMISTAKABLE, *LIKELY])
-def test_a_single_motor_is_no_cluster(text: str) -> None:
+def test_a_single_motor_is_not_a_cluster(text: str) -> None:
     assert not is_cluster(text)
 
 
@@ -175,7 +175,7 @@ def test_a_single_motor_is_no_cluster(text: str) -> None:
         ("F24-X9", "did you mean F24-9X?"),
     ],
 )
-def test_a_motor_that_is_not_there_suggests_the_nearest(text: str, nearest: str) -> None:
+def test_for_an_unknown_motor_the_nearest_names_are_suggested(text: str, nearest: str) -> None:
     for search in (catalogue().find, catalogue().resolve):
         with pytest.raises(UnknownMotor) as caught:
             search(text)
@@ -184,7 +184,7 @@ def test_a_motor_that_is_not_there_suggests_the_nearest(text: str, nearest: str)
 
 @examples(40)
 @given(st.one_of(st.text(max_size=20), st.from_regex(r"[A-O0-9/ ½-]{1,12}", fullmatch=True)))
-def test_any_text_finds_a_motor_or_says_what_is_wrong(text: str) -> None:
+def test_any_text_finds_a_motor_or_gives_a_clear_error(text: str) -> None:
     is_cluster(text)
     catalogue().search(text)
     for search in (catalogue().find, catalogue().resolve):
@@ -195,25 +195,25 @@ def test_any_text_finds_a_motor_or_says_what_is_wrong(text: str) -> None:
         assert answer
 
 
-def test_a_delay_that_is_not_sold_is_a_note_and_not_a_refusal() -> None:
+def test_a_delay_that_is_not_sold_gives_a_note_and_not_a_refusal() -> None:
     assert catalogue().find("F24-4").notes == ()
     assert catalogue().find("F24-6").notes == ("AeroTech F24W is not sold with a delay of 6 s, only with 4, 7",)
     assert catalogue().find("F24-P").notes == ("AeroTech F24W is not sold plugged, only with 4, 7",)
 
 
-def test_a_mass_that_was_estimated_is_reported() -> None:
+def test_an_estimated_mass_is_reported() -> None:
     found = catalogue().find("G35-4")
     assert found.motor.estimated == ("casing mass",)
     assert "casing mass not listed, estimated" in found.notes[0]
 
 
-def test_every_motor_is_found_by_maker_and_designation() -> None:
+def test_every_motor_is_found_by_manufacturer_and_designation() -> None:
     for motor in catalogue().motors:
         assert not is_cluster(motor.designation)
         assert catalogue().find(_label(motor)).motor is motor
 
 
-def test_every_curve_is_whole_and_holds_its_certified_impulse() -> None:
+def test_every_curve_is_complete_and_has_its_certified_impulse() -> None:
     assert len(catalogue()) == len(catalogue().motors) == catalogue().about["kept"]
     for motor in catalogue().motors:
         assert motor.time[0] == motor.thrust[0] == motor.thrust[-1] == 0
@@ -245,14 +245,14 @@ def test_no_motor_up_to_class_f_was_left_out() -> None:
         assert read == kept or letter > "F", letter
 
 
-def test_what_is_known_of_the_catalog_adds_up() -> None:
+def test_the_counts_of_the_catalog_add_up() -> None:
     about = catalogue().about
     assert about["kept"] + sum(map(len, about["left_out"].values())) == about["read"]
     assert sum(about["by_maker"].values()) == about["kept"]
     assert {"source", "version", "date", "licence"} <= set(about)
 
 
-def test_searching_ranks_what_was_meant_first() -> None:
+def test_searching_ranks_the_intended_motor_first() -> None:
     def first(text: str) -> str:
         return _label(catalogue().search(text)[0])
 
@@ -265,7 +265,7 @@ def test_searching_ranks_what_was_meant_first() -> None:
     assert _label(catalogue().search("microm4xx")[0]).startswith("Quest MICRO_MAXX")
 
 
-def test_own_motors_win_over_the_catalog() -> None:
+def test_own_motors_take_precedence_over_the_catalog() -> None:
     shipped = catalogue().find("Estes C6").motor
     renamed = Motor(**{name: getattr(shipped, name) for name in Motor.__slots__} | {"source": "mine.eng"})
     mine = catalogue().with_motors([renamed])
@@ -279,7 +279,7 @@ def test_own_motors_win_over_the_catalog() -> None:
     "text",
     ["MyBrand B77-3", "mybrand b77-3", "MyBrand Rocket-Works B77-3", "B77-3 MyBrand", "B77-3 (MyBrand)", "B77-3"],
 )
-def test_a_motor_of_the_flyers_file_is_found_by_its_maker(text: str) -> None:
+def test_a_motor_in_the_flyers_file_is_found_by_its_manufacturer(text: str) -> None:
     file = b"; mine\nB77 18 70 3-5 0.006 0.018 MyBrand Rocket Works\n 0.1 8\n 0.9 3\n 1.0 0\n"
     found = catalogue().with_motors(own.read(file, "mine.eng")).find(text)
     assert (_label(found.motor), found.delay, found.notes) == ("MyBrand Rocket Works B77", 3, ())
@@ -287,7 +287,7 @@ def test_a_motor_of_the_flyers_file_is_found_by_its_maker(text: str) -> None:
         catalogue().find(text)
 
 
-def test_makers_of_own_files_take_no_name_from_known_ones() -> None:
+def test_manufacturers_in_own_files_do_not_replace_known_ones() -> None:
     file = b"B77 18 70 3 0.006 0.018 AT Labs\n 0.1 8\n 1.0 0\nC9 18 70 3 0.006 0.018 Estes\n 0.1 8\n 1.0 0\n"
     motors = catalogue().with_motors(own.read(file, "mine.eng"))
     assert _label(motors.find("AT F24-4W").motor) == "AeroTech F24W"
@@ -295,7 +295,7 @@ def test_makers_of_own_files_take_no_name_from_known_ones() -> None:
     assert _label(motors.find("AT Labs B77-3").motor) == "AT Labs B77"
 
 
-def test_a_longest_delay_that_is_typed_is_what_is_drilled_from() -> None:
+def test_a_typed_longest_delay_is_the_one_to_drill_from() -> None:
     found = catalogue().find("H128W-14A")
     assert (found.motor.delays, found.delay, found.notes) == ((14.0,), 14.0, ())
     assert catalogue().find("H128W-14A").motor is found.motor
@@ -316,7 +316,7 @@ def test_a_description_is_ready_for_json() -> None:
 
 
 @pytest.mark.skipif(not LAUNCHES.exists(), reason="the journal of launches is not part of the project")
-def test_every_motor_of_a_real_journal_of_launches_is_understood() -> None:
+def test_every_motor_in_a_real_launch_journal_is_recognized() -> None:
     with LAUNCHES.open(encoding="cp1252", newline="") as file:
         motors = [row["Motors"] for row in csv.DictReader(file)]
     unknown = [text for text in motors if not is_cluster(text) and not _resolves(catalogue(), text)]
@@ -347,7 +347,7 @@ def test_a_name_is_found(benchmark: BenchmarkFixture) -> None:
 
 
 @pytest.mark.parametrize("text", ["Q99", "AeroTech Q99-7", "P49", "p4935", "Z1"])
-def test_a_class_that_nobody_sells_is_not_answered_by_another_motor(
+def test_a_class_without_motors_is_not_answered_with_another_motor(
     text: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert not catalogue().search(text)
@@ -355,7 +355,7 @@ def test_a_class_that_nobody_sells_is_not_answered_by_another_motor(
     assert "above O" in capsys.readouterr().err
 
 
-def test_motors_with_near_names_alone_are_named_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_motors_with_only_similar_names_are_listed_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert catalogue().search("J9999")[0].name.startswith("J")
     assert not catalogue().knows("J9999")
     assert main(["motors", "J9999"]) == 0

@@ -75,7 +75,7 @@ FIGURES: dict[str, dict[str, float]] = {
 
 
 @pytest.mark.parametrize(("name", "figures"), FIGURES.items())
-def test_slips_of_the_catalog_are_fixed(name: str, figures: dict[str, float]) -> None:
+def test_errors_of_the_catalog_are_fixed(name: str, figures: dict[str, float]) -> None:
     motor = _motor(name)
     for field, value in figures.items():
         assert getattr(motor, field) == pytest.approx(value, rel=1e-6), field
@@ -84,7 +84,7 @@ def test_slips_of_the_catalog_are_fixed(name: str, figures: dict[str, float]) ->
     assert all(one.source for one in motor.corrections)
 
 
-def test_delays_that_are_known_are_recorded() -> None:
+def test_known_delays_are_recorded() -> None:
     assert _motor("Estes B4").delays == (2.0, 4.0, 6.0)
     assert _motor("I110-LW").delays == (5.0, 8.0, 10.0)
     assert _motor("J234-BG").delays == _motor("Hypertek 835CC172J-J317").delays == (PLUGGED_DELAY,)
@@ -92,7 +92,7 @@ def test_delays_that_are_known_are_recorded() -> None:
         assert _motor(name).delays == (6.0, 8.0, 10.0, 12.0, 14.0)
 
 
-def test_what_documents_disagree_on_is_reported_and_not_changed() -> None:
+def test_figures_on_which_documents_disagree_are_reported_and_not_changed() -> None:
     motor = _motor("J99N")
     assert motor.total_impulse == 945.2
     assert motor.loaded_mass == pytest.approx(0.899)
@@ -113,7 +113,7 @@ def test_what_documents_disagree_on_is_reported_and_not_changed() -> None:
         ("AeroTech M2700W", "AeroTech N2700W-PS"),
     ],
 )
-def test_a_name_that_was_changed_still_finds_its_motor(old: str, new: str) -> None:
+def test_a_changed_name_still_finds_its_motor(old: str, new: str) -> None:
     for search in (catalogue().find, catalogue().resolve):
         motor = search(old).motor
         assert f"{motor.maker} {motor.designation}" == new
@@ -133,19 +133,19 @@ def test_a_name_that_was_changed_still_finds_its_motor(old: str, new: str) -> No
         ("F24W", ""),
     ],
 )
-def test_the_certified_average_thrust_says_what_is_high_power(name: str, why: str) -> None:
+def test_the_certified_average_thrust_determines_what_is_high_power(name: str, why: str) -> None:
     """Source: TMT letters of 20 May 2019 and 29 April 2020, NAR sheet of November 2007."""
     found = why_high_power(build_of(catalogue().resolve(name).motor, 0.3), rule_sets())
     assert why in found if why else not found
 
 
-def test_an_average_that_only_repeats_the_name_is_not_a_certified_one() -> None:
+def test_an_average_that_only_repeats_the_name_is_not_certified() -> None:
     motor = _motor("I357T")
     assert motor.certified_average is None
     assert motor.rated_thrust == motor.average_thrust < 300
 
 
-def test_the_table_of_corrections_is_whole() -> None:
+def test_the_table_of_corrections_is_complete() -> None:
     known = {(motor.maker, one.was) for motor in catalogue().motors for one in motor.corrections}
     shipped = [one for motor in catalogue().motors for one in motor.corrections]
     written = read_corrections()
@@ -161,7 +161,9 @@ def test_the_table_of_corrections_is_whole() -> None:
 @pytest.mark.parametrize(
     ("name", "impulse", "peak", "burn"), [("F115SN", 79.15, 146.7, 0.69), ("G73C", 128.64, 89.9, 1.85)]
 )
-def test_a_motor_of_a_letter_has_its_impulse_peak_and_burn(name: str, impulse: float, peak: float, burn: float) -> None:
+def test_a_motor_added_from_a_letter_has_its_impulse_peak_and_burn_time(
+    name: str, impulse: float, peak: float, burn: float
+) -> None:
     """Source: TMT letters of 16 October 2025."""
     motor = _motor(name)
     assert motor.total_impulse == impulse
@@ -171,7 +173,7 @@ def test_a_motor_of_a_letter_has_its_impulse_peak_and_burn(name: str, impulse: f
     assert motor.corrections[0].text().startswith("motor added (likely: TMT draft letter")
 
 
-def test_figures_that_no_falling_curve_has_are_refused(tmp_path: Path) -> None:
+def test_figures_that_no_falling_curve_can_have_are_refused(tmp_path: Path) -> None:
     tool = _tool("motors")
     table = tmp_path / "additions.csv"
     header, first, *_ = tool.ADDITIONS.read_text(encoding="utf-8").splitlines()
@@ -184,7 +186,7 @@ def test_figures_that_no_falling_curve_has_are_refused(tmp_path: Path) -> None:
     ("row", "why"),
     [("Me,X1,colour,,red,sure,a letter", "colour"), ("Me,X1,loaded_g,1,2,certain,a letter", "sure, likely, open")],
 )
-def test_a_table_that_cannot_be_is_refused_by_its_row(tmp_path: Path, row: str, why: str) -> None:
+def test_an_invalid_table_is_refused_with_the_row(tmp_path: Path, row: str, why: str) -> None:
     table = tmp_path / "corrections.csv"
     table.write_text(f"maker,designation,field,was,value,confidence,source\n{row}\n")
     with pytest.raises(BadValue, match=rf"corrections.csv, row 2: .*{why}"):
@@ -224,7 +226,7 @@ def _replaced(total: float, *tests: dict[str, str], peak: float = 9.73) -> str |
     return found and found["tested_impulse_ns"]
 
 
-def test_only_a_nominal_impulse_gives_way_to_a_test_and_only_beyond_scatter() -> None:
+def test_a_test_replaces_only_a_nominal_impulse_and_only_beyond_scatter() -> None:
     """The cases of Estes A8, B4 and B6, of AeroTech E6 and H268R, as their curve files have them."""
     assert _replaced(2.5, _test(2.15, CERT, 9.555), _test(2.32, CERT, 9.73)) == "2.32"
     assert _replaced(5, _test(4.29, USER)) == "4.29"
@@ -237,7 +239,7 @@ def test_only_a_nominal_impulse_gives_way_to_a_test_and_only_beyond_scatter() ->
     assert _replaced(2.5, _test(2.49, USER), _test(2.2, CERT)) == "2.2"
 
 
-def test_the_scatter_of_tests_is_that_within_motors() -> None:
+def test_the_scatter_of_tests_is_that_among_tests_of_one_motor() -> None:
     tool = _tool("tested_impulses")
     tests = [
         _test(total * (1 + off), CERT, name=name) for name, total in (("A8", 2.0), ("B6", 4.0)) for off in (0, 0.04)
@@ -245,7 +247,7 @@ def test_the_scatter_of_tests_is_that_within_motors() -> None:
     assert tool.scatter([*tests, _test(9.0, USER)]) == pytest.approx(1.4826 * 0.0392 / 2**0.5, rel=0.01)
 
 
-def test_a_motor_shows_what_was_corrected(capsys: pytest.CaptureFixture[str]) -> None:
+def test_corrections_are_shown_with_their_motor(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.dumps(describe(_motor("Estes B4")))
     assert main(["motors", "Estes B4", "--json"]) == 0
     (unapplied,) = json.loads(capsys.readouterr().out)["motors"][:1]

@@ -1,4 +1,4 @@
-"""Thrust curves: laws for knots, moments and the making of the catalog."""
+"""Thrust curves: laws for knots and moments, and how the catalog is made."""
 
 import importlib.util
 import json
@@ -34,7 +34,7 @@ def test_knots_increase_and_begin_and_end_at_zero(samples: list[tuple[float, flo
     assert abs(impulse(t, f) - impulse(np.array(time), np.array(thrust))) <= slack
 
 
-def test_knots_that_are_right_stay_as_they_are() -> None:
+def test_valid_knots_are_unchanged() -> None:
     time, thrust = knots([0, 0.1, 2, 2.5], [0, 30, 20, 0])
     np.testing.assert_array_equal(time, [0, 0.1, 2, 2.5])
     np.testing.assert_array_equal(thrust, [0, 30, 20, 0])
@@ -50,7 +50,7 @@ def test_knots_that_are_right_stay_as_they_are() -> None:
         ([0, float("nan")], [1, 0]),
     ],
 )
-def test_a_curve_that_cannot_be_is_refused(time: list[float], thrust: list[float]) -> None:
+def test_an_impossible_curve_is_refused(time: list[float], thrust: list[float]) -> None:
     with pytest.raises(BadValue):
         knots(time, thrust)
 
@@ -59,7 +59,7 @@ def _motor(samples: str) -> Motor:
     return rasp.read(f"X1 24 70 P 0.02 0.06 me\n{samples}".encode(), "x.eng")[0]
 
 
-def test_a_box_of_thrust_has_the_moments_of_a_uniform_distribution() -> None:
+def test_constant_thrust_has_the_moments_of_a_uniform_distribution() -> None:
     motor = _motor("0 20\n2 20\n2 0\n")
     mean, variance = motor.moments
     assert mean == pytest.approx(1, abs=1e-4)
@@ -69,7 +69,7 @@ def test_a_box_of_thrust_has_the_moments_of_a_uniform_distribution() -> None:
     assert motor.peak_thrust == pytest.approx(20, rel=1e-3)
 
 
-def test_a_triangle_of_thrust_burns_above_five_per_cent_of_its_peak() -> None:
+def test_the_burn_time_of_a_triangular_curve_is_above_five_percent_of_its_peak() -> None:
     motor = _motor("1 40\n2 0\n")
     assert motor.total_impulse == pytest.approx(40)
     assert motor.burning == pytest.approx((0.05, 1.95))
@@ -125,7 +125,7 @@ def _source(number: int, **changes: Any) -> dict[str, Any]:
     } | changes
 
 
-def test_the_same_source_makes_the_same_catalog_and_the_gaps_are_reported() -> None:
+def test_the_same_source_gives_the_same_catalog_and_omissions_are_reported() -> None:
     tool = _tool()
     source = [
         *(_source(number) for number in range(1, 6)),

@@ -1,4 +1,4 @@
-"""The flyer's own motor files: RASP and RockSim, whole and damaged."""
+"""The flyer's own motor files: RASP and RockSim, valid and damaged."""
 
 import dataclasses
 from pathlib import Path
@@ -59,7 +59,7 @@ def as_rasp_file(motor: Motor) -> bytes:
 
 
 @given(_one_of_the_catalogue())
-def test_a_motor_written_as_a_rasp_file_comes_back(motor: Motor) -> None:
+def test_a_motor_written_as_a_rasp_file_round_trips(motor: Motor) -> None:
     [back] = rasp.read(as_rasp_file(motor), "mine.eng")
     for field in ("maker", "designation", "delays"):
         assert getattr(back, field) == getattr(motor, field)
@@ -79,7 +79,7 @@ def test_a_rasp_file_may_hold_several_motors() -> None:
     assert second.total_impulse == pytest.approx(0.05 * 100 + 140 + 5)
 
 
-def test_a_rasp_file_of_windows_with_marks_and_tabs_is_read() -> None:
+def test_a_rasp_file_from_windows_with_a_byte_order_mark_and_tabs_is_read() -> None:
     text = ENG.decode().replace("\n", "\r\n").replace("   ", "\t")
     assert len(rasp.read(b"\xef\xbb\xbf" + text.encode(), "mine.eng")) == 2
     assert len(rasp.read(text.replace("my own", "J\xfcrgen").encode("cp1252"), "mine.eng")) == 2
@@ -104,7 +104,9 @@ def test_a_rasp_file_of_windows_with_marks_and_tabs_is_read() -> None:
         ("F24W 24 70 4-7", "F24W", "mine.eng, row 3: found 'F24W 0.019 0.0629 AT', expected a header"),
     ],
 )
-def test_a_damaged_rasp_file_names_the_line_and_what_would_be_right(old: str, new: str, complaint: str) -> None:
+def test_for_a_damaged_rasp_file_the_line_and_the_expected_content_are_named(
+    old: str, new: str, complaint: str
+) -> None:
     with pytest.raises(DamagedLog) as caught:
         rasp.read(ENG.decode().replace(old, new).encode(), "mine.eng")
     assert complaint in str(caught.value)
@@ -140,7 +142,7 @@ def test_a_rocksim_file_is_read_in_grams() -> None:
         ("ISO-8859-1", "no-such", "mine.rse, row 1: found an encoding that cannot be read (unknown encoding"),
     ],
 )
-def test_a_damaged_rocksim_file_names_the_line(old: str, new: str, complaint: str) -> None:
+def test_for_a_damaged_rocksim_file_the_line_is_named(old: str, new: str, complaint: str) -> None:
     data = RSE.decode().replace(old, new).replace("</engine>", "</motor>" if "motor" in new else "</engine>")
     with pytest.raises(DamagedLog) as caught:
         rocksim.read(data.encode(), "mine.rse")
@@ -170,7 +172,7 @@ def _mutated(draw: st.DrawFn) -> bytes:
 
 @given(_mutated())
 @examples(300)
-def test_a_torn_motor_file_is_damaged_or_still_whole_but_never_a_crash(data: bytes) -> None:
+def test_a_truncated_motor_file_is_damaged_or_still_complete_but_never_a_crash(data: bytes) -> None:
     try:
         motors = read(data, "torn")
     except DamagedLog as error:
@@ -186,13 +188,13 @@ def test_a_torn_motor_file_is_damaged_or_still_whole_but_never_a_crash(data: byt
 
 
 @given(st.binary(max_size=60))
-def test_any_bytes_are_no_crash(data: bytes) -> None:
+def test_no_bytes_cause_a_crash(data: bytes) -> None:
     for reader in (rasp.read, rocksim.read, read):
         with pytest.raises(DamagedLog):
             reader(data, "noise")
 
 
-def test_a_folder_of_own_motors_is_read_and_a_damaged_file_does_not_ground_the_others(tmp_path: Path) -> None:
+def test_a_damaged_file_in_the_folder_of_own_motors_does_not_affect_the_others(tmp_path: Path) -> None:
     assert own_motors(tmp_path / "nothing here") == ([], [])
     (tmp_path / "a.eng").write_bytes(ENG)
     (tmp_path / "b.RSE").write_bytes(RSE)
@@ -204,7 +206,7 @@ def test_a_folder_of_own_motors_is_read_and_a_damaged_file_does_not_ground_the_o
     assert "c.eng" in str(errors[0])
 
 
-def test_an_imported_file_is_kept_and_its_motor_is_the_one_that_is_found(tmp_path: Path) -> None:
+def test_an_imported_file_is_kept_and_its_motor_is_found(tmp_path: Path) -> None:
     (tmp_path / "mine.eng").write_bytes(ENG)
     import_file(tmp_path / "mine.eng", tmp_path / "motors")
     motors, _ = own_motors(tmp_path / "motors")
@@ -222,6 +224,6 @@ def test_a_damaged_file_is_not_kept(tmp_path: Path) -> None:
     assert not (tmp_path / "motors").exists()
 
 
-def test_a_motor_with_changes_is_another_motor() -> None:
+def test_a_changed_motor_is_a_different_motor() -> None:
     motor = catalogue().find("F24").motor
     assert dataclasses.replace(motor, total_impulse=40.0) != motor

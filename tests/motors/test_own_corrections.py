@@ -25,7 +25,7 @@ ROWS = (
 )
 
 
-def test_own_corrections_take_the_place_of_the_catalogues_figures(tmp_path: Path) -> None:
+def test_own_corrections_replace_the_catalogs_figures(tmp_path: Path) -> None:
     (tmp_path / FILE_NAME).write_text(HEADER + ROWS)
     motors, errors = known_motors(tmp_path)
     assert not errors
@@ -38,7 +38,7 @@ def test_own_corrections_take_the_place_of_the_catalogues_figures(tmp_path: Path
     assert len(motors) == len(catalogue())
 
 
-def test_a_lot_has_its_own_figures_and_an_unknown_one_reports_it(tmp_path: Path) -> None:
+def test_a_lot_has_its_own_figures_and_an_unknown_lot_is_reported(tmp_path: Path) -> None:
     (tmp_path / FILE_NAME).write_text(HEADER + ROWS)
     motors, _ = known_motors(tmp_path)
     lot = motors.resolve("F24-4W lot 0412")
@@ -67,7 +67,7 @@ def test_a_search_for_a_lot_shows_its_own_figures(
     assert "no figures for lot 99" in shown.err
 
 
-def test_a_correction_of_an_unknown_motor_is_named_by_its_row(tmp_path: Path) -> None:
+def test_a_correction_of_an_unknown_motor_is_reported_with_its_row(tmp_path: Path) -> None:
     (tmp_path / FILE_NAME).write_text(HEADER + ROWS + "Aerotek,F24W,total_impulse_ns,,46,,my stand,,\n")
     _, (error,) = known_motors(tmp_path)
     assert str(error).startswith(f"{FILE_NAME}, row 6: ")
@@ -82,7 +82,7 @@ def test_a_lot_is_drilled_from_the_delay_on_its_bag(tmp_path: Path) -> None:
     assert motors.resolve("AeroTech H128W-17A lot 7").motor is found.motor
 
 
-def test_a_correction_says_what_the_catalog_had_also_if_its_row_does_not(tmp_path: Path) -> None:
+def test_a_correction_states_the_catalogs_figure_even_if_its_row_does_not(tmp_path: Path) -> None:
     fields = {"total_impulse_ns": "44", "loaded_g": "62", "burn_s": "1.9", "delays": '"4,7,9"', "length_mm": "71"}
     (tmp_path / FILE_NAME).write_text(
         HEADER + "".join(f"AeroTech,F24W,{field},,{fields[field]},,,L1,\n" for field in fields)
@@ -111,7 +111,7 @@ def test_a_correction_says_what_the_catalog_had_also_if_its_row_does_not(tmp_pat
         ("AeroTech,F24W,loaded_g,,1,sure,x,,", "more than its propellant"),
     ],
 )
-def test_a_row_that_is_wrong_is_named_and_grounds_nothing(tmp_path: Path, row: str, named: str) -> None:
+def test_an_invalid_row_is_named_and_does_not_stop_anything(tmp_path: Path, row: str, named: str) -> None:
     (tmp_path / FILE_NAME).write_text(HEADER + row + "\n")
     motors, errors = known_motors(tmp_path)
     assert named in str(errors[0])
@@ -128,7 +128,7 @@ TESTS = (
 )
 
 
-def test_letters_count_before_curves_and_unknown_motors_are_named() -> None:
+def test_letters_take_precedence_over_curves_and_unknown_motors_are_named() -> None:
     found = compare_tests(catalogue(), TESTS.encode(), "tests.csv")
     assert (found.rows, found.motors, found.unknown) == (5, 2, ("Nobody X1",))
     (one,) = found.differences
@@ -137,7 +137,7 @@ def test_letters_count_before_curves_and_unknown_motors_are_named() -> None:
 
 
 @pytest.mark.parametrize(("text", "named"), [("a,b\n1,2\n", "columns"), (TESTS.replace("60", "many"), "row 2")])
-def test_a_table_that_is_no_table_of_tests_is_named(text: str, named: str) -> None:
+def test_a_table_that_is_not_a_table_of_tests_is_named(text: str, named: str) -> None:
     with pytest.raises(BadValue, match=named):
         compare_tests(catalogue(), text.encode(), "tests.csv")
 
@@ -160,7 +160,7 @@ def test_the_commands_compare_and_name_the_file_of_corrections(
 
 
 @pytest.mark.skipif(not (SHARED / "data" / "motor_tests.csv").exists(), reason="no table of tests here")
-def test_letters_of_certification_are_what_the_catalog_has() -> None:
+def test_certification_letters_agree_with_the_catalog() -> None:
     """Source: the certification letters of a table of tests; 10% is twice the scatter that a lot may have."""
     content = (SHARED / "data" / "motor_tests.csv").read_bytes()
     found = compare_tests(catalogue(), content, "motor_tests.csv")

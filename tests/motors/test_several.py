@@ -1,4 +1,4 @@
-"""Clusters and two stages: thrusts add, later motors burn later, a booster drops, and impossible setups are refused."""
+"""Clusters and two stages: thrusts add, air starts burn later, boosters drop, and impossible setups are refused."""
 
 import json
 from pathlib import Path
@@ -61,7 +61,7 @@ def test_the_thrusts_and_masses_of_a_cluster_add() -> None:
         ("2 x C6", None),
     ],
 )
-def test_the_first_charge_of_a_cluster_fires_its_delay_after_its_own_motor(text: str, delay: float | None) -> None:
+def test_the_first_charge_of_a_cluster_fires_after_the_delay_of_its_own_motor(text: str, delay: float | None) -> None:
     found = MOTORS.resolve_several(text)
     assert found.delay == pytest.approx(delay, abs=0.002)
 
@@ -85,7 +85,7 @@ def test_an_air_start_burns_later_and_its_propellant_stays_until_then() -> None:
 
 
 @pytest.mark.parametrize("booster_mass", [0.03, 0.2])
-def test_two_stages_gain_the_speed_that_thrust_over_mass_gives(booster_mass: float) -> None:
+def test_the_speed_gained_by_two_stages_is_the_integral_of_thrust_over_mass(booster_mass: float) -> None:
     """In vacuum, the speed at the end is the integral of thrust over mass less gravity."""
     dry, motor = 0.08, several("D12-0/C6-7", booster_mass)
     booster, upper = MOTORS.resolve("D12-0").motor, MOTORS.resolve("C6-7").motor
@@ -114,7 +114,7 @@ def test_two_stages_gain_the_speed_that_thrust_over_mass_gives(booster_mass: flo
 
 
 @pytest.mark.parametrize("drag", [1.0, 2.5])
-def test_three_stages_fly_as_a_plain_integration_says(drag: float) -> None:
+def test_three_stages_agree_with_a_simple_integration(drag: float) -> None:
     """Top speed by Euler's method in air of constant density, each booster and its drag dropped when its motor ends."""
     text, boosters, dry, area = "C6-0/B6-0/A8-5", (0.02, 0.01), 0.04, 4e-4
     motor = MOTORS.resolve_several(text, tuple(Booster(mass, drag) for mass in boosters)).motor
@@ -134,7 +134,7 @@ def test_three_stages_fly_as_a_plain_integration_says(drag: float) -> None:
     assert (motor.drag is None) is (drag == 1.0)
 
 
-def test_a_booster_that_is_kept_costs_height() -> None:
+def test_a_booster_that_is_not_dropped_costs_height() -> None:
     two = flown(several("D12-0/C6-7", 0.06), 0.08, 0.0004).apogee
     one = flown(MOTORS.resolve("C6-7").motor, 0.08, 0.0004).apogee
     assert two > 1.5 * one
@@ -150,7 +150,7 @@ def test_a_booster_that_is_kept_costs_height() -> None:
         ("2 x Zonk", "no such motor"),
     ],
 )
-def test_what_cannot_be_flown_as_one_reports_it(text: str, named: str) -> None:
+def test_an_impossible_combination_of_motors_is_reported(text: str, named: str) -> None:
     with pytest.raises(UnknownMotor, match=named):
         MOTORS.resolve_several(text)
 
@@ -173,7 +173,7 @@ whose charge does not fire early."""
 
 
 @pytest.mark.parametrize("stored", OPENROCKET, ids=[f"{row[0]}, {row[3] * 1e3:g} mm" for row in OPENROCKET])
-def test_openrockets_stored_simulations_are_met(
+def test_results_agree_with_openrockets_stored_simulations(
     stored: tuple[str, float, float, float, float, float, float, float],
 ) -> None:
     """Source: openrocket/openrocket@8fa969d, examples; apogee within 2%, best delay within 0.3 s."""
@@ -204,7 +204,7 @@ def test_simulate_flies_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[s
     assert "--booster-mass" in capsys.readouterr().err
 
 
-def test_a_rocket_is_simulated_from_the_mass_of_all_its_stages(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_rocket_is_simulated_with_the_mass_of_all_its_stages(capsys: pytest.CaptureFixture[str]) -> None:
     stages = [
         "simulate",
         "--motor",
@@ -234,7 +234,7 @@ def test_a_cluster_is_planned_as_a_complex_rocket(tmp_path: Path, capsys: pytest
     assert "3 motors, forecast as if every one lights" in lines["complex rocket"]["text"]
 
 
-def test_a_search_for_a_cluster_shows_its_sums(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_search_for_a_cluster_shows_its_totals(capsys: pytest.CaptureFixture[str]) -> None:
     one, three = (["motors", *text.split(), "--json"] for text in ("Estes C6", "3 x Estes C6"))
     found = []
     for command in (one, three):
@@ -279,15 +279,13 @@ def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
         ["daysheet", "--out", "x.pdf"],
     ],
 )
-def test_no_plan_flies_stages(
-    command: list[str], motor: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_plan_has_stages(command: list[str], motor: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     body = ["--motor", motor, "--dry-mass", "200g", "--diameter", "50mm"]
     assert main(["--ledger", str(tmp_path / "ledger.db"), *command, *body]) == 1
     assert "expected fieldkit simulate with --booster-mass" in capsys.readouterr().err
 
 
-def test_a_forecast_of_a_cluster_is_that_of_the_planning_commands_and_is_compared_with_its_flight(
+def test_a_forecast_of_a_cluster_agrees_with_the_planning_commands_and_is_compared_with_its_flight(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
@@ -316,14 +314,14 @@ def test_a_cluster_may_be_named_as_it_is_printed(text: str) -> None:
     assert [one.designation for one in catalogue().search(text)] == [motor.designation]
 
 
-def test_no_motor_sold_is_read_as_several() -> None:
+def test_no_motor_for_sale_is_read_as_several() -> None:
     assert [
         motor.designation for motor in catalogue().motors if names_several(f"{motor.maker} {motor.designation}")
     ] == []
 
 
 @pytest.mark.parametrize("command", ["predict", "landing", "delay"])
-def test_a_plan_on_a_cluster_says_what_is_not_modeled(
+def test_a_plan_with_a_cluster_states_what_is_not_modeled(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     body = ["--motor", "3 x C6-5", "--lift-off-mass", "272g", "--diameter", "50mm"]

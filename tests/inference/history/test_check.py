@@ -59,7 +59,7 @@ def test_different_parameters_do_not_pass(own: QuickAnswer) -> None:
     assert not check(replace(own, log_cd=(mean + 8 * sd, 0.1 * sd))).agrees
 
 
-def test_a_wide_network_passes_and_a_narrow_one_has_fewer_effective_draws(own: QuickAnswer) -> None:
+def test_a_wide_network_has_a_better_pareto_k_than_a_narrow_one(own: QuickAnswer) -> None:
     mean, sd = own.log_cd
     alpha, alpha_sd = own.log_alpha
     wide = replace(own, log_cd=(mean, 1.5 * sd), log_alpha=(alpha, 1.5 * alpha_sd))
@@ -67,7 +67,7 @@ def test_a_wide_network_passes_and_a_narrow_one_has_fewer_effective_draws(own: Q
     assert check(wide).pareto_k < check(narrow).pareto_k
 
 
-def test_apogee_and_parameters_must_both_agree() -> None:
+def test_every_criterion_of_the_check_must_be_met() -> None:
     assert Check(0.7, 0.1, 0.5, 400).agrees
     assert not Check(0.71, 0.9, 0.9, 400).agrees
     assert not Check(0.1, 0.9, 0.49, 400).agrees
