@@ -1,4 +1,4 @@
-"""New ledgers for tests: their tables are created by the migrations once, then from the SQL of those tables."""
+"""New ledgers for tests: their tables are created by the migrations once, and after that from the resulting SQL."""
 
 import sqlite3
 from collections.abc import Sequence

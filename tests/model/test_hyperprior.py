@@ -50,7 +50,7 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
         ({"opening_s": [0.6, 0.0]}, "zero"),
     ],
 )
-def test_an_invalid_card_is_refused_with_the_name_of_its_error(change: dict[str, object], wanted: str) -> None:
+def test_an_invalid_card_is_refused_by_file_and_fault(change: dict[str, object], wanted: str) -> None:
     card = {**learned().json(), **change}
     with pytest.raises(DamagedModel, match=wanted) as found:
         read_card(json.dumps(card), "club.json")

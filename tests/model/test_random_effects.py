@@ -28,7 +28,7 @@ def test_without_effects_the_flights_are_unchanged() -> None:
     assert np.array_equal(plain.readouts, named.readouts, equal_nan=True)
 
 
-def test_strengths_follow_their_prior() -> None:
+def test_strengths_stay_within_the_bounds_of_their_prior() -> None:
     values = drawn(np.random.default_rng(2), Prior(0.1, 1.0, 0.0, 0.5), 500)
     assert values.min() >= 0
     assert values.max() <= 0.5

@@ -69,7 +69,7 @@ def test_constant_thrust_has_the_moments_of_a_uniform_distribution() -> None:
     assert motor.peak_thrust == pytest.approx(20, rel=1e-3)
 
 
-def test_the_burn_time_of_a_triangular_curve_is_above_five_percent_of_its_peak() -> None:
+def test_a_triangular_curve_burns_while_thrust_is_above_five_percent_of_its_peak() -> None:
     motor = _motor("1 40\n2 0\n")
     assert motor.total_impulse == pytest.approx(40)
     assert motor.burning == pytest.approx((0.05, 1.95))

@@ -1,8 +1,8 @@
 """Small OpenRocket designs written for the tests, from the figures of the examples that OpenRocket 24.12 comes with.
 
-`examples.csv` has those figures: 17 designs, 60 simulations. A design here has the diameter of its example,
-its mass as a weighed stage, and for every simulation a stored flight with its top speed, times and Cd, written as
-that version does: three decimals. Nothing else is the example's.
+`examples.csv` has those figures: 17 designs, 60 simulations. A design here has the diameter of its example, its mass as
+a weighed stage, and for every simulation a stored flight with its top speed, times and Cd, written as that version
+does: three decimals. Nothing else is taken from the example.
 """
 
 import csv
@@ -39,7 +39,7 @@ def decimals(value: float) -> str:
 
 
 def design(name: str, flown: Sequence[Example], *, dry_mass: float, reference: str = "maximum") -> bytes:
-    """A design as the bytes of plain XML: a nose and a tube, weighed, and the simulations that it flew."""
+    """A design as plain XML in bytes: a nose and a tube with weighed mass, and its stored simulations."""
     radius = float(flown[0]["diameter_mm"]) / 2e3
     return f"""<?xml version="1.0" encoding="utf-8"?><openrocket version="1.10" creator="OpenRocket 24.12"><rocket>
 <name>{name}</name><referencetype>{reference}</referencetype><subcomponents><stage><name>Stage</name>
@@ -51,7 +51,8 @@ def design(name: str, flown: Sequence[Example], *, dry_mass: float, reference: s
 
 
 def simulation(row: Example, dry_mass: float) -> str:
-    """A stored flight: up to the top speed in a line, down to apogee in another; the last burnout between them."""
+    """A stored flight: speed rises linearly to its maximum and falls linearly to apogee, with the last burnout between
+    them."""
     burnout, apogee, top = (float(row[key]) for key in ("burnout_s", "to_apogee_s", "top_speed_mps"))
     time = np.concatenate([np.linspace(0, burnout, 15), np.linspace(burnout, apogee, 60)[1:]])
     speed = np.interp(time, [0, burnout, apogee], [0, top, 0])

@@ -98,7 +98,7 @@ def test_a_design_is_read_however_it_is_packed(kind: str) -> None:
     assert [(one.configuration, one.designation) for one in found.motors] == [("Field", "F24W"), ("", "E30T")]
 
 
-def test_a_simulation_in_the_file_says_mass_and_drag() -> None:
+def test_a_simulation_in_the_file_gives_mass_and_drag() -> None:
     found = read_design(design(rest=SIMULATION.format(status="uptodate")).encode(), "skylark.ork")
     assert found.dry_mass == pytest.approx(0.4)
     assert found.cd == pytest.approx((0.5 + 0.6) / 2)
@@ -108,7 +108,7 @@ def test_a_simulation_in_the_file_says_mass_and_drag() -> None:
     assert any("older than the design" in note for note in old.notes)
 
 
-def test_what_was_weighed_stands_over_what_was_computed() -> None:
+def test_weighed_masses_take_precedence_over_computed_ones() -> None:
     whole = "<overridemass>0.2</overridemass><overridesubcomponentsmass>true</overridesubcomponentsmass>"
     alone = "<overridemass>0.2</overridemass>"
     nose = read_design(design(inside="", override=whole).encode(), "a.ork").dry_mass
@@ -124,7 +124,7 @@ def test_a_radius_that_is_automatic_is_that_of_the_adjacent_part() -> None:
     assert read_design(design(radius="auto").encode(), "a.ork").diameter == pytest.approx(0.066)
 
 
-def test_parts_that_are_not_known_are_named_and_left_out() -> None:
+def test_unknown_parts_are_named_and_left_out() -> None:
     unknown_part = read_design(design(inside="<warpdrive><name>Flux\u202e</name></warpdrive>").encode(), "a.ork")
     assert any("Flux<U+202E>" in note for note in unknown_part.notes)
 
@@ -157,14 +157,14 @@ def test_a_damaged_file_is_named_in_one_line(what: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["zip", "gzip", "plain"])
-def test_what_unpacks_to_too_much_is_refused(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_archive_that_expands_too_much_is_refused(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(archive, "MAX_UNPACKED_SIZE", 2**20)
     content = packed(" " * (2**20 + 1), kind)
     with pytest.raises(DamagedLog, match="unpacks to more than 1 MiB"):
         read_design(content, "bomb.ork")
 
 
-def test_figures_beyond_belief_are_left_out() -> None:
+def test_impossible_figures_are_left_out() -> None:
     found = read_design(design(radius="33").encode(), "a.ork")
     assert found.diameter is None
     assert any(note.startswith("diameter: found 66") for note in found.notes)
@@ -178,7 +178,7 @@ BALANCED = """<simulations><simulation status="{status}"><name>Sim 1</name><flig
 </databranch></flightdata></simulation></simulations>"""
 
 
-def test_the_centers_of_gravity_and_pressure_are_those_off_the_launch_rod() -> None:
+def test_the_centers_of_gravity_and_pressure_are_those_at_rod_exit() -> None:
     def start(status: str, cp: float) -> Start:
         found = read_design(design(rest=BALANCED.format(status=status, cp=cp)).encode(), "skylark.ork")
         return found.start("Skylark", "A", "skylark.ork")
@@ -259,7 +259,9 @@ def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: 
         assert "initial Cd 0.55 from skylark.ork" in printed
 
 
-def test_the_command_keeps_it_and_says_what_it_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_saves_the_design_and_reports_what_it_found(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file, ledger = tmp_path / "skylark.ork", str(tmp_path / "ledger.db")
     file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))
     assert main(["--ledger", ledger, "ork", str(file), "--config", "A"]) == 0

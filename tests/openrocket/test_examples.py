@@ -51,7 +51,7 @@ def test_every_stored_simulation_is_reproduced(name: str, place: int, row: Examp
 
 
 def test_the_stored_area_would_have_been_wrong() -> None:
-    """So the gate can fail: 8 of the 17 designs miss it when a Cd is scaled by the stored area."""
+    """So the test can fail: 8 of the 17 designs fail it if Cd is scaled by the stored area."""
     off = [
         abs(float(rows[0]["stored_area_m2"]) / (math.pi / 4 * (float(rows[0]["diameter_mm"]) / 1e3) ** 2) - 1)
         for _, rows in EXAMPLES
@@ -72,7 +72,7 @@ def test_numbers_are_stored_as_openrocket_stores_them() -> None:
     ]
 
 
-def test_a_cd_on_another_reference_is_rescaled_to_the_body() -> None:
+def test_a_cd_on_another_reference_area_is_rescaled_to_the_body() -> None:
     name = "ARC payload rocket"
     body = _read(name).cd
     assert body is not None
@@ -84,7 +84,7 @@ def test_a_cd_on_another_reference_is_rescaled_to_the_body() -> None:
     assert any("does not match its Cd" in note for note in found.notes)
 
 
-def test_the_default_configuration_and_its_stages_set_the_reference() -> None:
+def test_the_default_configuration_and_its_stages_determine_the_reference_area() -> None:
     rows = dict(EXAMPLES)["Tube fin rocket"]
     stages = '<stage number="0" active="true"/><stage number="1" active="false"/>'
     booster = """<stage><name>Booster</name><subcomponents><bodytube><name>Wide</name><length>0.1</length>

@@ -1,4 +1,4 @@
-"""Masses of the parts of a design that are there several times, and of those that taper toward the tail."""
+"""Masses of parts that a design contains several times, and of parts that taper toward the tail."""
 
 import math
 
@@ -39,13 +39,13 @@ def test_fins_are_counted_once(counts: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["podset", "parallelstage"])
-def test_pods_and_boosters_weigh_as_much_as_there_are_of_them(kind: str) -> None:
+def test_pods_and_boosters_weigh_according_to_their_number(kind: str) -> None:
     one = TUBE.format(inside=f"<subcomponents>{WEIGHT}</subcomponents>")
     pods = f"<{kind}><instancecount>2</instancecount><subcomponents>{one}</subcomponents></{kind}>"
     assert _mass(pods) == pytest.approx(2 * (BODY + 0.02))
 
 
-def test_every_tube_of_a_cluster_weighs_and_what_is_in_it() -> None:
+def test_every_tube_of_a_cluster_and_its_contents_have_mass() -> None:
     mount = f"""<innertube>{PAPER}<length>0.1</length><outerradius>0.01</outerradius><thickness>0.001</thickness>
 <clusterconfiguration>3-ring</clusterconfiguration><subcomponents>{WEIGHT}</subcomponents></innertube>"""
     assert _mass(mount) == pytest.approx(3 * (700 * math.pi * (0.01**2 - 0.009**2) * 0.1 + 0.02))
@@ -72,14 +72,14 @@ def test_a_filled_ellipsoid_tail_has_the_volume_of_half_an_ellipsoid() -> None:
 
 
 @pytest.mark.parametrize(("section", "share"), [("square", 1.0), ("rounded", 0.99), ("airfoil", 0.85)])
-def test_a_fin_weighs_with_its_tab_and_by_its_cross_section(section: str, share: float) -> None:
+def test_the_mass_of_a_fin_includes_its_tab_and_depends_on_its_cross_section(section: str, share: float) -> None:
     """Source: OpenRocket's `FinSet`, whose tabs go through the wall of the tube."""
     more = f"<crosssection>{section}</crosssection><tabheight>0.012</tabheight><tablength>0.07</tablength>"
     fins = FINS.format(counts=f"<fincount>4</fincount>{more}")
     assert _mass(fins) == pytest.approx(700 * 4 * (share * 0.08 * 0.08 + 0.012 * 0.07) * 0.003)
 
 
-def test_a_fin_with_a_broken_point_is_no_crash() -> None:
+def test_a_fin_with_an_invalid_point_causes_no_crash() -> None:
     points = '<point x="0.0" y="0.0"/><point x="abc" y="0.05"/><point x="nan" y="0.05"/><point x="0.1" y="0.0"/>'
     fins = f"<freeformfinset>{PAPER}<thickness>0.003</thickness><finpoints>{points}</finpoints></freeformfinset>"
     assert math.isfinite(_mass(fins))
@@ -90,7 +90,7 @@ NOSE = f"""<nosecone>{PAPER}<length>0.1</length><thickness>filled</thickness><af
 
 
 @pytest.mark.parametrize(("shape", "usual"), [("ogive", 1), ("power", 0.5), ("parabolic", 1), ("haack", 0)])
-def test_a_nose_without_a_shape_parameter_has_the_one_of_openrocket(shape: str, usual: float) -> None:
+def test_a_nose_without_a_shape_parameter_has_openrockets_default(shape: str, usual: float) -> None:
     given = NOSE.format(shape, f"<shapeparameter>{usual}</shapeparameter>")
     assert _mass("", NOSE.format(shape, "")) == pytest.approx(_mass("", given))
 
@@ -117,7 +117,7 @@ def test_an_ogive_becomes_a_cone_as_its_parameter_falls() -> None:
 
 
 @pytest.mark.parametrize(("includes", "cd"), [("true", 0.52), ("false", None)])
-def test_a_cd_that_is_entered_counts_if_it_includes_the_parts_inside(includes: str, cd: float | None) -> None:
+def test_an_entered_cd_is_used_if_it_includes_the_parts_inside(includes: str, cd: float | None) -> None:
     entered = f"<overridecd>0.52</overridecd><overridesubcomponentscd>{includes}</overridesubcomponentscd>"
     stage = f"<stage>{entered}<subcomponents>{TUBE.format(inside='')}</subcomponents></stage>"
     rocket = f"<rocket><name>A</name><subcomponents>{stage}</subcomponents></rocket>"

@@ -1,4 +1,4 @@
-"""The stored simulations of OpenRocket's examples, flown again from their own figures: mass, Cd, wind and motor.
+"""The stored simulations of OpenRocket's examples, simulated again from their own figures: mass, Cd, wind and motor.
 
 OpenRocket flies the samples of a thrust curve as they are, whereas fieldkit scales them to the certified impulse; its
 wind is the same at every height, and its parachutes open at once.
@@ -31,7 +31,7 @@ EXAMPLES = dict(examples())
 Place = tuple[str, int]
 """A design and the number of one of its simulations."""
 APOGEE_GATE, DELAY_GATE = 0.02, 0.3
-"""On the apogee [1], and on the delay that brings the charge to apogee [s]."""
+"""Tolerances: of the apogee [1], and of the delay that brings the charge to apogee [s]."""
 NOT_FLOWN: dict[Place, str] = {
     ("Parallel booster staging", 0): "its boosters drop while the core burns, which is not modeled",
     ("Simulation extensions", 2): "it starts in the air",
@@ -81,20 +81,20 @@ LONGER_PODS = ("Pods--powered with recovery deployment", 0)
 """Its booster drops when its B6 ends, 0.15 s before the motors of its pods do, with which it drops here."""
 BOOSTER_ALONE = ("Pods--powered with recovery deployment", 3)
 PARTS_EARLY = ("Deployable payload", 2)
-"""Its payload leaves it while it climbs, and the best delay stored is that of what is left."""
+"""Its payload separates during the climb, and the stored best delay is that of the rest."""
 OTHER_TESTS = {"AeroTech G80T": (133.2, 1.81), "AeroTech H242T": (252.99, 1.34)}
 """Impulse [N s] and end of the curve [s] of the tests that OpenRocket flies of two motors, where the catalog has the
-curve of another test, which is stretched to them. Source: curve files G80_...44a and H242_...1b of ThrustCurve.org."""
+curve of another test, which is scaled to them. Source: curve files G80_...44a and H242_...1b of ThrustCurve.org."""
 A8 = (0.041, 0.512, 0.084, 2.115, 0.127, 4.358, 0.166, 6.794, 0.192, 8.588, 0.206, 9.294, 0.226, 9.730, 0.236, 8.845)
 A8 += (0.247, 7.179, 0.261, 5.063, 0.277, 3.717, 0.306, 3.205, 0.351, 2.884, 0.405, 2.499, 0.467, 2.371, 0.532, 2.307)
 A8 += (0.589, 2.371, 0.632, 2.371, 0.652, 2.243, 0.668, 1.794, 0.684, 1.153, 0.703, 0.448, 0.730, 0.0)
 """Times [s] and thrusts [N] of the older of two tests of the Estes A8: 2.32 N s, peak 9.73 N. Source: curve file
 A8_...4e3 of ThrustCurve.org."""
 NEWER_A8 = {"total_impulse": 2.15, "propellant_mass": 0.00384, "casing_mass": 0.01005}
-"""Of the newer test of the Estes A8, whose curve is the catalog's. Source: curve file A8_...897."""
+"""Times and thrusts of the newer test of the Estes A8, whose curve is in the catalog. Source: curve file A8_...897."""
 HALF_GRAM = {("Pods--airframes and winglets", 0): -0.0005}
-"""A rocket of 73 g whose mass is stored to a gram: the other simulations of its design have it at about 58.2 g without
-its motor, to which the lower end of what is stored here comes nearest. [kg]"""
+"""A rocket of 73 g whose mass is stored to a gram: in the other simulations of its design it has about 58.2 g without
+its motor, and this end of the rounding interval is closest to that. [kg]"""
 
 
 def _samples() -> dict[tuple[str, str], float]:
@@ -145,8 +145,8 @@ def _staged(name: str, place: int) -> bool:
 
 @cache
 def _booster_mass(name: str) -> float:
-    """Mass of each booster of a design without its motor, with which its first simulation has the top speed that is
-    stored: the one figure that the stored ones lack. [kg]"""
+    """Mass of each booster of a design without its motor, the only figure that is not stored: that which gives its
+    first simulation the stored top speed. [kg]"""
     stored = float(EXAMPLES[name][0]["top_speed_mps"])
     motors = _motor(name, 0, booster_mass=0.0).motor
     dry = float(EXAMPLES[name][0]["lift_off_kg"]) - motors.loaded_mass
@@ -160,9 +160,9 @@ def simulated(
     delay: float | None = None,
     booster_mass: float | None = None,
 ) -> FlightResult:
-    """A simulation by the physics of the field; the delay is the motor's own unless one is given [s].
+    """A simulation with fieldkit's own physics; the delay is the motor's own unless one is given [s].
 
-    Boosters weigh what `_booster_mass` says unless a mass is given [kg].
+    Boosters have the mass from `_booster_mass` unless one is given [kg].
     """
     row, found = EXAMPLES[name][place], _motor(name, place, booster_mass)
     cd = read_design(design(name, EXAMPLES[name], dry_mass=0.1), "example.ork").simulations[place].cd
@@ -194,7 +194,7 @@ def _more_drag(state: State, strength: Array) -> Array:
     return np.asarray(-strength * (state.speed / state.air.sound_speed(state.height)) ** 2 * state.drag)
 
 
-def test_what_is_not_flown_and_why() -> None:
+def test_unsupported_simulations_are_listed_with_the_reason() -> None:
     every = {(name, place) for name, rows in EXAMPLES.items() for place in range(len(rows))}
     assert len(every) == 60
     assert every >= NOT_FLOWN.keys() | FASTER.keys()
@@ -208,13 +208,14 @@ def test_what_is_not_flown_and_why() -> None:
 
 @pytest.mark.parametrize(("name", "place"), FLOWN)
 def test_a_simulation_reaches_its_apogee(name: str, place: int) -> None:
-    """Even if the charge fires in a fast climb, as every C6-3 here does: the parachute then stops it at once."""
+    """Even if the charge fires in a fast climb, as with every C6-3 here: the parachute then stops the rocket at
+    once."""
     row = EXAMPLES[name][place]
     assert float(simulated(name, place).apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=APOGEE_GATE)
 
 
 @pytest.mark.parametrize(("name", "place"), [*FLOWN, *FASTER])
-def test_the_delay_that_brings_the_charge_to_apogee_is_that_of_its_simulation(name: str, place: int) -> None:
+def test_the_best_delay_agrees_with_the_simulation(name: str, place: int) -> None:
     """OpenRocket counts it from the end of the thrust curve."""
     row = EXAMPLES[name][place]
     best = float(simulated(name, place, delay=90.0).rise_time[0]) - float(row["burnout_s"])
@@ -233,8 +234,9 @@ def test_one_simulation_is_slower_than_its_own_figures(name: str, place: int) ->
 
 
 @pytest.mark.parametrize("name", DRAG_GROWS)
-def test_drag_that_grows_with_speed_has_the_medians_that_are_stored(name: str) -> None:
-    """Those of all its simulations, in burn and coast, to within a third of what the best single Cd leaves."""
+def test_drag_that_grows_with_speed_has_the_stored_medians(name: str) -> None:
+    """In all simulations of the design, for burn and coast, the errors are below a third of those of the best single
+    Cd."""
     stored = np.array([(float(row["cd_thrust"]), float(row["cd_coast"])) for row in EXAMPLES[name]])
     medians = np.array([_medians(name, place, *DRAG_GROWS[name]) for place in range(len(stored))])
     assert np.abs(medians - stored).max() < np.ptp(stored) / 2 / 3
@@ -242,7 +244,7 @@ def test_drag_that_grows_with_speed_has_the_medians_that_are_stored(name: str) -
 
 def _medians(name: str, place: int, c0: float, c1: float) -> tuple[float, float]:
     """Medians of Cd over the burn, and over the coast above 30% of the top speed, of a vertical flight by Euler's
-    method, which is none of fieldkit's."""
+    method, independent of fieldkit."""
     row, motor = EXAMPLES[name][place], _motor(name, place).motor
     area, step = np.pi / 4 * (float(row["diameter_mm"]) / 1e3) ** 2, 5e-3
     burning = np.arange(0.0, motor.time[-1], step)

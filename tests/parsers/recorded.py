@@ -1,4 +1,4 @@
-"""The real recordings, which are next to the repository if available and not part of it."""
+"""The real recordings, which are not part of the repository but next to it if available."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The journal of AltimeterTwo readouts, against the one that a flyer published."""
+"""The journal of AltimeterTwo readouts, tested with one that a flyer published."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,7 +22,7 @@ def journal(*rows: str) -> Intake:
     return read((HEADER + "".join(f"{row}\n" for row in rows)).encode("cp1252"), "j.csv", any_motor)
 
 
-def test_readouts_come_in_as_si() -> None:
+def test_readouts_are_converted_to_si() -> None:
     (flight,) = journal("7,1,2,2014-05-03,C6-5,,640.000,140.000,1.8,9.8,3.5,4.4,-.100,628,9,52.1,").flights
     assert (flight.apogee, flight.top_speed) == pytest.approx((195.072, 62.5856))
     assert (flight.apogee_to_eject, flight.burn_time) == pytest.approx((-0.1, 1.8))
@@ -37,12 +37,12 @@ def test_the_case_of_the_header_does_not_matter(change: Callable[[str], str]) ->
     assert changed.flights == written.flights
 
 
-def test_empty_is_not_recorded_and_zero_is_zero() -> None:
+def test_an_empty_cell_is_not_recorded_and_zero_is_zero() -> None:
     (flight,) = journal("7,1,2,2014-05-03,C6-5,,640,,,,,,.000,,,,").flights
     assert flight.readouts() == pytest.approx({"apogee": 195.072, "apogee_to_eject": 0.0})
 
 
-def test_the_delay_note_is_kept_and_is_no_delay() -> None:
+def test_the_note_on_the_delay_is_kept_and_not_read_as_a_delay() -> None:
     (flight,) = journal("7,1,2,2014-05-03,C6-5,2,640,,,,,,,,,,").flights
     assert flight.delay is None
     assert flight.extra["DelayNote"] == "2"
@@ -68,7 +68,7 @@ def test_several_motors_are_tagged(motors: str, motor: str, tags: tuple[str, ...
     assert (flight.motor, flight.tags) == (motor, tags)
 
 
-def test_a_row_that_slipped_a_column_is_not_used_in_the_fit() -> None:
+def test_a_row_shifted_by_a_column_is_not_used_in_the_fit() -> None:
     (flight,) = journal("7,2,3,2014-06-21,D12-5,,,129,.5,3.1,13.1,18.0,,,,20.1,").flights
     assert flight.tags == ("altimeter_fault",)
 
@@ -89,14 +89,14 @@ def test_a_note_may_hold_commas_without_quotes() -> None:
         ("7,1,2,2014-05-03,C6-5,,640,1", None),
     ],
 )
-def test_a_bad_row_is_named_by_the_journals_own_column(row: str, column: str | None) -> None:
+def test_the_error_of_a_bad_row_names_the_journals_own_column(row: str, column: str | None) -> None:
     got = journal(row, "8,1,2,2014-05-03,C6-5,,640,,,,,,,,,,")
     assert [(r.row, r.column) for r in got.rejected] == [(2, column)]
     assert len(got.flights) == 1
 
 
 @real
-def test_the_published_journal_is_read_whole() -> None:
+def test_the_published_journal_is_read_completely() -> None:
     files = [(path.name, path.read_bytes()) for path in sorted(LOGS.glob("altimetertwo__*.csv"))]
     launches, rockets = read_together(files, any_motor)
     assert len(launches.flights) == 94
@@ -108,7 +108,7 @@ def test_the_published_journal_is_read_whole() -> None:
 
 
 @real
-def test_no_other_published_log_is_taken_for_a_table_of_flights() -> None:
+def test_no_other_published_log_is_mistaken_for_a_table_of_flights() -> None:
     for path in LOGS.iterdir():
         if not path.name.startswith("altimetertwo__"):
             assert not {"flight_table", "altimetertwo_journal"} & set(claims(path.read_bytes())), path.name

@@ -1,4 +1,4 @@
-"""AltOS: every generation of CSV, the flash in both forms, the radio log, each against a flight that is known."""
+"""AltOS: every version of CSV, the flash in both forms and the radio log, each compared with a known flight."""
 
 from pathlib import Path
 
@@ -86,7 +86,7 @@ def test_the_current_export_has_its_second_altitude_from_satellites() -> None:
         ("altos_telem__telemetrum_1.telem", 133, 0.2, 1.0),
     ],
 )
-def test_the_flight_comes_back_from_every_form(name: str, rows: int, seconds: float, steps: float) -> None:
+def test_the_flight_is_recovered_from_every_form(name: str, rows: int, seconds: float, steps: float) -> None:
     reading, _ = read(name)
     series, truth = reading.clocks[0], flight()
     assert len(series.time) == rows
@@ -115,15 +115,15 @@ def test_acceleration_is_net_of_gravity(name: str) -> None:
     assert series.acceleration[series.time < 0] == pytest.approx(0.0, abs=0.5)
 
 
-def test_counts_that_are_not_those_of_the_pad_are_no_acceleration() -> None:
-    """As of a unit that was mounted upside down, or of a firmware that keeps something else there."""
+def test_accelerometer_counts_that_do_not_fit_the_pad_are_not_used() -> None:
+    """For example if a unit was mounted upside down, or its firmware stores something else there."""
     name = "altos_eeprom__easymega_cut_off.eeprom"
     log = (LOGS / name).read_bytes().replace(b"46 31 09 00 03 00 bb 3c", b"46 32 09 00 03 00 bb 3b")
     assert log != (LOGS / name).read_bytes()
     assert read(name, log)[0].clocks[0].acceleration is None
 
 
-def test_what_was_not_measured_is_nan() -> None:
+def test_missing_measurements_are_nan() -> None:
     series = read("altos_csv__a_barometer_alone.csv")[0].clocks[0]
     assert series.temperature is not None
     assert series.voltage is not None
@@ -131,14 +131,14 @@ def test_what_was_not_measured_is_nan() -> None:
     assert np.flatnonzero(np.isnan(series.voltage)).tolist() == [30]
 
 
-def test_a_fix_repeated_without_satellites_is_none() -> None:
+def test_a_repeated_fix_without_satellites_is_not_used() -> None:
     series = read("altos_csv__with_satellites.csv")[0].clocks[0]
     for channel in (series.latitude, series.longitude, series.gps_altitude_msl):
         assert channel is not None
         assert np.isnan(channel).sum() == 40
 
 
-def test_a_state_that_returns_does_not_move_its_event() -> None:
+def test_a_state_that_recurs_does_not_move_its_event() -> None:
     log = (LOGS / "altos_csv__version_5_with_a_comma_missing.csv").read_bytes()
     assert log.count(b"3,   boost") == 17
     assert read("altos_csv__", log)[0].events["liftoff"] == 0.0
@@ -153,14 +153,14 @@ def test_the_clock_of_the_radio_form_continues_where_it_wraps_and_over_gaps() ->
     assert np.nanmax(heights(series)) == pytest.approx(flight().apogee, abs=1)
 
 
-def test_two_flights_of_a_csv_are_two_readings() -> None:
+def test_two_flights_in_a_csv_are_two_readings() -> None:
     log = (LOGS / "altos_csv__a_barometer_alone.csv").read_text()
     second = "".join(line.replace("2417, 3,", "2417, 4,") + "\n" for line in log.splitlines()[1:])
     found = parsers()["altos_csv"].read((log + second).encode())
     assert [item.extra["flight"] for item in found if isinstance(item, Reading)] == ["3", "4"]
 
 
-def test_a_damaged_line_of_flash_costs_the_records_on_it() -> None:
+def test_only_the_records_on_a_damaged_line_of_flash_are_lost() -> None:
     whole, _ = read("altos_eeprom__telemetrum_2_old_form.eeprom")
     hurt, rest = read("altos_eeprom__telemetrum_2_with_damage.eeprom")
     lost = set(whole.clocks[0].time.round(2)) - set(hurt.clocks[0].time.round(2))
@@ -170,7 +170,7 @@ def test_a_damaged_line_of_flash_costs_the_records_on_it() -> None:
     assert "1 record has a wrong checksum" in str(rest[1])
 
 
-def test_positions_have_a_clock_of_their_own() -> None:
+def test_positions_have_their_own_clock() -> None:
     _, positions = read("altos_eeprom__telemetrum_2_with_damage.eeprom")[0].clocks
     assert len(positions.time) == 5
     assert positions.latitude == pytest.approx(np.full(5, 47.1), abs=1e-4)
@@ -184,7 +184,7 @@ def test_a_sensor_without_its_calibration_is_refused() -> None:
         read("altos_eeprom__", log.replace(b'"log_format": 6', b'"log_format": 9'))
 
 
-def test_a_packet_that_the_radio_garbled_is_not_taken() -> None:
+def test_a_garbled_radio_packet_is_not_used() -> None:
     reading, rest = read("altos_telem__telemetrum_2_with_gaps.telem")
     assert Note("7 packets with a bad radio checksum, left out") in rest
     assert DamagedLog in [type(item) for item in rest]
@@ -199,20 +199,20 @@ def test_two_rockets_on_one_channel_are_two_readings() -> None:
 
 
 def other_locale(name: str, separator: str, decimal: str) -> bytes:
-    """A sample as a spreadsheet or a program of another country saves it."""
+    """A sample as saved by a spreadsheet or program with another locale."""
     text = (LOGS / name).read_text(encoding="utf-8")
     return text.replace(",", "\0").replace(".", decimal).replace("\0", separator).encode()
 
 
 @pytest.mark.parametrize(("separator", "decimal"), [(";", ","), ("\t", "."), ("\t", ",")])
-def test_cells_may_be_parted_as_in_another_country(separator: str, decimal: str) -> None:
+def test_separators_may_be_those_of_another_locale(separator: str, decimal: str) -> None:
     name = "altos_csv__a_barometer_alone.csv"
     log = other_locale(name, separator, decimal)
     assert claims(log) == ["altos_csv"]
     assert heights(read(name, log)[0].clocks[0]) == pytest.approx(heights(read(name)[0].clocks[0]))
 
 
-def test_a_comma_that_may_part_cells_or_decimals_is_refused() -> None:
+def test_a_comma_that_may_separate_cells_or_decimals_is_refused() -> None:
     name = "altos_csv__a_barometer_alone.csv"
     with pytest.raises(DamagedLog, match="commas both between cells and in decimals"):
         read(name, other_locale(name, ",", ","))

@@ -1,4 +1,5 @@
-"""AltiMulti and similar: sentences with a checksum, several flights in one text, boards that print through 16 bits."""
+"""AltiMulti and similar: sentences with a checksum, several flights in one text, boards that print numbers modulo 16
+bits."""
 
 import numpy as np
 import pytest
@@ -33,14 +34,14 @@ def test_the_checksum_is_the_published_one(published: bytes) -> None:
     assert sentence(body.decode() + ",") == b"$" + body + b"," + check + b";\n"
 
 
-def test_a_published_sample_becomes_si() -> None:
+def test_a_published_sample_is_converted_to_si() -> None:
     (flight,) = flights(b"$start;\n$data,0,50,12,21,100873,48;\n$end;\n")
     (series,) = flight.clocks
     assert (series.time, series.altitude, series.pressure) == ([0.05], [12], [100873])
     assert series.temperature == pytest.approx([294.15])
 
 
-def test_a_wrong_checksum_costs_its_sample_alone() -> None:
+def test_a_wrong_checksum_loses_only_its_sample() -> None:
     log = data("0,50,12,21,100873", "0,100,15,21,100840", "0,150,19,21,100800").replace(b",15,", b",95,")
     flight, damaged = read(log)
     assert isinstance(flight, Reading)
@@ -49,7 +50,7 @@ def test_a_wrong_checksum_costs_its_sample_alone() -> None:
     assert damaged.row == 3
 
 
-def test_flights_of_one_text_stay_separate() -> None:
+def test_flights_in_one_text_stay_separate() -> None:
     one, other = flights(data("0,50,12,21,100873", "3,50,1,20,100900", "0,100,15,21,100840"))
     assert (one.extra["flight_number"], other.extra["flight_number"]) == ("0", "3")
     assert len(one.clocks[0].time) == 2
@@ -65,7 +66,7 @@ def test_time_and_pressure_of_an_eight_bit_board_are_unwrapped() -> None:
     assert series.pressure.tolist() == [100_873 - 12 * h for h in range(30)]
 
 
-def test_what_follows_the_pressure_is_named_by_the_board_alone() -> None:
+def test_the_columns_after_the_pressure_depend_on_the_board() -> None:
     sample = "0,50,12,21,100873,742,4710000,840000,320,9,12,318"
     flight, note = read(data(sample, sample))
     assert isinstance(flight, Reading)
@@ -79,7 +80,7 @@ def test_what_follows_the_pressure_is_named_by_the_board_alone() -> None:
     assert (flight.device, flight.firmware) == ("bdureau AltiGPS", "1.4")
 
 
-def test_a_capture_of_telemetry_alone_states_its_apogee() -> None:
+def test_a_capture_of_only_telemetry_states_its_apogee() -> None:
     rows = [("0,0,0,0", 0), ("40,1,0,0", 1000), ("118,1,1,121", 5000), ("0,1,1,121", 30_000)]
     log = b"".join(
         sentence(f"telemetry,{row},{int(t > 9000)},50,{int(t > 9000)},{t},1,1,-1,-1,7.4,") for row, t in rows
@@ -89,7 +90,7 @@ def test_a_capture_of_telemetry_alone_states_its_apogee() -> None:
     assert flight.events == {"liftoff": 1, "apogee": 5, "main": 30, "landing": 30}
 
 
-def test_a_capture_without_a_sample_is_no_flight() -> None:
+def test_a_capture_without_a_sample_is_not_a_flight() -> None:
     with pytest.raises(DamagedLog, match="no sample of a flight"):
         read(b"$start;\n" + sentence("nbrOfFlight,3,") + b"$end;\n")
 

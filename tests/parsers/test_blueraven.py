@@ -1,4 +1,4 @@
-"""Blue Raven: its app's files, the summary beside them, and the frames it sends over USB."""
+"""Blue Raven: its app's files, their summary, and the frames sent over USB."""
 
 import numpy as np
 import pytest
@@ -78,7 +78,7 @@ def test_the_summary_of_a_real_flight_states_figures() -> None:
 
 
 @real
-def test_the_files_of_one_real_flight_bring_one_flight_in_either_order() -> None:
+def test_the_files_of_one_real_flight_give_one_flight_in_either_order() -> None:
     files = [(name, (LOGS / name).read_bytes()) for name in (SUMMARY, LOW)]
     for order in (files, files[::-1]):
         intakes = {intake.source: intake for intake in read_together(order, any_motor)}
@@ -102,7 +102,7 @@ def test_files_of_flights_minutes_apart_stay_separate() -> None:
     assert [len(intake.flights) for intake in intakes] == [1, 1]
 
 
-def test_a_flight_that_comes_twice_in_a_file_is_taken_once() -> None:
+def test_a_flight_that_is_twice_in_a_file_is_read_once() -> None:
     low = BY_NAME["blueraven_app__low_rate.csv"]
     header, rows = low.split(b"\n", 1)
     intake = read(header + b"\n" + rows + rows, "low.csv", any_motor)
@@ -110,14 +110,14 @@ def test_a_flight_that_comes_twice_in_a_file_is_taken_once() -> None:
     assert any("repeats an earlier flight" in note for note in intake.notes)
 
 
-def test_a_time_of_day_that_a_spreadsheet_spoilt_leaves_the_day() -> None:
+def test_the_day_is_kept_if_a_spreadsheet_spoiled_the_time_of_day() -> None:
     low = BY_NAME["blueraven_app__low_rate.csv"].replace(b",11:04:", b",04:")
     (flight,) = (item for item in parsers()["blueraven_app"].read(low) if isinstance(item, Reading))
     assert str(flight.stated["date_time"]) == "2026-05-02 00:00:00"
 
 
 @pytest.mark.parametrize("scale", [1.0, STANDARD_GRAVITY, 1000.0])
-def test_a_high_rate_acceleration_is_one_g_on_the_pad_in_whatever_unit(scale: float) -> None:
+def test_a_high_rate_acceleration_is_one_g_on_the_pad_in_any_unit(scale: float) -> None:
     rows = [
         f"2026,5,2,11:04:05.0,{t:.3f},0,0,0,0,{-scale * (1 if t < 0 else 9):.3f},0,0" for t in np.arange(-1, 1, 0.01)
     ]
@@ -130,7 +130,7 @@ def test_a_high_rate_acceleration_is_one_g_on_the_pad_in_whatever_unit(scale: fl
     assert high.felt[-1] == pytest.approx(9 * STANDARD_GRAVITY, rel=1e-3)
 
 
-def test_a_high_rate_acceleration_of_no_certain_unit_is_left_out() -> None:
+def test_a_high_rate_acceleration_of_unknown_unit_is_left_out() -> None:
     rows = [f"2026,5,2,11:04:05.0,{t:.3f},0,0,0,0,{3.3:.3f},0,0" for t in np.arange(-1, 1, 0.01)]
     header = "Year,Month,Day,Time,Flight_Time_(s),Sync,Gyro_X,Gyro_Y,Gyro_Z,Accel_X,Accel_Y,Accel_Z"
     flight, note = parsers()["blueraven_app"].read("\n".join([header, *rows, ""]).encode())
@@ -139,7 +139,7 @@ def test_a_high_rate_acceleration_of_no_certain_unit_is_left_out() -> None:
     assert isinstance(note, Note)
 
 
-def test_a_damaged_line_of_a_summary_costs_its_figure_alone() -> None:
+def test_a_damaged_line_of_a_summary_loses_only_its_figure() -> None:
     summary = BY_NAME["blueraven_summary__what_the_app_shows.csv"].replace(b"Max velocity,", b"Max velocity,fast ")
     flight, damage = parsers()["blueraven_summary"].read(summary)
     assert isinstance(flight, Reading)
@@ -152,7 +152,7 @@ def test_the_checksum_of_frames_is_the_published_one() -> None:
     assert crc(b"123456789") == 0xFEE8
 
 
-def test_a_frame_becomes_si() -> None:
+def test_a_frame_is_converted_to_si() -> None:
     flight, *_ = usb(frame("05.250", "Bo: 6800 48000 V: 4110 Vel: 100 2 3 Pos: 9 9 9 ang: 455 0 0") + frame("05.270"))
     assert isinstance(flight, Reading)
     (low,) = flight.clocks
@@ -164,7 +164,7 @@ def test_a_frame_becomes_si() -> None:
     assert low.tilt == pytest.approx([np.radians(45.5), np.nan], nan_ok=True)
 
 
-def test_a_line_printed_over_by_the_next_gives_the_next() -> None:
+def test_of_a_line_overprinted_by_the_next_the_next_is_read() -> None:
     whole = frame("05.250")
     (flight,) = usb(frame("05.210") + whole[:30] + b"0@ LOG_LOW   " + whole + frame("05.290"))
     assert isinstance(flight, Reading)
@@ -175,7 +175,7 @@ def test_a_line_printed_over_by_the_next_gives_the_next() -> None:
     assert note == Note("has a frame with a bad checksum, left out; 1 such line in all", 2)
 
 
-def test_a_frame_with_one_flipped_bit_is_lost_and_no_other() -> None:
+def test_only_the_frame_with_a_flipped_bit_is_lost() -> None:
     log = bytearray(frame("05.250") * 1 + frame("05.270") + frame("05.290"))
     log[len(frame("05.250")) + 50] ^= 1
     flight, note = usb(bytes(log))
@@ -184,7 +184,7 @@ def test_a_frame_with_one_flipped_bit_is_lost_and_no_other() -> None:
     assert isinstance(note, Note)
 
 
-def test_frames_read_whatever_ends_their_lines() -> None:
+def test_frames_are_read_with_any_line_ending() -> None:
     log = frame("05.250") + frame("05.270")
     for end in (b"\n", b"\r"):
         (flight,) = usb(log.replace(b"\r\n", end))
@@ -192,18 +192,18 @@ def test_frames_read_whatever_ends_their_lines() -> None:
         assert len(flight.clocks[0].time) == 2
 
 
-def test_a_line_that_is_no_frame_says_nothing() -> None:
+def test_a_line_that_is_not_a_frame_is_ignored() -> None:
     with pytest.raises(DamagedLog, match="no frame"):
         usb(b"@ LOG_LOW")
 
 
-def test_a_long_gap_in_the_frames_parts_two_flights() -> None:
+def test_a_long_gap_in_the_frames_separates_two_flights() -> None:
     body = b"@ LOG_LOW 99 2026 5 2 11:44:05.250 10 Bo: 6800 48000"
     second = body + f" CRC: {crc(body):04X}\r\n".encode()
     flights = usb(frame("05.250") + second)
     assert [len(flight.clocks[0].time) for flight in flights if isinstance(flight, Reading)] == [1, 1]
 
 
-def test_frames_all_damaged_are_no_flight() -> None:
+def test_only_damaged_frames_are_not_a_flight() -> None:
     with pytest.raises(DamagedLog, match="no frame with a good checksum"):
         usb(frame("05.250").replace(b"48000", b"48001"))

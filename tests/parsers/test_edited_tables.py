@@ -1,4 +1,4 @@
-"""Logs after a spreadsheet or a script has edited them: other columns, another order, numbers as people write them."""
+"""Logs edited by a spreadsheet or a script: other columns, another order, numbers as people write them."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -38,7 +38,7 @@ def edited(log: str, edit: Edit) -> bytes:
 
 
 def numbered(cells: list[str], row: int) -> list[str]:
-    """With the row numbers that a data frame is saved with, below an empty name."""
+    """A table with the row numbers that a saved data frame has, below an empty name."""
     return ["" if row == 0 else str(row), *cells]
 
 
@@ -72,7 +72,7 @@ def test_columns_are_found_by_their_names(name: str, edit: Edit) -> None:
 
 
 @pytest.mark.parametrize("order", [(0, 2, 1, 3, 4), (1, 0, 4, 3, 2), (4, 1, 0, 2, 3)])
-def test_the_columns_of_a_pf2_are_those_that_its_line_of_names_says(order: Sequence[int]) -> None:
+def test_the_columns_of_a_pf2_are_those_in_its_header(order: Sequence[int]) -> None:
     plain = text("perfectflite__drogue_and_main")
     names = ["Time", "Altitude", "Velocity", "Temperature (F)", "Voltage"]
     lines = [
@@ -99,19 +99,19 @@ def test_a_pf2_with_one_more_column_has_the_same_heights() -> None:
     np.testing.assert_array_equal(got.altitude, expected.altitude)
 
 
-def test_an_empty_name_before_a_clock_is_no_comment_mark_of_a_simulation() -> None:
+def test_an_empty_name_before_a_clock_is_not_a_comment_of_a_simulation() -> None:
     log = edited(text("mapped_table__time_three_axes"), numbered)
     assert claims(log) == ["mapped_table"]
 
 
-def test_rows_of_an_aim_xtra_may_end_with_their_last_number() -> None:
+def test_rows_of_an_aim_xtra_may_end_at_their_last_number() -> None:
     plain = text("aim_xtra")
     log = "\n".join(line.rstrip(",") for line in plain.splitlines()) + "\n"
     for one, other in zip(clocks(plain.encode(), "aim_xtra"), clocks(log.encode(), "aim_xtra"), strict=True):
         np.testing.assert_array_equal(other.time, one.time)
 
 
-def test_an_eggtimer_with_two_byte_order_marks_is_one() -> None:
+def test_an_eggtimer_log_with_two_byte_order_marks_is_read() -> None:
     assert recognise(b"\xef\xbb\xbf" * 2 + text("eggtimer__classic").encode()).title == "Eggtimer"
     assert clocks(b"\xef\xbb\xbf" * 2 + text("eggtimer__classic").encode(), "eggtimer")
 
@@ -125,7 +125,7 @@ def test_an_eggtimer_with_two_byte_order_marks_is_one() -> None:
         ("\t", ["0.05\t998.5", "0.1\t1,002.5", "0.15\t-1,234,567"]),
     ],
 )
-def test_thousands_may_be_separated_as_a_spreadsheet_does(separator: str, rows: Sequence[str]) -> None:
+def test_thousands_may_be_separated_as_in_a_spreadsheet(separator: str, rows: Sequence[str]) -> None:
     table = read_columns("\n".join([*rows, ""]).encode(), CHANNELS, after=0, separator=separator)
     assert table.values["time"].tolist() == [0.05, 0.1, 0.15]
     assert table.values["altitude"].tolist() == [998.5, 1002.5, -1234567]
@@ -159,14 +159,14 @@ def counted(milliseconds: Sequence[int]) -> bytes:
     return "\n".join(["time_ms,altitude_m", *rows, ""]).encode()
 
 
-def test_a_second_flight_within_the_range_of_a_counter_is_no_overflow() -> None:
+def test_a_second_flight_within_the_range_of_a_counter_is_not_an_overflow() -> None:
     steps = [50 * i for i in range(1230)]
     assert [one.time[-1] for one in clocks(counted(steps + steps), "mapped_table")] == pytest.approx([61.45, 61.45])
     (whole,) = clocks(counted([(50_000 + step) % 65_536 for step in steps]), "mapped_table")
     assert np.ptp(whole.time) == pytest.approx(61.45)
 
 
-def test_an_impossible_first_time_costs_its_row_alone() -> None:
+def test_an_impossible_first_time_loses_only_its_row() -> None:
     rows = [f"{1_700_000_000 + i / 20:.2f},{max(0, i - 20)}" for i in range(100)]
     log = "\n".join(["timestamp_s,altitude_m", "99999999999999,0", *rows, ""]).encode()
     (reading,) = (one for one in parsers()["mapped_table"].read(log) if isinstance(one, Reading))
@@ -174,7 +174,7 @@ def test_an_impossible_first_time_costs_its_row_alone() -> None:
     assert np.ptp(reading.clocks[0].time) == pytest.approx(4.95)
 
 
-def test_starts_of_a_micropeak_without_a_header_are_not_read_one_by_one() -> None:
+def test_repeated_starts_of_a_micropeak_without_a_header_are_read_in_linear_time() -> None:
     start: re.Pattern[bytes] = vars(getmodule(parsers()["micropeak"].read))["START"]
     assert not list(start.finditer(b"MP0 " * 5000))
     assert len(list(start.finditer(b"MP0 MPa0860100b88201000300"))) == 1

@@ -37,7 +37,7 @@ def rounded(flight: Flight, column: Column, value: float) -> float:
 
 
 def summary(intake: Intake) -> dict[str, object]:
-    """The figures a flyer would check, at the edge and rounded as a display shows them."""
+    """The figures that a flyer would check, in units of the display and rounded like there."""
     flights = [
         {
             "flight_id": flight.flight_id,
@@ -78,7 +78,7 @@ def test_every_parser_has_a_sample_log(name: str) -> None:
 
 
 @every_sample
-def test_a_sample_is_claimed_by_its_own_parser_and_no_other(sample: Path) -> None:
+def test_a_sample_is_claimed_only_by_its_own_parser(sample: Path) -> None:
     log = sample.read_bytes()
     assert claims(log) == [owner(sample)]
     assert isinstance(recognise(log), Parser)
@@ -86,12 +86,12 @@ def test_a_sample_is_claimed_by_its_own_parser_and_no_other(sample: Path) -> Non
 
 @cache
 def first_read(sample: Path) -> Intake:
-    """What a sample is read as."""
+    """The result of reading a sample."""
     return read(sample.read_bytes(), sample.name, any_motor)
 
 
 @every_sample
-def test_a_sample_reads_as_its_golden_figures_say(sample: Path) -> None:
+def test_a_sample_has_its_golden_figures(sample: Path) -> None:
     got = summary(first_read(sample))
     assert got == json.loads((GOLDEN / f"{sample.name}.json").read_text(encoding="utf-8"))
 
@@ -122,7 +122,7 @@ def test_a_clock_never_runs_backwards_and_every_channel_has_numbers(sample: Path
 @every_sample
 def test_reading_a_log_twice_gives_the_same_flights(sample: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before = first_read(sample)
-    monkeypatch.setattr("fieldkit.importing.from_samples.measure", measure)  # and not what a test measured before
+    monkeypatch.setattr("fieldkit.importing.from_samples.measure", measure)  # without results of an earlier measurement
     assert read(sample.read_bytes(), sample.name, any_motor) == before
 
 
@@ -136,7 +136,7 @@ def whole_flights(sample: Path) -> int:
 @every_sample
 @examples(6)
 @given(data=st.data())
-def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) -> None:
+def test_a_truncated_log_is_damaged_and_not_a_crash(sample: Path, data: st.DataObject) -> None:
     log = sample.read_bytes()
     torn = log[: data.draw(st.integers(0, len(log) - 1))]
     with unmeasured():
@@ -153,7 +153,7 @@ def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) ->
     cuts=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6),
     forced=st.booleans(),
 )
-def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_fix(
+def test_a_mangled_log_raises_only_errors_that_the_flyer_can_fix(
     sample: Path, cuts: list[tuple[float, int, bytes]], forced: bool
 ) -> None:
     log = sample.read_bytes()
@@ -175,7 +175,7 @@ def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_fix(
 @pytest.mark.parametrize("name", parsers())
 @given(log=st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
 @examples(25)
-def test_junk_is_refused_by_every_parser_in_one_line(name: str, log: bytes) -> None:
+def test_random_bytes_are_refused_by_every_parser_in_one_line(name: str, log: bytes) -> None:
     for line in troubles(log, "junk", name):
         assert len(line.splitlines()) == 1
         assert line.startswith("junk")
@@ -192,7 +192,7 @@ RESAVED = ("aim_xtra", "altimetercloud", "blueraven_app", "cats", "eggtimer", "f
 def test_a_table_saved_with_decimal_commas_reads_the_same(sample: Path) -> None:
     log, parser = sample.read_bytes(), parsers()[owner(sample)]
     if b"," not in log.splitlines()[-2]:
-        return  # separated by blanks or tabs: no other separator to try
+        return  # separated by spaces or tabs: no other separator to try
     saved = re.sub(rb"(?<=\d)\.(?=\d)", b"\0", log).replace(b",", b";").replace(b"\0", b",")
     assert claims(saved) == [owner(sample)]
     ours, theirs = ([c for r in parser.read(one) if isinstance(r, Reading) for c in r.clocks] for one in (log, saved))

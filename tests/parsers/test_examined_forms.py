@@ -25,7 +25,7 @@ def readings(log: bytes) -> list[Reading]:
 
 
 def ground_station(own_name: str, *, station_first: bool) -> bytes:
-    """What a ground station hears: the tracker's place and height, and its own, which is as it is carried about."""
+    """What a ground station logs: position and height of the tracker, and its own while it is carried around."""
     time = np.arange(-10.0, MADE.time[-1], 0.5)
     height = (MADE.pad + MADE.at(time, MADE.height)) / FOOT
     speed = MADE.at(time, MADE.speed) / FOOT
@@ -56,7 +56,7 @@ def test_a_ground_station_s_own_height_and_speed_are_not_the_rocket_s(own_name: 
 
 
 @pytest.mark.parametrize("title", ["MET Acc Vel iAlt pAlt", "# MET  Acc  Vel  iAlt  pAlt"])
-def test_an_arts2_with_names_between_blanks_and_commas_between_numbers(title: str) -> None:
+def test_an_arts2_table_may_have_spaces_around_names_and_commas_between_numbers(title: str) -> None:
     time = np.arange(-1.0, MADE.time[-1], 0.02)
     height, speed, felt = (MADE.at(time, values) for values in (MADE.height, MADE.speed, MADE.felt))
     rows = zip(time + 1, felt / GRAVITY, speed / FOOT, height / FOOT, height / FOOT, strict=True)
@@ -79,7 +79,7 @@ def test_the_accelerometers_of_a_cats_may_have_names(name: str) -> None:
     np.testing.assert_allclose(total, np.hypot(felt, 0.036), atol=0.01)
 
 
-def test_the_new_form_of_a_cats_s_filtered_data() -> None:
+def test_the_new_form_of_filtered_data_of_a_cats_is_read() -> None:
     time = np.arange(-0.7, MADE.time[-1], 0.01)
     height, net = MADE.at(time, MADE.height), MADE.at(time, MADE.felt) - GRAVITY
     rows = "".join(f"{t:.3f},{h:.2f},{a:.2f}\n" for t, h, a in zip(time, height, net, strict=True))
@@ -104,7 +104,7 @@ def telemetry(height: np.ndarray) -> bytes:
     return "\n".join(lines).encode() + b"\n"
 
 
-def test_radio_that_heard_no_flight_is_no_flight_of_a_few_meters_a_second() -> None:
+def test_radio_packets_without_a_flight_are_not_a_slow_flight() -> None:
     rng = np.random.default_rng(3)
     still = telemetry(np.clip(rng.normal(1, 1, 900), -5, 5))
     assert parsers()["altos_telem"].recognises(still)
@@ -117,7 +117,7 @@ def test_radio_that_heard_no_flight_is_no_flight_of_a_few_meters_a_second() -> N
 
 
 @pytest.mark.parametrize("boost", [0.0, 0.05, 1.0])
-def test_a_log_of_accelerations_alone_is_a_flight_only_if_it_feels_thrust(boost: float) -> None:
+def test_a_log_of_only_accelerations_is_a_flight_only_if_there_is_thrust(boost: float) -> None:
     time = np.arange(0, 60, 0.01)
     felt = np.where((time > 20) & (time < 20 + boost), 8.0, 1.0) + np.random.default_rng(2).normal(0, 0.05, time.size)
     lines = (f"{when:.2f},{one:.3f}" for when, one in zip(time.tolist(), felt.tolist(), strict=True))
@@ -135,7 +135,7 @@ def live_radio(height: str) -> bytes:
     return "\n".join(lines).encode() + b"\n"
 
 
-def test_a_live_log_that_yields_no_flight_falls_through_to_the_table_of_samples() -> None:
+def test_a_live_log_that_yields_no_flight_falls_back_to_a_table_of_samples() -> None:
     log = live_radio("altitude (ft)")
     intake = read(log, "live.csv", any_motor)
     (only,) = intake.flights
@@ -143,8 +143,8 @@ def test_a_live_log_that_yields_no_flight_falls_through_to_the_table_of_samples(
     assert intake.format == "mapped_table"
 
 
-def test_an_acceleration_made_of_pressures_moves_no_lift_off() -> None:
-    """A barometer alone, whose program works its acceleration out of filtered heights: late, and no accelerometer's."""
+def test_an_acceleration_derived_from_pressure_does_not_move_lift_off() -> None:
+    """The logger has only a barometer; its program derives a delayed acceleration from filtered heights."""
     time = np.arange(-3.0, MADE.time[-1] + 8, 0.1)
     height = MADE.at(time, MADE.height)
     slow = [0.0]
@@ -164,7 +164,7 @@ def test_an_acceleration_made_of_pressures_moves_no_lift_off() -> None:
 
 
 @pytest.mark.parametrize("sample", SIMULATED, ids=lambda path: path.name)
-def test_a_simulation_s_figures_are_its_own(sample) -> None:  # type: ignore[no-untyped-def]
+def test_the_figures_of_a_simulation_are_its_own(sample) -> None:  # type: ignore[no-untyped-def]
     (reading,) = (one for one in parsers()[owner(sample)].read(sample.read_bytes()) if isinstance(one, Reading))
     (series,) = reading.clocks
     assert series.speed is not None
@@ -182,7 +182,7 @@ def test_a_simulation_s_figures_are_its_own(sample) -> None:  # type: ignore[no-
     assert recorded.height_at(recorded.events["apogee"].time) == pytest.approx(series.altitude.max(), abs=0.5)
 
 
-def test_what_does_not_rise_is_no_simulated_flight() -> None:
+def test_a_simulation_without_a_climb_is_not_a_flight() -> None:
     (reading,) = (one for one in parsers()["openrocket"].read(SIMULATED[0].read_bytes()) if isinstance(one, Reading))
     (series,) = reading.clocks
     flat = type(series)(time=series.time, altitude=np.zeros(series.time.size))
@@ -190,6 +190,6 @@ def test_what_does_not_rise_is_no_simulated_flight() -> None:
     assert not simulated((type(series)(time=series.time),), {}).figures
 
 
-def test_an_arts2_of_raw_counts_is_refused_and_said_why() -> None:
+def test_an_arts2_log_of_raw_counts_is_refused_with_the_reason() -> None:
     with pytest.raises(DamagedLog, match="raw counts"):
         open_log(b"MET,Acc(HI),Acc/Baro(LO),Baro(HI),State\n0.00,12,34,56,0\n" * 30, "raw.csv", None)

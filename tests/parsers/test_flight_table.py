@@ -29,7 +29,7 @@ def intake(text: str, format: str | None = None) -> Intake:
 
 
 def flight(header: str, row: str) -> Flight:
-    """The one flight of a table of one row, which nothing is wrong with."""
+    """The flight of a valid table with one row."""
     got = intake(f"{header}\n{row}\n")
     assert not got.rejected, got.rejected
     (only,) = got.flights
@@ -86,19 +86,19 @@ def test_an_empty_cell_is_not_recorded_and_never_zero(cell: str) -> None:
 @pytest.mark.parametrize(
     "cell", ["nan", "NaN", "inf", "-inf", "-5", "0", "1e9", "1e999", "1o4", "12.3.4", "1_000", "12 furlong"]
 )
-def test_an_impossible_apogee_is_refused_by_column(cell: str) -> None:
+def test_an_impossible_apogee_is_refused_with_its_column(cell: str) -> None:
     assert complaint("rocket,Apogee_M", f"Swift,{cell}").startswith("Apogee_M: found ")
 
 
 @pytest.mark.parametrize("column", COLUMNS, ids=lambda column: column.name)
-def test_every_column_has_bounds_beyond_what_is_usual(column: object) -> None:
+def test_every_columns_bounds_are_wider_than_its_usual_range(column: object) -> None:
     known = BY_NAME[column.name]  # type: ignore[attr-defined]
     low, high = LIMITS[known.name]
     assert known.parse(str(low)) <= known.low + 1e-9
     assert known.parse(str(high)) >= known.high - 1e-9
 
 
-def test_an_odd_value_is_taken_with_a_note() -> None:
+def test_an_unusual_value_is_read_with_a_note() -> None:
     got = intake("rocket,apogee_m\nSwift,3\n")
     assert got.flights[0].apogee == 3
     assert got.notes == ("t.csv, row 2: apogee 3 m is unusual, expected 5 to 10000 m",)
@@ -131,7 +131,7 @@ def test_the_decimal_mark_is_inferred_from_the_whole_table(table: str, apogee: f
         "rocket;apogee_m;wind_mps\nSwift;1,148;1.148\n",
     ],
 )
-def test_a_number_that_may_be_a_thousand_or_one_is_refused(table: str) -> None:
+def test_a_number_that_may_be_a_thousand_or_a_decimal_is_refused(table: str) -> None:
     got = intake(table)
     assert not got.flights
     assert "which may be 1148 or 1.148" in got.rejected[0].error
@@ -151,7 +151,7 @@ def test_a_comma_separates_thousands_of_feet_unless_the_table_has_decimal_commas
     assert only.apogee == pytest.approx(apogee)
 
 
-def test_unknown_columns_stay_with_the_flight_as_they_are_spelt() -> None:
+def test_unknown_columns_stay_with_the_flight_under_their_own_names() -> None:
     got = flight("rocket,apogee_m,Lot No.,wind_direction,apogee_gps_m", "Swift,100, A7 ,NW,101")
     assert got.extra == {"Lot No.": " A7 ", "wind_direction": "NW", "apogee_gps_m": "101"}
 
@@ -173,7 +173,7 @@ def test_unknown_columns_stay_with_the_flight_as_they_are_spelt() -> None:
         ),
     ],
 )
-def test_a_doubtful_header_is_refused_with_the_table(header: str, message: str) -> None:
+def test_a_table_with_an_ambiguous_header_is_refused(header: str, message: str) -> None:
     with pytest.raises(DamagedLog, match=f"^{message}"):
         intake(f"{header}\nSwift,1,1,1\n")
 
@@ -188,7 +188,7 @@ def test_a_doubtful_header_is_refused_with_the_table(header: str, message: str) 
         ("rocket,apogee_m,apogee_ft", "Swift,281.3,"),
     ],
 )
-def test_a_column_written_twice_is_read_once(header: str, row: str) -> None:
+def test_a_duplicate_column_is_read_once(header: str, row: str) -> None:
     got = flight(header, row)
     assert got.rocket == "Swift"
     assert got.apogee == pytest.approx(281.3, abs=0.31)
@@ -202,19 +202,19 @@ def test_a_column_written_twice_is_read_once(header: str, row: str) -> None:
         ("rocket,apogee_m,lot,LOT", "Swift,281.3,A,B", "LOT: found 'B', expected the value in the column 'lot'"),
     ],
 )
-def test_a_column_written_twice_with_two_values_names_both(header: str, row: str, message: str) -> None:
+def test_for_a_duplicate_column_with_different_values_both_are_named(header: str, row: str, message: str) -> None:
     assert message in complaint(header, row)
 
 
-def test_a_further_column_beside_the_one_with_a_unit_is_kept() -> None:
+def test_another_column_for_a_quantity_besides_the_one_with_a_unit_is_kept() -> None:
     assert flight("rocket,apogee_m,apogee_gps", "Swift,100,x").extra == {"apogee_gps": "x"}
 
 
 @pytest.mark.parametrize(
     "header", ["time,altitude", "temperature_c,pressure_hpa", "published_apogee_m,x", "Duration,Apogee"]
 )
-def test_a_table_without_a_column_of_ours_is_not_recognized(header: str) -> None:
-    with pytest.raises((UnknownFormat, DamagedLog)):  # a clock and a height may be a log of another kind
+def test_a_table_without_a_known_column_is_not_recognized(header: str) -> None:
+    with pytest.raises((UnknownFormat, DamagedLog)):  # a clock and a height may be another kind of log
         intake(f"{header}\n1,2\n")
     assert "flight_table" not in claims(f"{header}\n1,2\n".encode())
 
@@ -226,7 +226,7 @@ def test_a_forced_table_without_any_known_column_says_what_is_missing() -> None:
         intake("time,altitude\n1,2\n", format="flight_table")
 
 
-def test_a_header_alone_brings_no_flights_and_reports_it() -> None:
+def test_a_header_without_rows_gives_no_flights_and_is_reported() -> None:
     got = intake("rocket,apogee_m\n")
     assert (got.flights, got.rejected, got.notes) == (
         (),
@@ -245,22 +245,22 @@ def test_a_header_alone_brings_no_flights_and_reports_it() -> None:
         ("", None),
     ],
 )
-def test_dates_are_iso_and_local(cell: str, date: datetime | None) -> None:
+def test_dates_are_iso_in_local_time(cell: str, date: datetime | None) -> None:
     assert flight("rocket,apogee_m,date_time", f"Swift,100,{cell}").date_time == date
 
 
 @pytest.mark.parametrize("cell", ["5/1/2026", "01.05.2026", "2026-13-01", "2026-02-30", "10:30", "noon"])
-def test_other_dates_are_refused_by_column(cell: str) -> None:
+def test_other_dates_are_refused_with_their_column(cell: str) -> None:
     assert complaint("rocket,apogee_m,date_time", f"Swift,100,{cell}").startswith("date_time: found ")
 
 
-def test_tags_are_separate_by_semicolon_bar_or_comma_and_known_ones_are_recognized() -> None:
+def test_tags_are_separated_by_semicolon_bar_or_comma_and_known_ones_are_recognized() -> None:
     got = flight("rocket,apogee_m,tags", 'Swift,100,"Weak launch; off-axis|my tag,,weak_launch"')
     assert got.tags == ("weak_launch", "off_axis", "my tag")
     assert not got.clean
 
 
-def test_a_row_that_is_no_flight_is_refused_and_the_others_go_in() -> None:
+def test_a_row_that_is_not_a_flight_is_refused_and_the_others_are_imported() -> None:
     got = intake("flight_id,rocket,apogee_m,log\n1,Swift,100,\n2,Swift,,\n\n3,Swift,,log3.csv\n ,,,\n4,Swift,90\n")
     assert [f.flight_id for f in got.flights] == ["1", "3", "4"]
     assert [(r.row, r.error.split(",")[0]) for r in got.rejected] == [(3, "found no readout")]
@@ -271,37 +271,37 @@ def test_a_row_longer_than_the_header_is_refused_unless_the_rest_is_empty() -> N
     assert flight("rocket,apogee_m", "Swift,281,,").apogee == 281
 
 
-def test_a_file_that_ends_within_a_row_loses_that_row_alone() -> None:
+def test_a_file_that_ends_within_a_row_loses_only_that_row() -> None:
     got = intake("rocket,apogee_m,duration_s\nSwift,100,30\nSwift,28")
     assert [f.apogee for f in got.flights] == [100]
     assert got.rejected[0].row == 3
 
 
-def test_a_quotation_mark_that_is_never_closed_costs_one_row() -> None:
+def test_a_quotation_mark_that_is_never_closed_loses_one_row() -> None:
     got = intake('rocket,apogee_m,notes\nSwift,100,"open\nSwift,110,fine\nSwift,120,"two\nlines"\nSwift,130,\n')
     assert [f.apogee for f in got.flights] == [110, 120, 130]
     assert [r.row for r in got.rejected] == [2]
     assert got.flights[1].notes == "two\nlines"
 
 
-def test_a_cell_without_end_is_refused_as_such() -> None:
+def test_an_endless_cell_is_refused_as_such() -> None:
     got = intake(f"rocket,apogee_m\nSwift,{'1' * 200_000}\nSwift,100\n")
     assert "apogee_m" in (got.rejected[0].column or "")
     assert len(got.rejected[0].error) < 300
     assert len(got.flights) == 1
 
 
-def test_long_notes_come_back_whole() -> None:
+def test_long_notes_are_read_completely() -> None:
     got = intake(f"rocket,apogee_m,notes\nSwift,100,{'a long day ' * 20_000}\n")
     assert len(got.flights[0].notes) > 200_000
 
 
-def test_rows_are_counted_as_a_spreadsheet_shows_them() -> None:
+def test_rows_are_numbered_as_in_a_spreadsheet() -> None:
     got = intake('rocket,apogee_m,notes\nSwift,100,"two\nlines"\n\nSwift,x,\n')
     assert [r.row for r in got.rejected] == [4]
 
 
-def test_a_name_that_another_flight_has_is_refused_and_a_repeated_row_is_not() -> None:
+def test_a_duplicate_name_is_refused_and_a_repeated_row_is_not() -> None:
     got = intake("flight_id,rocket,apogee_m\n1,Swift,100\n1,Swift,100\n1,Plover,100\n1,Swift,90\n")
     assert [(f.flight_id, f.rocket) for f in got.flights] == [("1", "Swift"), ("1", "Plover")]
     assert [(r.row, r.column) for r in got.rejected] == [(5, "flight_id")]
@@ -325,7 +325,7 @@ TABLE = "rocket;apogee_m;notes\nWürger;281,3;½ µ\n"
         TABLE.replace("\n", "\r").encode(),
     ],
 )
-def test_every_common_encoding_reads_the_same(log: bytes) -> None:
+def test_all_common_encodings_give_the_same_flights(log: bytes) -> None:
     (got,) = read(log, "t.csv", any_motor).flights
     assert (got.rocket, got.apogee, got.notes) == ("Würger", 281.3, "½ µ")
 
@@ -362,7 +362,7 @@ def flights(draw: st.DrawFn, extra: tuple[str, ...]) -> Flight:
 
 @examples(30)
 @given(data=st.data())
-def test_what_goes_out_comes_in_again_as_the_same_flight(data: st.DataObject) -> None:
+def test_an_exported_flight_imports_as_the_same_flight(data: st.DataObject) -> None:
     extra = tuple(data.draw(st.lists(unknown, max_size=2, unique_by=str.lower)))
     key = lambda f: (f.rocket, f.flight_id)  # noqa: E731
     out = data.draw(st.lists(flights(extra), min_size=1, max_size=3, unique_by=key))
@@ -374,7 +374,7 @@ def test_what_goes_out_comes_in_again_as_the_same_flight(data: st.DataObject) ->
     assert list(got.flights) == out
 
 
-def test_the_reference_flights_are_read_whole() -> None:
+def test_the_reference_flights_are_read_completely() -> None:
     from importlib.resources import files
 
     table = (files("fieldkit") / "data" / "reference_flights.csv").read_bytes()
@@ -385,7 +385,7 @@ def test_the_reference_flights_are_read_whole() -> None:
     assert len(read_plans(table, "reference_flights.csv", any_motor)) == 12
 
 
-def test_columns_under_the_names_of_others_are_read_and_not_kept_as_extra() -> None:
+def test_columns_with_common_other_names_are_read_and_not_kept_as_extra() -> None:
     one = flight(
         "Rocket name,Engine,Wind speed (mph),Max altitude (ft),Flight duration (s),Rod_length_m,Mood",
         "Swift,C6-5,10,1000,61.5,1.2,fine",
@@ -396,22 +396,22 @@ def test_columns_under_the_names_of_others_are_read_and_not_kept_as_extra() -> N
     assert one.extra == {"Mood": "fine"}
 
 
-def test_a_column_of_its_own_name_is_never_replaced_by_another_name() -> None:
+def test_a_column_with_its_standard_name_is_never_replaced_by_another() -> None:
     one = flight("rocket,motor,apogee_m,max_altitude_m,wind_speed_mps", "Swift,C6-5,300,310,2")
     assert (one.apogee, one.wind) == (300.0, 2.0)
     assert one.extra == {"max_altitude_m": "310"}
 
 
-def test_a_name_without_its_unit_wants_it_in_the_cell() -> None:
+def test_a_name_without_its_unit_requires_one_in_the_cell() -> None:
     assert flight("rocket,motor,max_altitude", "Swift,C6-5,300m").apogee == 300.0
 
 
-def test_a_table_with_nothing_but_the_names_of_others_is_one_of_flights() -> None:
+def test_a_table_with_only_other_names_is_a_table_of_flights() -> None:
     assert claims(b"Engine,Max altitude (ft)\nC6-5,1000\n") == ["flight_table"]
     assert claims(b"Time (s),Max altitude (ft)\n0,1000\n") != ["flight_table"]
 
 
-def test_a_table_without_headers_is_mapped_by_number_and_known_again_by_its_shape() -> None:
+def test_a_table_without_headers_is_mapped_by_number_and_recognized_by_its_shape() -> None:
     rows = b"2024-05-01,Astra,F24-4W,251,410\n2024-05-02,Astra,F24-4W,797 ft,415\n"
     chosen = read_choice(["date_time=#1", "rocket=#2", "motor=#3", "apogee=#4 [m]", "dry_mass=#5 [g]"])
     opened = open_log(rows, "bare.csv", None, [chosen])
@@ -432,11 +432,11 @@ def test_a_table_without_headers_is_mapped_by_number_and_known_again_by_its_shap
 @pytest.mark.parametrize(
     "header", ["date_time,rocket,motor,apogee_m", "Date,Rocket 2,Motor,Height 1", "flight,F24-4W,E35-5W"]
 )
-def test_headers_are_no_row_of_a_table_without_them(header: str) -> None:
+def test_headers_are_not_taken_for_a_row_of_a_table_without_headers(header: str) -> None:
     assert shape(header.split(",")) == ()
 
 
-def test_a_list_of_launches_by_others_is_one_of_flights() -> None:
+def test_a_launch_list_from_another_program_is_a_table_of_flights() -> None:
     table = (
         "launch_no;engine;liftoff_mass_g;wind_speed_mps;altitude_m;flight_time_s;date\n"
         "1;F39-6T;650;2,5;245,3;44,1;01.05.2024\n"
@@ -453,7 +453,7 @@ def test_a_list_of_launches_by_others_is_one_of_flights() -> None:
 
 
 @pytest.mark.parametrize("motor", ["homemade", ""])
-def test_a_lift_off_mass_with_an_unknown_motor_is_kept_as_it_was(motor: str) -> None:
+def test_a_lift_off_mass_with_an_unknown_motor_is_kept_unchanged(motor: str) -> None:
     (flight,) = intake(f"engine,liftoff_mass_g,altitude_m\n{motor},650.5,245.3\n").flights
     assert flight.dry_mass is None
     assert flight.extra["liftoff_mass_g"] == "650.5"
@@ -467,14 +467,14 @@ def test_a_cluster_is_subtracted_from_a_lift_off_mass() -> None:
     assert 0.25 - two == pytest.approx(2 * (0.25 - one))
 
 
-def test_a_date_of_a_list_that_may_be_two_stays_as_it_is() -> None:
+def test_an_ambiguous_date_of_a_list_is_kept_as_text() -> None:
     (flight,) = intake("Motor,Altitude (ft),Date\nC6-5,800,5/1/2024\n").flights
     assert flight.date_time is None
     assert flight.extra["Date"] == "5/1/2024"
 
 
 @pytest.mark.parametrize("written", ["13/7/2024 9:30", "7/13/2024 09:30", "13.7.2024 9:30:00"])
-def test_a_date_of_a_list_has_its_time_with_one_digit_or_two(written: str) -> None:
+def test_the_time_of_a_date_may_have_one_or_two_digits_for_the_hour(written: str) -> None:
     got = flight("Date,Motor,Altitude (ft)", f"{written},F24-4W,923")
     assert got.date_time == datetime(2024, 7, 13, 9, 30)
 
@@ -514,7 +514,7 @@ def test_a_row_of_units_below_the_header_gives_them(brackets: str) -> None:
     assert (only.apogee, only.top_speed, only.dry_mass) == pytest.approx((247.4976, 89.855, 0.034), rel=1e-4)
 
 
-def test_a_row_that_sums_up_the_others_is_no_flight() -> None:
+def test_a_row_of_totals_is_not_a_flight() -> None:
     got = intake("Date,Motor,Apogee (ft)\n2023-06-01,C6-5,812\n2023-06-02,C6-5,790\n\nAverage:,,801\n")
     assert [one.apogee for one in got.flights] == pytest.approx([247.4976, 240.792])
     assert not got.rejected
@@ -532,15 +532,13 @@ def test_a_row_that_sums_up_the_others_is_no_flight() -> None:
         (("13-Jun-23", "Sunday, May 7, 2023"), ("2023-06-13", "2023-05-07")),
     ],
 )
-def test_the_dates_of_a_column_are_in_the_order_that_one_of_them_proves(
-    cells: tuple[str, ...], dates: tuple[str, ...]
-) -> None:
+def test_one_unambiguous_date_determines_the_order_of_a_column(cells: tuple[str, ...], dates: tuple[str, ...]) -> None:
     rows = "".join(f'"{cell}",C6-5,{800 + number}\n' for number, cell in enumerate(cells))
     got = intake(f"Launch date,Motor,Apogee (ft)\n{rows}")
     assert [one.date_time for one in got.flights] == [datetime.fromisoformat(text) for text in dates]
 
 
-def test_a_column_of_dates_in_both_orders_stays_as_it_is() -> None:
+def test_a_column_of_dates_in_both_orders_is_kept_as_text() -> None:
     got = intake("Date,Motor,Apogee (ft)\n13/6/2023,C6-5,800\n6/13/2023,C6-5,810\n5/7/2023,C6-5,820\n")
     assert [one.date_time is None for one in got.flights] == [False, False, True]
 
@@ -557,7 +555,7 @@ def test_flights_that_are_numbered_from_one_every_day_are_all_read() -> None:
     assert [one.extra["#"] for one in got.flights] == ["1", "1"]
 
 
-def test_a_mere_number_does_not_identify_a_flight_and_a_number_of_its_own_does() -> None:
+def test_a_plain_row_number_does_not_identify_a_flight_but_a_unique_one_does() -> None:
     one, other = (flight("Date,#,Motor,Apogee (ft)", f"2024-05-0{day},1,C6-5,81{day}") for day in (1, 2))
     assert one.flight_id != other.flight_id
     assert flight("Date,Flight number,Motor,Apogee (ft)", "2024-05-01,17,C6-5,812").flight_id == "17"
@@ -565,7 +563,7 @@ def test_a_mere_number_does_not_identify_a_flight_and_a_number_of_its_own_does()
 
 
 @pytest.mark.parametrize("column", ["Wind", "Wind (mph)", "wind [mph]"])
-def test_a_mapping_of_one_column_leaves_the_others_as_they_are_without_it(column: str) -> None:
+def test_a_mapping_of_one_column_does_not_change_the_others(column: str) -> None:
     log = b"Flight #,Model,Motor Used,Alt (ft),Wind (mph)\nA7,Astra,C6-5,812,10\n"
     (plain,) = (item for item in open_log(log, "log.csv", None).found if isinstance(item, Reading))
     choice = read_choice([f"wind={column}"])
@@ -574,7 +572,7 @@ def test_a_mapping_of_one_column_leaves_the_others_as_they_are_without_it(column
     assert {"rocket", "motor", "apogee", "wind"} <= plain.stated.keys()
 
 
-def test_headers_in_other_languages_are_known() -> None:
+def test_headers_in_other_languages_are_recognized() -> None:
     log = "fusée;moteur;masse au décollage (g);apogée (m);vitesse max (m/s);vent (m/s)\nAstra;C6-5;95;247;70;2\n"
     (reading,) = (item for item in open_log(log.encode(), "vols.csv", None).found if isinstance(item, Reading))
     assert {"rocket", "motor", "apogee", "top_speed", "wind"} <= reading.stated.keys()
@@ -594,18 +592,18 @@ def test_a_title_above_the_header_is_skipped(title: str) -> None:
     assert reading.stated["apogee"] == pytest.approx(812 * 0.3048)
 
 
-def test_an_own_name_is_not_read_as_a_shorter_other_one() -> None:
+def test_a_standard_name_is_not_read_as_a_shorter_other_name() -> None:
     intake = read(b"flight_id,rocket,coast_to_apogee_s,coast_to_apogee_sd_s\n1,Astra,6.1,0.1\n", "t.csv", any_motor)
     assert (intake.flights[0].coast_to_apogee, intake.flights[0].sd["coast_to_apogee"]) == (6.1, 0.1)
 
 
-def test_a_flight_named_total_is_a_flight_in_an_own_table_and_a_sum_in_others() -> None:
+def test_a_row_named_total_is_a_flight_in_fieldkits_table_and_a_sum_in_others() -> None:
     own = b"flight_id,rocket,motor,apogee_m\n1,Astra,F24,200\nTotal,,,200\n"
     others = own.replace(b"flight_id", b"flight")
     assert [len(read(table, "t.csv", any_motor).flights) for table in (own, others)] == [2, 1]
 
 
-def test_names_are_looked_up_for_no_number_and_only_as_far_as_a_name_can_be_long(
+def test_only_texts_short_enough_to_be_a_name_are_looked_up(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The first line of a log may be thousands of numbers, or one cell of them, of which none is a heading."""

@@ -28,7 +28,7 @@ def test_a_real_raven_has_a_clock_for_each_channel() -> None:
     assert (len(slow.time), slow.time[-1]) == (310, 77.295)
     assert slow.pressure is not None
     assert slow.pressure[0] == pytest.approx(0.91148 * 101_325)
-    assert len(clock_of(flight, "inertial_speed").time) == 35  # the channel ended at apogee, the rows continued
+    assert len(clock_of(flight, "inertial_speed").time) == 35  # the channel ended at apogee, but the rows continued
     assert len(clock_of(flight, "temperature").time) == 310
     assert flight.events == {"liftoff": 0.285, "burnout": 3.08875, "apogee": 8.63875}
     assert damage("raven_fip__top_shot.csv") == []
@@ -57,7 +57,7 @@ def test_a_raven_channel_that_has_ended_leaves_two_cells_or_three() -> None:
 
 
 @real
-def test_a_real_aim_is_put_in_order_group_by_group() -> None:
+def test_a_real_aim_log_is_sorted_group_by_group() -> None:
     flight = reading("entacore_aim_xtra__e190_h148r.csv")
     slow, fast = clock_of(flight, "altitude"), clock_of(flight, "felt")
     assert slow.altitude is not None
@@ -82,13 +82,13 @@ def test_the_real_files_of_a_cats_flight_are_one_flight() -> None:
 
 
 @real
-def test_a_real_cats_position_without_satellites_is_none() -> None:
+def test_a_real_cats_position_without_satellites_is_not_used() -> None:
     (series,) = reading("cats__hedy_gnssInfo.csv").clocks
     assert series.latitude is not None
     assert (len(series.time), int(np.isnan(series.latitude).sum())) == (388, 38)
 
 
-def test_files_of_two_cats_flights_in_one_folder_are_not_mixed() -> None:
+def test_files_of_two_cats_flights_in_a_folder_are_not_mixed_up() -> None:
     info, positions = BY_NAME["cats__flight_info.csv"], BY_NAME["cats__positions.csv"]
     together = [("a/1.csv", info), ("a/2.csv", info.replace(b".0000,", b".0001,")), ("a/3.csv", positions)]
     assert [len(intake.flights) for intake in read_together(together, any_motor)] == [1, 1, 1]
@@ -96,14 +96,14 @@ def test_files_of_two_cats_flights_in_one_folder_are_not_mixed() -> None:
     assert [len(intake.flights) for intake in read_together(apart, any_motor)] == [1, 1, 0]
 
 
-def test_cats_sensors_of_one_file_have_a_clock_each() -> None:
+def test_each_cats_sensor_in_a_file_has_its_own_clock() -> None:
     (flight,) = parsers()["cats"].read(BY_NAME["cats__two_barometers.csv"])
     assert isinstance(flight, Reading)
     assert len(flight.clocks) == 2
 
 
 @real
-def test_a_real_gps_is_put_in_order_and_taken_as_feet_above_the_sea() -> None:
+def test_a_real_gps_log_is_sorted_and_read_as_feet_above_sea_level() -> None:
     flight = reading("featherweight_gps__adventurer_j510w.csv")
     (series,) = flight.clocks
     assert series.gps_altitude_msl is not None
@@ -115,17 +115,17 @@ def test_a_real_gps_is_put_in_order_and_taken_as_feet_above_the_sea() -> None:
 
 
 @real
-def test_a_real_gps_with_fewer_columns_keeps_its_own_zero() -> None:
+def test_a_real_gps_log_with_fewer_columns_keeps_its_own_zero() -> None:
     (series,) = reading("featherweight_gps_derived__juno3_cots_GNSS.csv").clocks
     assert series.gps_altitude_msl is not None
     assert series.gps_speed is not None
     assert (series.time[0], series.time[-1]) == (-0.7, 148.401)
     assert series.gps_altitude_msl[0] / FOOT == pytest.approx(4583)
     climb = np.gradient(series.gps_altitude_msl, series.time)[-20:]
-    assert np.median(series.gps_speed[-20:] / climb) == pytest.approx(1, abs=0.05)  # feet a second as well
+    assert np.median(series.gps_speed[-20:] / climb) == pytest.approx(1, abs=0.05)  # feet per second as well
 
 
-def test_each_tracker_that_a_ground_station_hears_is_a_flight_and_midnight_is_no_end() -> None:
+def test_each_tracker_received_by_a_ground_station_is_one_flight_even_over_midnight() -> None:
     log = b"TRACKER,DATE,TIME,ALT,LAT,LON\n"
     for i, clock in enumerate((b"23:59:58.5", b"23:59:59.5", b"00:00:00.5")):
         log += b"one,2026-05-02,%b,%d,47.1,8.4\ntwo,2026-05-02,%b,1000,47.1,8.4\n" % (clock, 1000 + i, clock)
@@ -146,7 +146,7 @@ def test_a_gps_without_a_fix_has_no_height() -> None:
 
 
 @pytest.mark.parametrize(("level", "channel"), [(1.0, "felt"), (0.0, "acceleration")])
-def test_the_rest_on_the_pad_shows_whether_an_arts2_counts_gravity(level: float, channel: str) -> None:
+def test_samples_at_rest_on_the_pad_show_whether_an_arts2_includes_gravity(level: float, channel: str) -> None:
     rows = "".join(f"{i / 50:.2f} {level:.2f} 0 0 {i}\n" for i in range(100))
     (flight,) = parsers()["arts2"].read(f"# MET Acc Vel iAlt pAlt\n{rows}".encode())
     assert isinstance(flight, Reading)
@@ -155,7 +155,7 @@ def test_the_rest_on_the_pad_shows_whether_an_arts2_counts_gravity(level: float,
     assert series.altitude == pytest.approx(np.arange(100) * FOOT)
 
 
-def test_raw_counts_of_an_arts2_are_refused_with_what_would_do() -> None:
+def test_raw_counts_of_an_arts2_are_refused_with_advice() -> None:
     log = b"MET,Acc(HI),Acc/Baro(LO),Baro(HI),State\n0.00,120,33,200,1\n"
     with pytest.raises(DamagedLog, match="expected the interpreted export"):
         recognise(log).read(log)

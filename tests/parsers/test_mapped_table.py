@@ -86,7 +86,7 @@ HEADERS = [
 
 
 @pytest.mark.parametrize(("spelled", "name", "unit"), HEADERS, ids=[header[0] for header in HEADERS])
-def test_a_header_says_its_channel_and_its_unit(spelled: str, name: str, unit: str) -> None:
+def test_a_header_gives_its_channel_and_unit(spelled: str, name: str, unit: str) -> None:
     head = heading(spelled)
     assert (channel(head), stated_unit(head, name)) == (name, unit)
 
@@ -108,7 +108,7 @@ def test_a_header_says_its_channel_and_its_unit(spelled: str, name: str, unit: s
         "\u200b",
     ],
 )
-def test_a_header_of_something_else_is_no_channel(spelled: str) -> None:
+def test_a_header_of_another_quantity_is_not_a_channel(spelled: str) -> None:
     assert channel(heading(spelled)) == ""
 
 
@@ -130,7 +130,7 @@ def test_units_are_those_of_the_header(header: str, row: str) -> None:
     assert series.time[-1] == pytest.approx(29.95)
 
 
-def test_a_decimal_comma_is_one_if_semicolons_separate_the_cells() -> None:
+def test_a_comma_is_a_decimal_comma_if_semicolons_separate_the_cells() -> None:
     log = table("t (s);alt (m)", "{t:.2f};{h:.2f}").replace(b".", b",")
     (series,), _ = found(log)
     assert top(series) == pytest.approx(285, abs=0.2)
@@ -152,7 +152,7 @@ def test_numbers_that_may_be_thousands_are_refused() -> None:
         ("{ms:.0f},{ft:.1f},{p:.1f}", "ft", "the pressure"),
     ],
 )
-def test_a_height_without_a_unit_is_settled_by_physics(row: str, unit: str, why: str) -> None:
+def test_physics_determines_the_unit_of_a_height_without_one(row: str, unit: str, why: str) -> None:
     header = "time,alt" + ",press" * row.count("{p")
     (series,), line = found(table(header, row))
     assert top(series) == pytest.approx(285, abs=0.2)
@@ -160,13 +160,13 @@ def test_a_height_without_a_unit_is_settled_by_physics(row: str, unit: str, why:
     assert f"'alt' in {unit} (by {why}" in line
 
 
-def test_a_speed_settles_the_units_beside_it() -> None:
+def test_a_speed_determines_the_other_units() -> None:
     (series,), line = found(table("t,alt,vel (m/s)", "{t:.2f},{h:.1f},{v:.1f}"))
     assert top(series) == pytest.approx(285, abs=0.2)
     assert "speed and height" in line
 
 
-def test_a_unit_that_nothing_settles_is_asked_for() -> None:
+def test_a_unit_that_nothing_determines_is_asked_for() -> None:
     descent = b"t (s),alt\n" + b"".join(b"%d,%d\n" % (i, 900 - 3 * i) for i in range(200))
     with pytest.raises(DamagedLog, match=r"expected one of m, .*: write --map 'altitude=alt \[m\]'"):
         found(descent)
@@ -175,13 +175,13 @@ def test_a_unit_that_nothing_settles_is_asked_for() -> None:
     assert "as chosen" in line
 
 
-def test_a_pressure_that_may_be_of_two_units_is_asked_for() -> None:
+def test_the_unit_of_an_ambiguous_pressure_is_asked_for() -> None:
     log = b"t (s),press\n" + b"".join(b"%d,%d\n" % (i, 700 - i) for i in range(60))
     with pytest.raises(DamagedLog, match=r"write --map 'pressure=press \[Pa\]'"):
         found(log)
 
 
-def test_a_stated_unit_that_the_pressure_contradicts_is_refused_and_may_be_insisted_on() -> None:
+def test_a_stated_unit_that_the_pressure_contradicts_is_refused_unless_mapped_explicitly() -> None:
     log = table("t (s),alt (ft),press (hPa)", "{t:.2f},{h:.1f},{p:.1f}").replace(b"hPa", b"Pa")
     with pytest.raises(DamagedLog, match=r"implies to be in m; write --map 'altitude=#2 \[m\]'"):
         found(log)
@@ -191,18 +191,18 @@ def test_a_stated_unit_that_the_pressure_contradicts_is_refused_and_may_be_insis
     assert "in ft (as you chose, although the pressure column implies m)" in line
 
 
-def test_an_unknown_unit_is_never_taken_for_another() -> None:
+def test_an_unknown_unit_is_never_mistaken_for_another() -> None:
     with pytest.raises(DamagedLog, match="found the unit 'furlong', expected one of m"):
         found(table("t (s),alt (furlong)", "{t:.2f},{h:.4f}")[:400])
 
 
-def test_what_has_no_unit_and_does_not_matter_is_left_out_and_said() -> None:
+def test_unneeded_columns_without_a_unit_are_left_out_and_reported() -> None:
     (series,), line = found(table("t (s),alt (m),temp", "{t:.2f},{h:.2f},21.5"))
     assert series.temperature is None
     assert "left out, no unit: 'temp'" in line
 
 
-def test_an_accelerometer_is_felt_or_net_by_what_it_shows_at_rest() -> None:
+def test_samples_at_rest_show_whether_an_acceleration_includes_gravity() -> None:
     felt = b"t (s),accel (g),alt (m)\n" + b"".join(
         b"%.2f,%.3f,%d\n" % (i / 20, 1.0 + (i > 400), i // 9) for i in range(900)
     )
@@ -215,7 +215,7 @@ def test_an_accelerometer_is_felt_or_net_by_what_it_shows_at_rest() -> None:
 
 @pytest.mark.parametrize(("shift", "channel_name"), [(0.0, "felt"), (-1.0, "acceleration")])
 @pytest.mark.parametrize("charge", [0.0, 15.0])
-def test_an_accelerometer_of_a_log_that_begins_in_flight_is_known_by_its_coast(
+def test_the_coast_shows_the_kind_of_acceleration_of_a_log_that_begins_in_flight(
     shift: float, channel_name: str, charge: float
 ) -> None:
     rising = [(t, h) for t, h, _ in climb() if h > 4.0]
@@ -227,14 +227,14 @@ def test_an_accelerometer_of_a_log_that_begins_in_flight_is_known_by_its_coast(
     assert "from its value before apogee" in line
 
 
-def test_an_accelerometer_that_shows_no_kind_is_left_out_with_the_reason() -> None:
+def test_an_acceleration_of_unknown_kind_is_left_out_with_the_reason() -> None:
     rows = "".join(f"{t:.2f},{h:.2f},{0.5 + (t < 1.2):.2f}\n" for t, h, _ in climb())
     (series,), line = found(f"t (s),alt (m),accel (g)\n{rows}".encode())
     assert (series.felt, series.acceleration) == (None, None)
     assert "left out, neither one g nor zero at rest: 'accel (g)'" in line
 
 
-def test_three_axes_without_a_unit_feel_one_g_at_rest() -> None:
+def test_three_axes_without_a_unit_are_scaled_to_one_g_at_rest() -> None:
     rows = b"".join(b"%.2f,0.1,9.79,0.2\n" % (i / 20) for i in range(400))
     (series,), line = found(b"t (s),ax,ay,az\n" + rows)
     assert series.felt_total is not None
@@ -242,7 +242,7 @@ def test_three_axes_without_a_unit_feel_one_g_at_rest() -> None:
     assert "rom one g at rest" in line
 
 
-def test_a_clock_from_1970_starts_at_zero_and_is_kept() -> None:
+def test_a_unix_clock_is_shifted_to_zero_and_its_start_kept() -> None:
     log = table("time,alt (m)", "{t:.3f},{h:.2f}")
     rows = log.decode().split("\n")
     shifted = [f"{1_700_000_000_000 + float(r.split(',')[0]) * 1000:.0f},{r.split(',')[1]}" for r in rows[1:] if r]
@@ -260,7 +260,7 @@ def test_a_clock_with_colons_needs_no_unit(start: bytes) -> None:
     assert series.time[-1] - series.time[0] == pytest.approx(89.9)
 
 
-def test_two_flights_in_a_file_are_two_and_one_twice_is_one() -> None:
+def test_two_flights_in_a_file_are_two_and_a_repeated_one_is_one() -> None:
     one = table("t (s),alt (m)", "{t:.2f},{h:.2f}")
     body = one.split(b"\n", 1)[1]
     lower = b"".join(b"%.2f,%.2f\n" % (t, h / 2) for t, h, _ in climb())
@@ -270,7 +270,7 @@ def test_two_flights_in_a_file_are_two_and_one_twice_is_one() -> None:
     assert any(isinstance(item, Note) and "imported once" in item.text for item in items)
 
 
-def test_rows_out_of_order_cost_themselves_alone() -> None:
+def test_only_rows_out_of_order_are_lost() -> None:
     lines = table("t (s),alt (m)", "{t:.2f},{h:.2f}").split(b"\n")
     lines[40], lines[41] = lines[41], lines[40]
     (series,), _ = found(b"\n".join(lines))
@@ -278,7 +278,7 @@ def test_rows_out_of_order_cost_themselves_alone() -> None:
     assert (np.diff(series.time) >= 0).all()
 
 
-def test_two_columns_that_have_the_same_meaning_are_one_and_others_are_asked_for() -> None:
+def test_equal_columns_with_the_same_meaning_are_one_and_different_ones_are_asked_for() -> None:
     both = table("t(s),alt(ft),alt(m)", "{t:.2f},{ft:.4f},{h:.4f}")
     assert top(found(both)[0][0]) == pytest.approx(285, abs=0.2)
     other = table("t(s),alt(ft),altitude of the balloon (m)", "{t:.2f},{ft:.4f},{v:.4f}")
@@ -287,7 +287,7 @@ def test_two_columns_that_have_the_same_meaning_are_one_and_others_are_asked_for
     assert found(both, read_choice(["altitude=alt(m)"]))[1].count("'alt(m)' in m")
 
 
-def test_a_height_that_starts_elsewhere_is_not_above_the_pad() -> None:
+def test_a_height_that_does_not_start_at_zero_is_not_above_the_pad() -> None:
     rows = b"".join(b"%.1f,%.1f\n" % (i / 10, 4583 + max(0, i - 50)) for i in range(300))
     (series,), line = found(b"t (s),ALT (ft)\n" + rows)
     assert (series.altitude, series.altitude_msl is not None) == (None, True)
@@ -310,7 +310,7 @@ def test_a_table_without_names_is_mapped_by_number() -> None:
         (["altitude=a", "altitude=b"], "found altitude twice"),
     ],
 )
-def test_a_mapping_that_is_invalid_says_what_to_write(texts: Sequence[str], complaint: str) -> None:
+def test_an_invalid_mapping_is_refused_with_what_to_write(texts: Sequence[str], complaint: str) -> None:
     with pytest.raises(BadValue, match=complaint):
         read_choice(texts)
 
@@ -322,7 +322,7 @@ def test_a_mapping_that_is_invalid_says_what_to_write(texts: Sequence[str], comp
         ("altitude=alt [furlong]", "found the unit 'furlong' for altitude, expected one of m"),
     ],
 )
-def test_a_mapping_to_nothing_says_what_there_is(text: str, complaint: str) -> None:
+def test_a_mapping_to_an_unknown_channel_lists_the_known_ones(text: str, complaint: str) -> None:
     with pytest.raises(DamagedLog, match=complaint):
         found(table("t,alt", "{t:.2f},{h:.2f}"), read_choice([text]))
 
@@ -333,7 +333,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_choice_is_remembered_for_its_headers_alone(home: Path) -> None:
+def test_a_mapping_is_remembered_only_for_its_headers(home: Path) -> None:
     first = ColumnChoice({"time": "a", "altitude": "b [m]"}, ("a", "b"))
     remember(first)
     remember(ColumnChoice({"time": "x"}, ("x", "y")))
@@ -345,14 +345,14 @@ def test_a_choice_is_remembered_for_its_headers_alone(home: Path) -> None:
 @pytest.mark.parametrize(
     "text", ["", "{", "[]", '{"mappings": [{"map": {"nonsense": "a"}, "headers": []}]}', "[" * 9999]
 )
-def test_a_damaged_memory_is_named_and_not_overwritten(home: Path, text: str) -> None:
+def test_a_damaged_file_of_mappings_is_named_and_not_overwritten(home: Path, text: str) -> None:
     (home / "mappings.json").write_text(text)
     with pytest.raises(FieldkitError, match=r"mappings\.json: cannot be read as saved mappings; repair or delete it"):
         remember(ColumnChoice({"time": "a"}, ("a", "b")))
     assert (home / "mappings.json").read_text() == text
 
 
-def test_the_mapping_is_shown_chosen_once_and_remembered(
+def test_a_mapping_is_shown_chosen_once_and_remembered(
     home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = tmp_path / "team.csv"
@@ -377,7 +377,7 @@ def test_a_mapping_is_refused_for_a_log_that_needs_none(capsys: pytest.CaptureFi
     assert "flight_table reads without one; expected no mapping, or --format mapped_table" in capsys.readouterr().err
 
 
-def test_escapes_in_a_header_reach_no_message() -> None:
+def test_escape_sequences_in_a_header_do_not_reach_messages() -> None:
     log = table("t (s),alt\x1b[31m (m),temp\x1b]0;x", "{t:.2f},{h:.2f},3")
     assert "\x1b" not in found(log)[1]
 
@@ -386,7 +386,7 @@ def test_escapes_in_a_header_reach_no_message() -> None:
     ("name", "apogee", "time"),
     [("generic__andromeda_flight_data.csv", 3438.5, 26.75), ("generic__polito_altimeter_cavour.csv", 2789.0, 23.8)],
 )
-def test_a_real_table_is_read_by_its_names(name: str, apogee: float, time: float) -> None:
+def test_a_real_table_is_read_by_its_column_names(name: str, apogee: float, time: float) -> None:
     log = recorded(name)
     assert claims(log) == ["mapped_table"]
     (series,), _ = found(log)
@@ -430,7 +430,7 @@ def test_names_may_be_in_another_language_and_decimals_commas(codec: str) -> Non
     assert "altitude = 'Höhe [m]' in m" in line
 
 
-def test_the_highest_and_the_sideways_are_no_channel_in_another_language() -> None:
+def test_maximum_and_sideways_columns_are_not_channels_in_another_language() -> None:
     assert [channel(heading(name)) for name in ("maximale Höhe (m)", "horizontale Geschwindigkeit (m/s)")] == ["", ""]
 
 
@@ -443,7 +443,7 @@ def beside(second: str, row: str) -> bytes:
     ).encode()
 
 
-def test_two_tables_side_by_side_keep_a_clock_each() -> None:
+def test_two_tables_side_by_side_keep_their_own_clocks() -> None:
     heights, forces = found(beside("Time (s),Accel X (g),Accel Y (g),Accel Z (g)", "{t:.3f},{felt},0.0,0.0"))[0]
     assert (heights.time[-1], forces.time[-1]) == (pytest.approx(29.95), pytest.approx(7.475))
     assert heights.felt_total is None
@@ -469,7 +469,7 @@ def test_a_time_of_day_continues_for_hours_and_over_midnight() -> None:
     assert series.time[-1] - series.time[0] == pytest.approx(299.9)
 
 
-def test_the_magnitude_beside_three_axes_is_not_taken_for_the_axis() -> None:
+def test_the_magnitude_of_three_axes_is_not_taken_for_the_axis() -> None:
     rng = np.random.default_rng(1)
     rows = []
     for n in range(900):

@@ -1,4 +1,4 @@
-"""MicroPeak: the transmission and its checksum, to the letter."""
+"""MicroPeak: the transmission and its checksum."""
 
 import pytest
 
@@ -18,7 +18,7 @@ def flights(log: bytes) -> list[Reading]:
 
 
 @pytest.mark.parametrize(("payload", "crc", "step"), [(SMALL, "8027", 0.192), (WIDE, "872d", 0.1)])
-def test_a_transmission_is_read_with_its_ground_and_its_least_pressure(payload: str, crc: str, step: float) -> None:
+def test_a_transmission_is_read_with_its_ground_and_minimum_pressure(payload: str, crc: str, step: float) -> None:
     (reading,) = flights(f"~junk MP\r\n{payload[:20]}\r\n{payload[20:]}\r\n{crc}\r\n".encode())
     (series,) = reading.clocks
     assert series.pressure is not None
@@ -29,24 +29,24 @@ def test_a_transmission_is_read_with_its_ground_and_its_least_pressure(payload: 
     assert reading.stated["apogee"] == pytest.approx(84.4, abs=0.2)  # by the standard atmosphere
 
 
-def test_the_high_bits_of_a_sample_are_those_nearest_to_the_one_before() -> None:
+def test_the_high_bits_of_a_sample_are_those_nearest_to_the_previous_one() -> None:
     (reading,) = flights(f"MP{WRAP}3901".encode())
     assert reading.clocks[0].pressure.tolist() == [65590, 65500, 65400]  # type: ignore[union-attr]
 
 
-def test_a_wrong_checksum_costs_its_flight_and_no_other() -> None:
+def test_a_wrong_checksum_loses_only_its_flight() -> None:
     found = parsers()["micropeak"].read(f"MP{SMALL}8026\r\nMP{WRAP}3901".encode())
     assert [type(item) for item in found] == [DamagedLog, Reading]
     with pytest.raises(DamagedLog, match="found checksum 8026, expected 8027"):
         parsers()["micropeak"].read(f"MP{SMALL}8026".encode())
 
 
-def test_a_transmission_cut_off_keeps_the_samples_that_came() -> None:
+def test_the_samples_of_a_truncated_transmission_are_kept() -> None:
     reading, note = parsers()["micropeak"].read(f"MP{SMALL[:-4]}".encode())
     assert isinstance(reading, Reading)
     assert len(reading.clocks[0].time) == 2
     assert isinstance(note, Note)
 
 
-def test_erased_memory_is_no_flight_and_no_error() -> None:
+def test_erased_memory_is_neither_a_flight_nor_an_error() -> None:
     assert [type(item) for item in parsers()["micropeak"].read(b"MP" + b"f" * 64)] == [Note]

@@ -1,4 +1,4 @@
-"""Forms of known formats that loggers write beside those of the sample logs: each reads as its sample does."""
+"""Other forms of known formats, which loggers write besides those of the sample logs: each reads like its sample."""
 
 import re
 from collections.abc import Callable
@@ -24,7 +24,7 @@ def flights_among_settings(log: bytes) -> bytes:
 
 
 def oldest(log: bytes) -> bytes:
-    """A flash as the first program wrote it: no name of its format, numbers padded with blanks."""
+    """A flash as the first program wrote it: no format name, numbers padded with spaces."""
     lines = log.decode("ascii", "replace").splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith("Config version"))
     kept = [line for line in lines[start:] if not re.match(r"log-format|[~>]", line)]
@@ -90,7 +90,7 @@ def with_a_comment(log: bytes) -> bytes:
         ("cats__two_barometers.csv", named_sensors),
     ],
 )
-def test_another_form_reads_as_the_sample_does(name: str, change: Callable[[bytes], bytes]) -> None:
+def test_another_form_reads_like_the_sample(name: str, change: Callable[[bytes], bytes]) -> None:
     log = (LOGS / name).read_bytes()
     other = change(log)
     assert other != log
@@ -100,14 +100,14 @@ def test_another_form_reads_as_the_sample_does(name: str, change: Callable[[byte
             np.testing.assert_array_equal(getattr(one, channel), getattr(two, channel), channel)
 
 
-def test_cells_with_their_units_belong_to_a_table_of_numbers() -> None:
+def test_cells_with_units_belong_to_a_table_of_numbers() -> None:
     log = with_a_column((LOGS / "perfectflite_table__tabs.txt").read_bytes())
     (reading,) = (item for item in open_log(log, "log", None).found if isinstance(item, Reading))
     assert claims(log) == ["mapped_table"]
     assert reading.clocks[0].altitude is not None
 
 
-def test_a_column_and_its_copy_are_one() -> None:
+def test_a_column_and_its_copy_are_read_as_one() -> None:
     log = (LOGS / "mapped_table__milliseconds_and_no_unit_of_height.csv").read_text().splitlines()
     copied = "\n".join(f"{line},{line.split(',')[2]}" if line.count(",") > 1 else line for line in log)
     before, after = clocks("\n".join(log).encode()), clocks(copied.encode())
@@ -115,7 +115,7 @@ def test_a_column_and_its_copy_are_one() -> None:
 
 
 @pytest.mark.parametrize("silence", [0.0, 90.0])
-def test_a_charge_in_a_silence_of_the_radio_went_at_an_unknown_moment(silence: float) -> None:
+def test_a_charge_in_a_radio_gap_fired_at_an_unknown_time(silence: float) -> None:
     log = (LOGS / "altos_telem__telemetrum_1.telem").read_bytes()
     (whole,) = (item for item in parsers()["altos_telem"].read(log) if isinstance(item, Reading))
     assert "drogue" in whole.events

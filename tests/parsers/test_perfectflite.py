@@ -36,7 +36,7 @@ def heights(series: Series) -> np.ndarray:
     return series.altitude
 
 
-def test_a_pnut_of_a_real_flight_keeps_its_stated_apogee_beside_its_highest_row() -> None:
+def test_a_real_pnut_log_keeps_its_stated_apogee_beside_its_highest_row() -> None:
     reading, rest = pf2(recorded("perfectflite__pnut_top_shot.pf2"))
     (series,) = reading.clocks
     assert reading.stated == {"apogee": pytest.approx(1009 * FOOT), "site_elevation": pytest.approx(2486 * FOOT)}
@@ -49,7 +49,7 @@ def test_a_pnut_of_a_real_flight_keeps_its_stated_apogee_beside_its_highest_row(
     assert not rest
 
 
-def test_a_dual_deploy_unit_says_when_its_outputs_fired() -> None:
+def test_a_dual_deploy_log_shows_when_its_outputs_fired() -> None:
     reading, rest = pf2(sample("perfectflite__drogue_and_main.pf2"))
     assert reading.events == {"drogue": 5.6, "main": 11.95}
     assert reading.extra["Main Setting"] == "200"
@@ -67,7 +67,7 @@ def test_rows_after_a_loss_of_power_are_left_out_and_no_apogee_is_stated() -> No
     assert [note.row for note in rest if isinstance(note, Note)] == [190, None]
 
 
-def test_rows_of_three_cells_are_rows_and_a_bad_one_costs_itself() -> None:
+def test_rows_of_three_cells_are_read_and_only_bad_ones_are_lost() -> None:
     reading, rest = pf2(sample("perfectflite__three_cells_and_a_bad_row.pf2"))
     (series,) = reading.clocks
     assert series.voltage is None
@@ -84,7 +84,7 @@ def test_a_temperature_without_a_unit_is_left_out_rather_than_guessed() -> None:
 
 
 @pytest.mark.parametrize("apogee", ["300 m AGL", "999999' AGL", "-3' AGL", "1e3' AGL", "nan"])
-def test_an_apogee_that_cannot_be_is_left_out_and_reported(apogee: str) -> None:
+def test_an_impossible_apogee_is_left_out_and_reported(apogee: str) -> None:
     reading, rest = pf2(HEADER.replace("100' AGL", apogee) + DATA + ROWS)
     assert "apogee" not in reading.stated
     assert any(isinstance(item, Note) and item.text.startswith("Apogee: found") for item in rest)
@@ -120,7 +120,7 @@ def test_every_export_has_feet_and_the_unit_of_its_cells(name: str, warmest: flo
     assert len(rest) == notes
 
 
-def test_a_cell_in_another_unit_than_its_column_costs_its_row() -> None:
+def test_a_cell_in_another_unit_than_its_column_loses_its_row() -> None:
     log = sample("perfectflite_table__tabs.txt").replace(b"57.6F\t", b"14.2C\t", 1)
     reading, *rest = parsers()["perfectflite_table"].read(log)
     assert isinstance(reading, Reading)

@@ -1,4 +1,4 @@
-"""Loggers whose files name no units: RRC3, whose pressures prove them, and Eggtimer, whose fall does or nothing."""
+"""Loggers whose files name no units: RRC3, whose pressures prove them, and Eggtimer, where only the descent can."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def found(parser: str, log: bytes) -> tuple[Reading, list[Found]]:
 
 
 @real
-def test_a_real_rrc3_is_in_meters_as_its_pressures_prove() -> None:
+def test_pressures_prove_that_a_real_rrc3_log_is_in_meters() -> None:
     flight = reading(JUNO)
     (series,) = flight.clocks
     assert series.altitude is not None
@@ -43,7 +43,7 @@ def test_a_real_rrc3_is_in_meters_as_its_pressures_prove() -> None:
 
 
 @real
-def test_the_last_rows_of_a_real_rrc3_are_garbage_and_cost_only_themselves() -> None:
+def test_only_the_garbage_in_the_last_rows_of_a_real_rrc3_log_is_lost() -> None:
     assert damage(JUNO) == [
         "row 611, pressure: found 191.25 after 580.10 mbar, expected no such jump",
         "row 612, pressure: found 1158.70 after 191.25 mbar, expected no such jump",
@@ -61,7 +61,7 @@ def test_pressure_distinguishes_feet_from_meters(unit: float, temperature: float
 
 
 @pytest.mark.parametrize(("unit", "top"), [(0.9144, 200.0), (FOOT, 8.0)])
-def test_an_altitude_that_pressure_does_not_settle_is_left_out(unit: float, top: float) -> None:
+def test_an_altitude_whose_unit_pressure_does_not_determine_is_left_out(unit: float, top: float) -> None:
     flight, (note, *_) = found("rrc3", rrc3(unit, top=top))
     assert flight.clocks[0].altitude is None
     assert flight.clocks[0].speed is None
@@ -70,14 +70,14 @@ def test_an_altitude_that_pressure_does_not_settle_is_left_out(unit: float, top:
     assert "altitude left out" in note.text
 
 
-def test_pressures_that_are_no_mbar_are_refused() -> None:
+def test_pressures_that_are_not_in_mbar_are_refused() -> None:
     log = HEADER + "\n" + "".join(f"{t / 20:.2f},{t},101325,1,20, -,9.1\n" for t in range(100))
     with pytest.raises(DamagedLog, match="not in mbar"):
         parsers()["rrc3"].read(log.encode())
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "stray mark"])
-def test_an_rrc3_reads_the_same_in_any_encoding(encoding: str) -> None:
+def test_an_rrc3_log_reads_the_same_in_any_encoding(encoding: str) -> None:
     log = rrc3(FOOT)
     encoded = (
         b"\xef\xbb\xbf" + log.decode().encode("utf-16") if encoding == "stray mark" else log.decode().encode(encoding)
@@ -102,7 +102,7 @@ def eggtimer(unit: float, *, eject: float = 0.0, header: str = "T,Alt,Veloc,LDA,
 
 @pytest.mark.parametrize("unit", [1.0, FOOT])
 @pytest.mark.parametrize("eject", [0.0, 1.5])
-def test_the_fall_distinguishes_feet_from_meters(unit: float, eject: float) -> None:
+def test_the_coast_distinguishes_feet_from_meters(unit: float, eject: float) -> None:
     flight, (note,) = found("eggtimer", eggtimer(unit, eject=eject))
     (series,) = flight.clocks
     assert series.altitude is not None
@@ -120,13 +120,13 @@ def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit
     assert rest == []
 
 
-def test_a_log_that_ends_while_climbing_is_not_settled_by_its_drag() -> None:
+def test_the_drag_of_a_log_that_ends_while_climbing_does_not_determine_the_unit() -> None:
     log = eggtimer(1.0)
     with pytest.raises(DamagedLog, match="whose unit cannot be determined"):
         parsers()["eggtimer"].read(b"\n".join(log.split(b"\n")[:80]) + b"\n")
 
 
-def test_several_flights_of_one_text_stay_separate_with_their_summaries() -> None:
+def test_several_flights_in_one_text_stay_separate_with_their_summaries() -> None:
     log = b"MON>A\r\nApogee: 751\r\n" + eggtimer(FOOT) + b"\r\nApogee: 752\r\n" + eggtimer(FOOT)
     first, second = (item for item in parsers()["eggtimer"].read(log) if isinstance(item, Reading))
     assert first.stated == {"apogee": pytest.approx(751 * FOOT)}
@@ -163,7 +163,7 @@ def test_a_noisy_climb_distinguishes_feet_from_meters_and_an_accelerometer_is_us
     assert series.felt[0] == pytest.approx(9.8, abs=0.1)
 
 
-def test_an_rrc3_names_the_units_that_its_pressures_prove() -> None:
+def test_the_units_that_pressures_prove_are_reported() -> None:
     columns = open_log(rrc3(FOOT), "log.csv", None).recognition.columns
     assert [(one.name, one.unit) for one in columns][:4] == [
         ("Time", "s"),

@@ -1,4 +1,4 @@
-"""Exports of flight simulators: read as simulations, whatever the user's separator, marks, units and language."""
+"""Exports of flight simulators: read as simulations, whatever the user's separators, units and language."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def only(log: bytes, name: str = "openrocket") -> Reading:
 
 
 @pytest.mark.parametrize("sample", SIMULATED, ids=lambda path: path.name)
-def test_a_simulation_has_the_figures_it_was_made_with(sample) -> None:  # type: ignore[no-untyped-def]
+def test_a_simulation_has_its_original_figures(sample) -> None:  # type: ignore[no-untyped-def]
     reading = only(sample.read_bytes(), owner(sample))
     (series,) = reading.clocks
     assert reading.describes == "simulation"
@@ -31,14 +31,14 @@ def test_a_simulation_has_the_figures_it_was_made_with(sample) -> None:  # type:
 
 
 @pytest.mark.parametrize("sample", SIMULATED, ids=lambda path: path.name)
-def test_a_simulation_is_never_taken_for_a_flight(sample) -> None:  # type: ignore[no-untyped-def]
+def test_a_simulation_is_never_mistaken_for_a_flight(sample) -> None:  # type: ignore[no-untyped-def]
     intake = read(sample.read_bytes(), sample.name, any_motor)
     assert (intake.flights, intake.rejected) == ((), ())
     assert any("is a simulation" in note for note in intake.notes)
     assert read_plans(sample.read_bytes(), sample.name, any_motor) == []
 
 
-def test_openrocket_shows_its_events_and_its_state() -> None:
+def test_events_and_states_of_openrocket_are_read() -> None:
     reading = only(OPENROCKET)
     assert reading.events["apogee"] == pytest.approx(6.8)
     assert (reading.events["burnout"], reading.events["ejection"]) == (1.2, pytest.approx(7.3))
@@ -54,7 +54,7 @@ def test_an_event_that_recurs_is_kept_each_time() -> None:
 
 
 @pytest.mark.parametrize(("separator", "mark"), [(";", "#"), ("\t", "%"), (" ", "//"), ("|", "!"), (",", "")])
-def test_any_separator_and_mark_will_do(separator: str, mark: str) -> None:
+def test_any_separator_and_decimal_mark_is_read(separator: str, mark: str) -> None:
     text = OPENROCKET.decode()
     lines = []
     for line in text.splitlines():
@@ -69,7 +69,7 @@ def test_any_separator_and_mark_will_do(separator: str, mark: str) -> None:
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("ft", 0.3048), ("km", 1000.0), ("in", 0.0254)])
-def test_any_unit_of_height_is_its_own(unit: str, factor: float) -> None:
+def test_heights_are_read_in_any_unit(unit: str, factor: float) -> None:
     rows = "".join(f"{i / 10:.1f},{i * (120 - i) / 60 / factor:.6f}\n" for i in range(120))
     (series,) = only(f"# Time (s),Altitude ({unit})\n{rows}".encode()).clocks
     assert series.altitude is not None
@@ -79,14 +79,14 @@ def test_any_unit_of_height_is_its_own(unit: str, factor: float) -> None:
 @pytest.mark.parametrize(
     "names", ["Temps (s),Altitude (m)", "Zeit (s),Höhe (m)", "Czas (s),Wysokość (m)", "时间 (s),高度 (m)"]
 )
-def test_translated_names_are_known_as_words(names: str) -> None:
+def test_translated_names_are_recognized(names: str) -> None:
     rows = "".join(f"{i / 10:.1f},{i * (120 - i) / 60:.4f}\n" for i in range(120))
     log = f"# {names}\n{rows}".encode()
     assert claims(log) == ["openrocket"]
     assert len(only(log).clocks[0].time) == 120
 
 
-def test_a_name_nobody_knows_is_an_error_that_lists_the_columns() -> None:
+def test_an_unknown_name_is_an_error_that_lists_the_columns() -> None:
     with pytest.raises(DamagedLog, match=r"found no column of altitude with its unit among 'Time \(s\)', 'Xyz \(m\)'"):
         parsers()["openrocket"].read(b"# Time (s),Xyz (m)\n0,1\n1,2\n")
 
@@ -96,7 +96,7 @@ def test_units_that_contradict_each_other_are_refused() -> None:
         parsers()["openrocket"].read(OPENROCKET.replace(b"Altitude (m)", b"Altitude (ft)"))
 
 
-def test_a_total_velocity_is_not_the_vertical_one() -> None:
+def test_total_velocity_is_not_vertical_velocity() -> None:
     log = b"Time,Thrust N,Altitude Feet,Velocity Feet / Sec\n"
     for i in range(200):
         t = i / 20
@@ -105,13 +105,13 @@ def test_a_total_velocity_is_not_the_vertical_one() -> None:
     assert series.speed is None
 
 
-def test_a_flight_log_with_units_in_brackets_is_no_simulation() -> None:
+def test_a_flight_log_with_units_in_brackets_is_not_a_simulation() -> None:
     log = b"Time (s),Altitude (m)\n" + b"".join(b"%d,%d\n" % (i, i * (30 - i)) for i in range(30))
     assert claims(log) == ["mapped_table"]
 
 
 @pytest.mark.parametrize("name", ["openrocket", "rocksim", "rasaero"])
-def test_a_header_alone_is_damaged(name: str) -> None:
+def test_a_header_without_rows_is_damaged(name: str) -> None:
     sample = next(s for s in SIMULATED if owner(s) == name).read_text(encoding="utf-8")
     header = next(line for line in sample.splitlines() if "Altitude" in line)
     with pytest.raises(DamagedLog):

@@ -34,21 +34,23 @@ def text(name: str) -> str:
 
 
 def quoted(log: str) -> str:
-    """As a spreadsheet saves lines of which some hold commas: those in quotation marks, all as wide as the widest."""
+    """Lines as saved by a spreadsheet if some contain commas: those in quotation marks, and all padded to the
+    widest."""
     rows = [line.split(",") if re.match(r"-?[\d.]+,", line) else [line] for line in log.splitlines()]
     rows = [[f'"{cell}"' if ", " in cell else cell.strip() for cell in row] for row in rows]
     return "\r\n".join(",".join(row + [""] * (5 - len(row))) for row in rows) + "\r\n"
 
 
 def in_quotes(log: str) -> str:
-    """As a spreadsheet saves every cell in quotation marks, and comments as wide as the rows."""
+    """A table as saved by a spreadsheet with every cell in quotation marks, and comments padded to the width of the
+    rows."""
     rows = [[line] if "Event" in line else line.split(",") for line in log.splitlines()]
     rows = [row + [""] * (max(map(len, rows)) - len(row)) for row in rows]
     return "\n".join(",".join(f'"{cell}"' for cell in row) for row in rows) + "\n"
 
 
 def parted(log: str, separator: str) -> str:
-    """With decimal commas."""
+    """A table with decimal commas."""
     return re.sub(r"(?<=\d)\.(?=\d)", "\0", log).replace(",", separator).replace("\0", ",")
 
 
@@ -115,7 +117,8 @@ def test_a_variant_has_the_samples_of_the_plain_log(parser: str, plain: bytes, v
 
 
 def saved(log: str, separator: str, decimal: str) -> bytes:
-    """A table as a spreadsheet saves it: a mark, all rows as wide as the widest, numbers as short as can be."""
+    """A table as saved by a spreadsheet: a byte order mark, all rows padded to the widest, numbers as short as
+    possible."""
     parted = max(",;\t", key=log.splitlines()[-2].count)
     rows = [[shortest(cell, decimal) for cell in row] for row in csv.reader(io.StringIO(log), delimiter=parted)]
     rows = [row + [""] * (max(map(len, rows)) - len(row)) for row in rows]
@@ -141,9 +144,7 @@ TABULAR = [
 @pytest.mark.sampled
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ".")])
 @pytest.mark.parametrize("sample", [one for one in SAMPLES if owner(one) in TABULAR], ids=lambda one: one.name)
-def test_a_table_that_a_spreadsheet_has_saved_has_the_samples_of_the_log(
-    sample: Path, separator: str, decimal: str
-) -> None:
+def test_a_table_saved_by_a_spreadsheet_has_the_samples_of_the_log(sample: Path, separator: str, decimal: str) -> None:
     log, name = sample.read_bytes(), owner(sample)
     again = saved(log.decode("utf-16" if log[1:2] == b"\xfe" else "utf-8-sig"), separator, decimal)
     assert claims(again) == [name]
@@ -161,7 +162,7 @@ def test_a_table_that_a_spreadsheet_has_saved_has_the_samples_of_the_log(
 
 
 def other_rows(values: list[str], odd: bool) -> list[str]:
-    """Cells of a sensor that takes turns with another one, row by row."""
+    """Cells of a sensor that alternates with another one, row by row."""
     return [value if number % 2 == odd else "" for number, value in enumerate(values)]
 
 
@@ -206,7 +207,7 @@ TABLES: Sequence[tuple[str, Sequence[Sequence[str]], str]] = [
 
 
 @pytest.mark.parametrize(("header", "columns", "channel"), TABLES, ids=[header for header, *_ in TABLES])
-def test_a_table_that_no_parser_knows_has_its_heights_in_meters(
+def test_heights_of_an_unknown_table_are_read_in_meters(
     header: str, columns: Sequence[Sequence[str]], channel: str
 ) -> None:
     log = table(header, columns)
@@ -221,14 +222,14 @@ def test_a_table_that_no_parser_knows_has_its_heights_in_meters(
 
 @pytest.mark.parametrize("name", ["rocksim", "rasaero"])
 @pytest.mark.parametrize("above", ["sep=,\n", "Astra, take 2\n\n"])
-def test_a_simulation_below_a_title_is_no_flight(name: str, above: str) -> None:
+def test_a_simulation_below_a_title_is_not_a_flight(name: str, above: str) -> None:
     log = (above + text(name)).encode()
     assert claims(log) == [name]
     assert [one.describes for one in recognise(log).read(log) if isinstance(one, Reading)] == ["simulation"]
 
 
 @pytest.mark.parametrize("separator", [";", "\t"])
-def test_a_summary_that_a_spreadsheet_has_saved_states_the_same(separator: str) -> None:
+def test_a_summary_saved_by_a_spreadsheet_states_the_same(separator: str) -> None:
     plain = text("blueraven_summary")
     variant = "".join(separator.join((*line.split(",", 1), "", "\r\n")) for line in plain.splitlines())
     assert claims(variant.encode()) == ["blueraven_summary"]
@@ -236,8 +237,8 @@ def test_a_summary_that_a_spreadsheet_has_saved_states_the_same(separator: str) 
     assert one == other
 
 
-def test_a_header_of_version_5_is_no_truer_when_a_spreadsheet_has_padded_its_rows() -> None:
-    """It names 74 columns of which its rows have 70: names behind main_voltage are not above their cells."""
+def test_a_header_of_version_5_is_still_wrong_if_a_spreadsheet_padded_its_rows() -> None:
+    """It names 74 columns but its rows have 70 cells: names after main_voltage are not above their cells."""
     for name in ("altos_csv__version_5_with_a_comma", "altos_csv__version_5_with_cells"):
         log = saved(text(name), ",", ".")
         (reading,) = (one for one in recognise(log).read(log) if isinstance(one, Reading))
@@ -245,15 +246,15 @@ def test_a_header_of_version_5_is_no_truer_when_a_spreadsheet_has_padded_its_row
         assert reading.clocks[0].gps_altitude_msl is None
 
 
-def test_a_row_that_is_cut_off_brings_back_no_heights_from_after_the_power_was_lost() -> None:
+def test_a_truncated_row_does_not_restore_heights_from_after_the_loss_of_power() -> None:
     log = text("perfectflite__power_lost").encode().rstrip()
     whole, torn = (len(parsers()["perfectflite"].read(one)[0].clocks[0].time) for one in (log, log[:-7]))
     assert whole == torn
 
 
 @pytest.mark.parametrize(("cut", "kept"), [(0, 0), (1, 1), (2, 1)])
-def test_a_last_cell_that_is_cut_within_its_digits_is_no_number(cut: int, kept: int) -> None:
-    """A file that ends without the end of a line may be whole; digits that are missing there are not made up for."""
+def test_a_last_cell_truncated_within_its_digits_is_not_a_number(cut: int, kept: int) -> None:
+    """A file that ends without a line ending may be complete, but missing digits there cannot be restored."""
     rows = [f"{number / 20:.2f},{number % 40 + 0.25:.2f}" for number in range(200)]
     log = ("time (s),altitude (m)\n" + "\n".join(rows)).encode()
     items = parsers()["mapped_table"].read(log[: len(log) - cut])
@@ -262,5 +263,5 @@ def test_a_last_cell_that_is_cut_within_its_digits_is_no_number(cut: int, kept: 
     assert sum("cut off" in getattr(one, "text", "") for one in items) == kept
 
 
-def test_a_table_of_flights_with_a_date_and_readouts_is_one() -> None:
+def test_a_table_with_a_date_and_readouts_is_a_table_of_flights() -> None:
     assert claims(b"date_time,apogee,notes\n2026-05-02 11:04,923ft,windy\n") == ["flight_table"]
