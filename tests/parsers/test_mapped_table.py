@@ -322,7 +322,7 @@ def test_an_invalid_mapping_is_refused_with_what_to_write(texts: Sequence[str], 
         ("altitude=alt [furlong]", "found the unit 'furlong' for altitude, expected one of m"),
     ],
 )
-def test_a_mapping_to_an_unknown_channel_lists_the_known_ones(text: str, complaint: str) -> None:
+def test_a_mapping_that_matches_nothing_lists_what_there_is(text: str, complaint: str) -> None:
     with pytest.raises(DamagedLog, match=complaint):
         found(table("t,alt", "{t:.2f},{h:.2f}"), read_choice([text]))
 

@@ -11,7 +11,7 @@ from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import STEPS, Curve, burns
 
 DENSITY = 1.225
-"""Of the air of these set-ups at the pad. [kg/m^3]"""
+"""Air density at the pad in these setups. [kg/m^3]"""
 EVEN_AIR = Air(np.asarray(DENSITY), np.asarray(288.15), 1e15)
 """Air with constant density."""
 STANDARD_AIR = pad_air(*(np.asarray(np.nan) for _ in range(4)))
@@ -19,7 +19,7 @@ STANDARD_AIR = pad_air(*(np.asarray(np.nan) for _ in range(4)))
 
 @dataclass(frozen=True)
 class Push:
-    """A motor with straight lines between its knots."""
+    """A motor with thrust linear between its knots."""
 
     time: Any
     thrust: Any
@@ -34,7 +34,7 @@ class Push:
 STEADY = Push((0.0, 1.5), (30.0, 30.0))
 """Constant thrust and negligible propellant."""
 ROUGH = Push((0.0, 0.1, 0.4, 1.5, 1.6), (0.0, 45.0, 30.0, 22.0, 0.0), 0.03, 0.02)
-"""A rise, a peak, a sag and a tail."""
+"""A thrust curve with a rise, a peak, a sag and a tail."""
 LONG = Push((0.0, 0.2, 0.5, 4.0, 4.2), (0.0, 30.0, 14.0, 12.0, 0.0), 0.04, 0.03)
 
 

@@ -1,4 +1,4 @@
-"""The descent: laws that hold for any descent, and flights simulated by RocketPy to the ground."""
+"""The descent: laws that hold for any descent, and comparison with flights simulated to the ground by RocketPy."""
 
 import json
 from pathlib import Path
@@ -46,14 +46,14 @@ def down(
     opening: float = 0.0,
     **more: Any,
 ) -> tuple[float, float, float]:
-    """Time, path along and across of one descent."""
+    """Duration, and drift along and across, of one descent."""
     devices = Devices(np.array([first]), np.array([main]), at, opening)
     wind = more.pop("wind", WindProfile())
     one = descend(np.array([height]), np.array([wait]), np.array([60.0]), devices, AIR, wind, **more)
     return float(one.time[0]), float(one.along[0]), float(one.across[0])
 
 
-def test_low_down_it_sinks_its_height_at_its_speed_and_drifts_with_an_even_wind() -> None:
+def test_a_low_descent_takes_height_over_speed_and_drifts_with_a_uniform_wind() -> None:
     even = WindProfile(4.0, 4.0, 100.0)
     time, along, across = down(50.0, wind=even)
     comes_to_speed = 5.0 / 9.80665 * np.log(2)
@@ -73,17 +73,17 @@ def test_the_drift_is_the_integral_of_the_wind_over_the_descent() -> None:
     assert down(800.0, wind=WindProfile(3.0))[1] == pytest.approx(expected - lag, rel=1e-3)
 
 
-def test_two_devices_fall_fast_and_then_slowly() -> None:
+def test_with_a_drogue_and_a_main_it_falls_fast_and_then_slowly() -> None:
     time, _, _ = down(500.0, first=20.0, main=5.0, at=100.0)
     assert time == pytest.approx(400 / 20 + 100 / 5, rel=0.03)
     late, _, _ = down(500.0, first=20.0, main=5.0, at=100.0, opening=1.0)
-    sooner = 20 / 9.80665 * np.log(1 + 9.8 / 20)  # at its speed, for it falls freely until the drogue is open
+    sooner = 20 / 9.80665 * np.log(1 + 9.8 / 20)  # at this speed, because it falls freely until the drogue is open
     assert late - time == pytest.approx(-20 / 5 + 20 / 20 + 1.0 - 4.9 / 20 - sooner, abs=0.15)
 
 
 @pytest.mark.parametrize(("height", "before"), [(300.0, 0.0), (300.0, 60.0), (8.0, 0.0), (8.0, 60.0)])
-def test_a_device_takes_the_speed_of_the_fall_to_its_own(height: float, before: float) -> None:
-    """As by the equation of motion in air of constant density, even if it lands before its speed is steady."""
+def test_a_parachute_slows_a_fall_to_its_own_descent_speed(height: float, before: float) -> None:
+    """According to the equation of motion in air of constant density, even if it lands before its speed is constant."""
     even = Air(AIR.density, AIR.temperature, 1e9)
     solved = solve_ivp(
         lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 20.0) ** 2)],
@@ -103,7 +103,7 @@ def test_a_device_takes_the_speed_of_the_fall_to_its_own(height: float, before: 
 
 
 @pytest.mark.parametrize("falls", [0.0, 10.0, 19.9999, 35.0])
-def test_a_speed_sideways_settles_over_the_path_through_the_air(falls: float) -> None:
+def test_horizontal_speed_decays_over_the_path_through_the_air(falls: float) -> None:
     solved = solve_ivp(
         lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 20.0) ** 2), y[3], -9.80665 / 400 * y[1] * y[3]],
         (0, 80),
@@ -117,7 +117,7 @@ def test_a_main_above_the_apogee_opens_there() -> None:
     assert down(90.0, first=20.0, main=5.0, at=400.0)[0] == pytest.approx(90 / 5 + 0.35, rel=0.01)
 
 
-def test_a_free_fall_is_that_of_its_equation() -> None:
+def test_a_free_fall_follows_its_equation() -> None:
     solved = solve_ivp(lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 40.0) ** 2)], (0, 6), [0.0, 0.0], rtol=1e-9)
     assert float(fall_by(np.array(6.0), np.array(40.0))) == pytest.approx(solved.y[0, -1], rel=1e-5)
     assert float(fall_time(fall_by(np.array(6.0), np.array(40.0)), np.array(40.0))) == pytest.approx(6.0, rel=1e-6)
@@ -126,7 +126,7 @@ def test_a_free_fall_is_that_of_its_equation() -> None:
 
 
 def test_a_free_fall_turns_height_into_speed_and_no_faster_than_its_terminal_speed() -> None:
-    """Without air v^2 = 2 g h; with it the energy lost is the work of the drag, and at last the speed is terminal."""
+    """Without air v^2 = 2 g h; with air the energy lost is the work of drag, and speed approaches terminal speed."""
     height = np.array([20.0, 500.0])
     thin = np.full(2, 1e5)
     free = fall_speed(fall_time(height, thin), thin)
@@ -142,8 +142,8 @@ def test_a_free_fall_turns_height_into_speed_and_no_faster_than_its_terminal_spe
 
 
 @pytest.mark.parametrize("delay", [5.0, 9.0, 11.0, np.nan])
-def test_a_flight_comes_down_as_the_descent_model_says(delay: float) -> None:
-    """One descent: that of a simulated flight and that of a landing are the same figures."""
+def test_a_simulated_flight_descends_like_the_descent_model(delay: float) -> None:
+    """There is only one descent: a simulated flight and a predicted landing have the same figures."""
     found = catalogue().resolve("F39T")
     flight = Flight(dry_mass=0.4, diameter=0.066, descent_speed=5.0)
     setup = field_setup([flight], [found], np.array([0.002])).with_changes(delay=np.array([delay]))
@@ -160,7 +160,8 @@ def test_a_flight_comes_down_as_the_descent_model_says(delay: float) -> None:
 
 
 def test_a_fast_parachute_opens_over_the_path_that_fills_it() -> None:
-    """Eight of its diameters, whose drag carries the weight at its descent speed; slowly it takes its time."""
+    """The filling distance is eight times the diameter whose drag balances the weight at its descent speed; at low
+    speed it opens in its own time."""
     mass, speed = 0.4, 5.0
     diameter = np.sqrt(8 * mass * 9.80665 / (np.pi * 0.75 * 1.225)) / speed
     devices = Devices(np.array([speed]), opening=0.5, filling=filling(np.array([mass]), np.array([1.225])))
@@ -169,7 +170,7 @@ def test_a_fast_parachute_opens_over_the_path_that_fills_it() -> None:
     assert opening_time(devices, devices.first, np.array([0.0])) == pytest.approx(0.5)
 
 
-def test_a_charge_early_in_the_climb_stops_it_within_the_path_that_fills_the_parachute() -> None:
+def test_a_charge_early_in_the_climb_stops_the_rocket_within_the_filling_distance() -> None:
     found = catalogue().resolve("F39T")
     flight = Flight(dry_mass=0.4, diameter=0.066, descent_speed=5.0, delay=1.0)
     one = fly(field_setup([flight], [found], np.array([0.002])))
@@ -180,13 +181,13 @@ def test_a_charge_early_in_the_climb_stops_it_within_the_path_that_fills_the_par
     assert float(one.apogee[0] - one.eject_altitude[0]) == pytest.approx(path + stop, rel=0.03)
 
 
-def test_air_that_thins_with_height_is_sunk_through_by_the_integral_of_its_root() -> None:
+def test_descent_time_through_thinning_air_is_the_integral_of_root_density() -> None:
     for air in (AIR, Air(AIR.density, AIR.temperature, 8000.0)):
         expected, _ = quad(lambda h, air=air: float(np.sqrt(air.density_ratio(np.array(h)))), 0.0, 2500.0)
         assert float(air.sinking_path(np.array(2500.0))) == pytest.approx(expected, rel=1e-9)
 
 
-def test_without_a_charge_it_comes_down_as_it_is() -> None:
+def test_without_a_charge_the_rocket_falls_ballistically() -> None:
     devices = Devices(np.array([5.0]), np.array([0.0]), 0.0, 0.5)
     one = descend(np.array([100.0]), np.array([np.nan]), np.array([60.0]), devices, AIR, WindProfile(3.0))
     late = descend(np.array([100.0]), np.array([30.0]), np.array([60.0]), devices, AIR, WindProfile(3.0))
@@ -195,7 +196,7 @@ def test_without_a_charge_it_comes_down_as_it_is() -> None:
     assert float(one.time[0]) == pytest.approx(float(fall_time(np.array(100.0), np.array(60.0))))
 
 
-def test_a_wind_aloft_is_met_where_it_was_measured_and_turns() -> None:
+def test_a_wind_aloft_acts_at_its_height_and_may_differ_in_direction() -> None:
     wind = WindProfile(3.0, 9.0, 300.0, np.pi / 2)
     along, across = wind.components(np.array([0.0, 300.0, 900.0]))
     assert along == pytest.approx([3.0, 0.0, 0.0], abs=1e-9)
@@ -208,7 +209,7 @@ ALOFT = {"wind_aloft": "mps", "wind_aloft_height": "m"}
 
 
 def flown_again(case: dict[str, Any], stability: str = "") -> dict[str, float]:
-    """A case of the reference in fieldkit's own physics."""
+    """A case of the reference simulated with fieldkit's own physics."""
     found = catalogue().resolve(case["motor"])
     area = np.pi / 4 * case["diameter"] ** 2
     direction = np.arctan2(case["rail_across"], case["rail_into"])
@@ -245,11 +246,11 @@ DRAWN = [case for case in CASES if case["name"].startswith("drawn")]
 
 
 @pytest.mark.parametrize("case", CHOSEN, ids=[case["name"] for case in CHOSEN])
-def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> None:
+def test_landing_and_duration_agree_with_rocketpy(case: dict[str, Any]) -> None:
     """Source: RocketPy 6-DOF flights, `python -m bench.recovery_reference`; the rocket's static margin is known.
 
-    A rocket that the rail sends upwind by as much as it drifts back lands near the pad, as the difference of two long
-    ways; there the miss is judged against the way it drifted under its parachute.
+    A rocket that flies upwind as far as it drifts back lands near the pad, at the difference of two long distances; its
+    error is compared with the drift under the parachute.
     """
     own, reference = flown_again(case, f"{case['flown']['stability']:.2f}"), case["flown"]
     assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.02)
@@ -258,8 +259,8 @@ def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> Non
 
 
 @pytest.mark.parametrize("case", CHOSEN, ids=[case["name"] for case in CHOSEN])
-def test_a_rocket_of_unknown_stability_lands_near_where_rocketpy_has_it(case: dict[str, Any]) -> None:
-    """Two calibers are assumed and these have three to six, so that they turn into the wind sooner than forecast."""
+def test_a_rocket_of_unknown_stability_lands_near_rocketpys_landing(case: dict[str, Any]) -> None:
+    """Two calibers are assumed, but these have three to six, so they turn into the wind sooner than forecast."""
     own, reference = flown_again(case), case["flown"]
     assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
     assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
@@ -267,11 +268,11 @@ def test_a_rocket_of_unknown_stability_lands_near_where_rocketpy_has_it(case: di
 
 
 USUAL_MOST = 3.5
-"""Static margin up to which a rocket is one of the usual ones. [body diameters]"""
+"""Largest usual static margin. [body diameters]"""
 
 
 @pytest.mark.parametrize(("known", "near"), [(True, 35), (False, 32)])
-def test_rockets_at_random_land_as_far_away_as_in_rocketpy(known: bool, near: int) -> None:
+def test_random_rockets_land_as_far_away_as_in_rocketpy(known: bool, near: int) -> None:
     """Of 36 of usual stability, known or not: the distance from the pad within 15 % but for few that land near it, and
     no landing off by a fifth of the way drifted."""
     assert len(DRAWN) == 36
@@ -289,7 +290,7 @@ def test_rockets_at_random_land_as_far_away_as_in_rocketpy(known: bool, near: in
 
 
 def test_the_climb_and_the_descent_are_in_the_wind_of_the_plan() -> None:
-    """More wind aloft sends the rocket further upwind as it climbs; both follow one profile."""
+    """More wind aloft sends the rocket farther upwind as it climbs; climb and descent use the same profile."""
     found = catalogue().resolve("F39T")
     plan = Flight(dry_mass=0.4, diameter=0.066, wind=3.0)
     aloft = plan.with_changes(extra={"wind_aloft_mps": "12", "wind_aloft_height_m": "200"})
@@ -304,7 +305,7 @@ def test_the_climb_and_the_descent_are_in_the_wind_of_the_plan() -> None:
     assert law[2:] == pytest.approx([12.0, 12.0])
 
 
-def test_an_early_charge_opens_in_the_time_that_was_said() -> None:
+def test_an_early_charge_opens_the_parachute_in_the_given_time() -> None:
     found = catalogue().resolve("F39T")
     plan = Flight(dry_mass=0.4, diameter=0.066, delay=3.0)
     quick = plan.with_changes(extra={"opening_time_s": "0"})
@@ -322,7 +323,7 @@ def _miss(own: dict[str, float], reference: dict[str, float]) -> float:
     return float(distance / max(away, drifted))
 
 
-def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:
+def test_in_calm_air_the_direction_of_the_rail_does_not_matter() -> None:
     found = catalogue().resolve("F39T")
     setup = field_setup([Flight(dry_mass=0.4, diameter=0.066)], [found], np.array([0.002]))
     along = fly(setup.with_changes(rail_angle=np.array([0.1])))
@@ -332,7 +333,7 @@ def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:
     assert across.drift == pytest.approx([0.0], abs=1e-9)
 
 
-def test_a_recorded_rail_tilts_into_the_wind_unless_it_says_otherwise() -> None:
+def test_a_recorded_rail_angle_is_into_the_wind_unless_stated_otherwise() -> None:
     found = catalogue().resolve("F39T")
     ways = {"": -1, "into": -1, "away": 1, "180": 1}
     for direction, sign in ways.items():

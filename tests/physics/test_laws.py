@@ -61,7 +61,7 @@ def test_a_coast_without_drag_gains_half_v_squared_over_g(changes: dict[str, Any
     np.testing.assert_allclose(flown.coast_to_apogee + flown.burn_time, track.flying + track.velocity[0] / GRAVITY)
 
 
-def test_burnout_and_coast_are_those_of_fehskens_and_malewicki() -> None:
+def test_burnout_and_coast_agree_with_fehskens_and_malewicki() -> None:
     mass, thrust, time = 0.4, 30.0, 1.5
     area = np.linspace(2e-4, 6e-3, 9)
     flown = fly(rocket(STEADY, steps=48, air=EVEN_AIR, dry_mass=mass, drag_area=area))
@@ -76,7 +76,7 @@ def test_burnout_and_coast_are_those_of_fehskens_and_malewicki() -> None:
     np.testing.assert_allclose(flown.coast_to_apogee, terminal / GRAVITY * np.arctan(speed / terminal), rtol=1e-6)
 
 
-def test_burnout_without_drag_is_that_of_tsiolkovsky() -> None:
+def test_burnout_without_drag_agrees_with_tsiolkovsky() -> None:
     motor = Push((0.0, 1.5), (30.0, 30.0), propellant_mass=0.1)
     exhaust, full, empty = 45.0 / 0.1, 0.5, 0.4
     flown = fly(rocket(motor, drag_area=0.0))
@@ -125,7 +125,7 @@ def test_doubling_the_layers_of_a_coast_divides_the_error_as_its_order_says(
         assert ratio == pytest.approx(2**order, rel=0.25)
 
 
-# What may never rise
+# Monotonicity
 
 
 def never_rises(heights: Any) -> None:
@@ -153,7 +153,7 @@ def test_denser_air_is_never_higher(motor: Push, mass: float, area: float) -> No
 
 @CASES
 @given(motor=curves, area=areas)
-def test_there_is_one_best_mass_and_beyond_it_more_is_never_higher(motor: Push, area: float) -> None:
+def test_there_is_one_optimum_mass_and_beyond_it_more_is_never_higher(motor: Push, area: float) -> None:
     heights = apogees(rocket(motor, dry_mass=np.geomspace(0.01, 3.0, 40), drag_area=area))
     best = int(np.argmax(heights))
     never_rises(heights[best:])
@@ -181,7 +181,7 @@ def test_friction_on_the_rail_lowers_the_speed_off_it() -> None:
     never_rises(flown.apogee)
 
 
-def test_a_longer_rail_is_left_faster_and_changes_nothing_else() -> None:
+def test_a_longer_rail_increases_the_exit_speed_and_changes_nothing_else() -> None:
     flown = fly(rocket(ROUGH, rail_length=np.linspace(0.5, 3, 20)))
     assert np.all(np.diff(flown.rail_speed) > 0)
     assert np.ptp(flown.apogee) == 0
@@ -196,7 +196,7 @@ def points(setup: Setup, track: AscentState) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("changes", [{}, {"forces": ((nothing, np.asarray(1.0)),)}, {"rail_angle": 0.3}])
-def test_energy_stays_without_drag_and_only_falls_with_it(changes: dict[str, Any]) -> None:
+def test_energy_is_constant_without_drag_and_never_increases_with_it(changes: dict[str, Any]) -> None:
     for area, conserved in ((0.0, True), (3e-3, False)):
         setup = rocket(ROUGH, drag_area=area, **changes).flat((1,))
         track = burn(setup)
@@ -208,7 +208,7 @@ def test_energy_stays_without_drag_and_only_falls_with_it(changes: dict[str, Any
             assert np.all(change < 0)
 
 
-# A draw alone
+# Independence of draws
 
 
 def mixed(rows: int = 24) -> Setup:
@@ -237,7 +237,7 @@ def alone(setup: Setup, row: int, flat: tuple[int, ...]) -> FlightResult:
 
 @pytest.mark.parametrize("chunk", [5, 8192])
 @pytest.mark.parametrize("forces", [(), ((nothing, np.asarray(1.0)),)], ids=["plain", "forces"])
-def test_a_batch_equals_its_members(monkeypatch: pytest.MonkeyPatch, chunk: int, forces: Any) -> None:
+def test_a_batch_equals_its_members_simulated_alone(monkeypatch: pytest.MonkeyPatch, chunk: int, forces: Any) -> None:
     setup = mixed().with_changes(forces=forces)
     monkeypatch.setattr(flying, "CHUNK", chunk)
     together = fly(setup)
@@ -250,7 +250,7 @@ def test_a_batch_equals_its_members(monkeypatch: pytest.MonkeyPatch, chunk: int,
             np.testing.assert_allclose(here, there, rtol=1e-9, atol=1e-9, err_msg=f"{field.name} of row {row}")
 
 
-def test_axes_of_a_batch_come_back_as_they_went_in() -> None:
+def test_axes_of_a_batch_are_preserved() -> None:
     area, mass = np.array([[1e-3], [2e-3]]), np.array([0.3, 0.4, 0.5])
     grid = apogees(rocket(ROUGH, drag_area=area, dry_mass=mass))
     assert grid.shape == (2, 3)
@@ -268,7 +268,7 @@ def test_an_upright_planar_flight_is_the_vertical_one() -> None:
     np.testing.assert_allclose(planar.apogee, closed.apogee, atol=0.1)
 
 
-def test_a_mirror_changes_the_side_and_nothing_else() -> None:
+def test_mirroring_changes_only_the_side() -> None:
     wind, angle = np.array([0.0, 3.0, 6.0]), np.radians([5.0, -3.0, 0.0])
     here, there = fly(rocket(ROUGH, wind=wind, rail_angle=angle)), fly(rocket(ROUGH, wind=-wind, rail_angle=-angle))
     np.testing.assert_allclose(here.apogee, there.apogee, rtol=1e-12)
@@ -277,7 +277,7 @@ def test_a_mirror_changes_the_side_and_nothing_else() -> None:
 
 
 @pytest.mark.parametrize("rail_angle", [0.0, 0.1])
-def test_slow_steps_end_where_fine_steps_end(rail_angle: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_large_steps_agree_with_small_steps(rail_angle: float, monkeypatch: pytest.MonkeyPatch) -> None:
     changes: dict[str, Any] = {"wind": 20 * rail_angle, "rail_angle": rail_angle, "drag_area": np.linspace(0, 6e-3, 9)}
     usual = fly(rocket([LONG], **changes))
     monkeypatch.setattr(coasting, "_count", lambda wanted: np.full_like(wanted, 400))
@@ -326,7 +326,7 @@ def test_a_charge_before_apogee_lowers_it_and_the_later_the_less() -> None:
 
 
 @pytest.mark.parametrize("changes", [{}, {"rail_angle": 1e-9}], ids=["layers", "steps"])
-def test_a_charge_at_the_moment_of_apogee_leaves_it_where_it_is(changes: dict[str, Any]) -> None:
+def test_a_charge_at_apogee_does_not_change_it(changes: dict[str, Any]) -> None:
     at_apogee = 9.0 - fly(rocket(ROUGH, delay=9.0, **changes)).apogee_to_eject
     around = at_apogee + np.array([-1.0, -0.55, -0.51, -0.49, -0.01, -1e-6, 1e-6, 0.1])
     flown = fly(rocket(ROUGH, delay=around, **changes))
@@ -335,7 +335,7 @@ def test_a_charge_at_the_moment_of_apogee_leaves_it_where_it_is(changes: dict[st
     np.testing.assert_allclose(flown.apogee_to_eject[-3:], [-1e-6, 1e-6, 0.1], atol=1e-7)
 
 
-def test_readouts_agree_with_each_other() -> None:
+def test_readouts_are_consistent_with_each_other() -> None:
     setup = mixed(200)
     flown = fly(setup)
     up = flown.lift_off == 1
@@ -351,7 +351,7 @@ def test_readouts_agree_with_each_other() -> None:
     np.testing.assert_array_equal(known, np.isfinite(get["apogee_to_eject"]))
 
 
-def test_altimeters_show_heights_times_their_gain_and_nothing_else() -> None:
+def test_an_altimeters_gain_scales_only_heights() -> None:
     plain, shown = (fly(rocket(ROUGH, altimeter_gain=gain, delay=5.0)) for gain in (1.0, 0.93))
     readings, others = shown.readouts(), plain.readouts()
     for name, value in readings.items():
@@ -360,7 +360,7 @@ def test_altimeters_show_heights_times_their_gain_and_nothing_else() -> None:
     np.testing.assert_allclose(shown.apogee, plain.apogee)
 
 
-def test_under_a_parachute_a_fall_takes_height_over_speed() -> None:
+def test_a_descent_under_a_parachute_takes_height_over_speed() -> None:
     flown = fly(rocket(ROUGH, air=EVEN_AIR, descent_speed=4.0, delay=7.0, opening_time=0.0))
     charge = flown.burn_time + flown.coast_to_apogee + flown.apogee_to_eject
     slows = 4.0 / GRAVITY * np.log(2 / (1 + flown.eject_speed / 4.0))
@@ -383,7 +383,7 @@ def test_no_drag_is_the_limit_of_little_drag(area: float) -> None:
 
 
 @pytest.mark.parametrize(("height", "density"), [(0, 1.2250), (1000, 1.1117), (2000, 1.0066), (5000, 0.7364)])
-def test_the_air_is_the_standard_atmosphere(height: float, density: float) -> None:
+def test_the_air_agrees_with_the_standard_atmosphere(height: float, density: float) -> None:
     """U.S. Standard Atmosphere 1976, table I."""
     assert STANDARD_AIR.density * STANDARD_AIR.density_ratio(np.asarray(float(height))) == pytest.approx(
         density, rel=6e-4
@@ -391,13 +391,13 @@ def test_the_air_is_the_standard_atmosphere(height: float, density: float) -> No
     assert float(pad_air(np.asarray(float(height)), NAN, NAN, NAN).density) == pytest.approx(density, rel=6e-4)
 
 
-def test_air_thins_equally_from_the_pad_and_from_the_sea() -> None:
+def test_density_decreases_equally_from_the_pad_and_from_sea_level() -> None:
     high = pad_air(np.asarray(1500.0), NAN, NAN, NAN)
     sea = STANDARD_AIR.density * STANDARD_AIR.density_ratio(np.asarray(2300.0))
     np.testing.assert_allclose(high.density * high.density_ratio(np.asarray(800.0)), sea, rtol=1e-6)
 
 
-def test_humid_and_hot_air_is_lighter_and_heavy_air_is_heavier() -> None:
+def test_humid_and_hot_air_is_less_dense_and_high_pressure_air_is_denser() -> None:
     def density(kelvin: float, pascal: float, humidity: float) -> float:
         return float(pad_air(NAN, *(np.asarray(x, float) for x in (kelvin, pascal, humidity))).density)
 
@@ -407,7 +407,7 @@ def test_humid_and_hot_air_is_lighter_and_heavy_air_is_heavier() -> None:
     assert density(313.15, 101325, 0.0) < dry < density(303.15, 103000, 0.0)
 
 
-def test_a_pressure_is_taken_for_reduced_or_not_as_it_lies_nearer() -> None:
+def test_a_pressure_is_read_as_station_or_sea_level_pressure_whichever_is_nearer() -> None:
     elevation = np.asarray(1600.0)
     station = STANDARD_PRESSURE * (1 - LAPSE * 1600 / STANDARD_TEMPERATURE) ** HYDROSTATIC
     np.testing.assert_allclose(station_pressure(np.asarray(102000.0), elevation), station * 102000 / STANDARD_PRESSURE)
@@ -422,7 +422,7 @@ def test_a_pressure_is_taken_for_reduced_or_not_as_it_lies_nearer() -> None:
     sea=st.floats(97000, 104000),
     height=st.floats(10, 3000),
 )
-def test_altimeters_show_what_the_standard_atmosphere_makes_of_pressure(
+def test_altimeters_show_the_pressure_altitude_of_the_standard_atmosphere(
     elevation: float, kelvin: float, sea: float, height: float
 ) -> None:
     pad = float(station_pressure(np.asarray(sea), np.asarray(elevation)))
@@ -438,7 +438,7 @@ def test_altimeters_show_what_the_standard_atmosphere_makes_of_pressure(
 # Motors
 
 
-def test_motors_of_every_kind_are_curves() -> None:
+def test_motors_of_every_kind_become_thrust_curves() -> None:
     assert isinstance(catalogue().motors[0], Curve)
     assert isinstance(paper.MOTORS[0], Curve)
     assert isinstance(ROUGH, Curve)
@@ -473,11 +473,11 @@ def test_propellant_burns_off_with_the_impulse_and_ends_at_burnout(steps: int) -
         (" Aerotech F39T ", 2),
     ],
 )
-def test_the_papers_motors_answer_to_every_spelling(name: str, index: int) -> None:
+def test_the_papers_motors_are_found_by_every_spelling(name: str, index: int) -> None:
     assert paper.motor_index(name) == index
 
 
 @pytest.mark.parametrize("name", ["F240", "G39", "F25W-4", "Estes F24", "", "F24/F39"])
-def test_the_papers_physics_knows_no_other_motor(name: str) -> None:
+def test_the_papers_physics_has_no_other_motor(name: str) -> None:
     with pytest.raises(UnknownMotor, match="F24-4W"):
         paper.motor_index(name)

@@ -17,14 +17,14 @@ LAPSE, WARMTH, PRESSURE, GAS = 0.0065, 288.15, 101325.0, 287.05287
 CLOSE = 0.1
 """Maximum difference between the two. [m]"""
 MOTORS = 40
-"""The sample if not all are flown."""
+"""Size of the sample if not all are simulated."""
 
 
 class Reference:
-    """One rocket going straight up by DOP853, restarted at every knot of the thrust curve.
+    """A vertical flight integrated by DOP853, restarted at every knot of the thrust curve.
 
-    Written from the equations alone: thrust linear between knots, mass falling with the impulse delivered, drag
-    by the square of speed in air that thins as the standard atmosphere; the pad holds until thrust exceeds weight.
+    Written from the equations alone: thrust linear between knots, mass falling with the impulse delivered, drag with
+    the square of speed in the standard atmosphere; the rocket stays on the pad until thrust exceeds weight.
     """
 
     def __init__(self, motor: Any, dry_mass: float, drag_area: float, alpha: float, *, as_paper: bool = False) -> None:
@@ -55,7 +55,7 @@ class Reference:
         return [speed, (thrust - drag) / mass - self.gravity]
 
     def lift_off(self) -> tuple[float, int]:
-        """When thrust first exceeds weight, and the knot before."""
+        """Time at which thrust first exceeds weight, and the knot before it."""
 
         def net(time: float, knot: int) -> float:
             thrust, mass = self.push(time, knot)
@@ -68,7 +68,7 @@ class Reference:
         raise AssertionError("the motor does not lift its rocket")
 
     def leg(self, start: float, end: float, state: Any, knot: int | None, *, to_apogee: bool) -> tuple[Any, float]:
-        """State at the end, and the highest point on the way where the path turns over."""
+        """State at the end, and the apogee if it is on the way."""
 
         def turns(time: float, state: Any, knot: int | None) -> float:
             return float(state[1])
@@ -100,7 +100,7 @@ def sample(motor: Motor, draws: int, rng: np.random.Generator) -> tuple[Any, Any
 
 
 def worst(motors: list[Motor], draws: int, rng: np.random.Generator) -> float:
-    """The greatest difference from the reference over some motors and draws of each. [m]"""
+    """The greatest difference from the reference over some motors, with some draws of each. [m]"""
     drawn = [sample(motor, draws, rng) for motor in motors]
     mass, area, alpha = (np.stack(values) for values in zip(*drawn, strict=True))
     row = np.arange(len(motors))[:, None]
@@ -112,7 +112,7 @@ def worst(motors: list[Motor], draws: int, rng: np.random.Generator) -> float:
     return float(np.abs(here - np.array(there)).max())
 
 
-def test_a_sample_of_motors_flies_as_high_as_the_reference_says() -> None:
+def test_a_sample_of_motors_agrees_with_the_reference() -> None:
     rng = np.random.default_rng(11)
     motors = catalogue().motors
     picked = [motors[i] for i in rng.choice(len(motors), MOTORS, replace=False)]
@@ -120,11 +120,11 @@ def test_a_sample_of_motors_flies_as_high_as_the_reference_says() -> None:
 
 
 @pytest.mark.slow
-def test_every_motor_flies_as_high_as_the_reference_says() -> None:
+def test_every_motor_agrees_with_the_reference() -> None:
     assert worst(catalogue().motors, 4, np.random.default_rng(12)) < CLOSE
 
 
-def test_the_papers_physics_flies_as_high_as_the_reference_says() -> None:
+def test_the_papers_physics_agrees_with_the_reference() -> None:
     rng, draws = np.random.default_rng(13), 24
     motor, mass = rng.integers(0, 3, draws), rng.choice([0.322, 0.448], draws)
     cd, alpha = rng.uniform(0.3, 0.9, draws), rng.uniform(0.8, 1.2, draws)
@@ -135,7 +135,7 @@ def test_the_papers_physics_flies_as_high_as_the_reference_says() -> None:
     np.testing.assert_allclose(apogees(paper.paper_setup(motor, mass, cd, alpha)), there, atol=CLOSE)
 
 
-def test_fly_and_apogees_and_the_motors_company_agree() -> None:
+def test_fly_and_apogees_agree_in_any_batch_of_motors() -> None:
     motors = catalogue().motors[::60]
     mass, area, alpha = sample(motors[0], 1, np.random.default_rng(1))
     setup = rocket(motors, motor=np.arange(len(motors)), dry_mass=mass + 0.2, drag_area=area, thrust_factor=alpha)

@@ -27,11 +27,11 @@ def _same(one: FlightResult, other: FlightResult) -> None:
         np.testing.assert_array_equal(getattr(one, entry.name), getattr(other, entry.name), strict=True)
 
 
-def test_draws_that_are_equal_come_out_as_if_each_had_flown(doubled: Setup) -> None:
+def test_equal_draws_have_the_same_results_as_separate_simulations(doubled: Setup) -> None:
     _same(fly_unique(doubled), fly(doubled))
 
 
-def test_only_one_of_each_kind_is_flown(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_one_of_each_kind_is_simulated(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
     flown: list[int] = []
 
     def counted(setup: Setup) -> FlightResult:
@@ -43,12 +43,12 @@ def test_only_one_of_each_kind_is_flown(doubled: Setup, monkeypatch: pytest.Monk
     assert flown == [5]
 
 
-def test_one_draw_flies() -> None:
+def test_a_single_draw_is_simulated() -> None:
     _same(fly_unique(rocket(ROUGH)), fly(rocket(ROUGH)))
 
 
 @pytest.mark.parametrize("name", ["dry_mass", "wind", "opening_time", "altimeter_gain"])
-def test_draws_that_differ_in_anything_are_of_different_kinds(doubled: Setup, name: str) -> None:
+def test_draws_that_differ_in_anything_are_simulated_separately(doubled: Setup, name: str) -> None:
     shape = doubled.draw_shape
     last_differs = np.broadcast_to(getattr(doubled, name), shape).copy()
     last_differs[-1, -1] = np.nextafter(last_differs[-1, -1], np.inf)
@@ -57,7 +57,9 @@ def test_draws_that_differ_in_anything_are_of_different_kinds(doubled: Setup, na
     assert np.count_nonzero(kind == kind[-1]) == 1
 
 
-def test_draws_whose_sums_agree_by_chance_are_kept_separate(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_draws_whose_checksums_agree_by_chance_are_kept_separate(
+    doubled: Setup, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(unique, "MIXERS", np.zeros_like(unique.MIXERS))
     first, kind = kinds(doubled.flat(doubled.draw_shape))
     assert list(first) == list(kind) == list(range(20))

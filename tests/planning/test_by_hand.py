@@ -42,7 +42,7 @@ def prediction(motors: Catalogue) -> Prediction:
     return forecasts(NEW, [(PLAN.with_changes(delay=6.0), motors.resolve("F39T"))], draws=400)[0]
 
 
-def test_the_rail_is_left_at_the_root_of_twice_its_length_and_acceleration(motors: Catalogue) -> None:
+def test_rail_exit_speed_is_the_root_of_twice_length_times_acceleration(motors: Catalogue) -> None:
     even = replace(
         motors.resolve("F39T").motor,
         time=np.array([0.0, 1e-4, 2.0, 2.0001]),
@@ -55,38 +55,40 @@ def test_the_rail_is_left_at_the_root_of_twice_its_length_and_acceleration(motor
     assert flown.rail_speed[0] == pytest.approx(np.sqrt(2 * acceleration * 1.83), rel=1e-3)
 
 
-def test_thrust_to_weight_is_what_stands_on_the_box_over_the_weight(motors: Catalogue) -> None:
+def test_thrust_to_weight_is_the_average_thrust_in_the_name_over_the_weight(motors: Catalogue) -> None:
     motor = motors.resolve("F39T").motor
     _, average = thrust_to_weight(motor, 0.45)
     assert average == pytest.approx(39 / ((0.45 + motor.loaded_mass) * 9.81), rel=0.08)  # the name rounds the thrust
 
 
-def test_the_coast_ends_where_gravity_and_a_bit_of_drag_have_taken_the_speed(prediction: Prediction) -> None:
+def test_the_coast_ends_when_gravity_and_little_drag_have_used_up_the_speed(prediction: Prediction) -> None:
     top, coast = three(prediction.top_speed)[1], three(prediction.coast)[1]
     assert 0.55 * top / STANDARD_GRAVITY < coast < top / STANDARD_GRAVITY
 
 
-def test_the_charge_fires_a_delay_less_the_coast_after_apogee_and_strays_as_both_do(
+def test_the_charge_fires_at_delay_minus_coast_after_apogee_with_the_scatter_of_both(
     prediction: Prediction, motors: Catalogue
 ) -> None:
     judged = delays(NEW, PLAN, motors.resolve("F39T"), limit=15.0, takes_off=(3.0,), draws=400)
     low, middle, high = next(one for one in judged.delays if one.delay == 6.0).after_apogee
     coast = judged.coast
     assert middle == pytest.approx(6.0 - coast[1], abs=0.15)
-    delay_sd = np.hypot(1.5 / 2, 0.08 * 6.0)  # the printed 1.5 s are two, and a lot of motors is off by its own
+    delay_sd = np.hypot(
+        1.5 / 2, 0.08 * 6.0
+    )  # the printed 1.5 s are two standard deviations, and each lot of motors has its own error
     sd = np.hypot((coast[2] - coast[0]) / 3.29, delay_sd)
     assert (high - low) / 3.29 == pytest.approx(sd, rel=0.2)
 
 
-def test_a_charge_on_the_way_up_is_early_by_what_is_left_of_the_climb(motors: Catalogue) -> None:
-    """Counted from the apogee without it, for it ends the climb: an apogee that it makes is always near."""
+def test_a_charge_during_the_climb_is_early_by_the_rest_of_the_climb(motors: Catalogue) -> None:
+    """Relative to the apogee without it, because the charge ends the climb soon after."""
     judged = delays(NEW, PLAN, motors.resolve("F39T-6"), limit=15.0, takes_off=(6.0,), draws=400)
     early = min(judged.delays, key=lambda one: one.delay)
     assert early.after_apogee[1] == pytest.approx(early.delay - judged.coast[1], abs=0.2)
     assert early.after_apogee[1] < -2
 
 
-def test_from_the_charge_on_it_sinks_its_height_at_its_speed(prediction: Prediction) -> None:
+def test_descent_time_from_the_charge_on_is_height_over_speed(prediction: Prediction) -> None:
     speed = np.full((len(prediction.apogee), 1), 7.0)
     late = prediction.eject > 0
     under = durations([prediction], usual(), speed)[:, 0] - prediction.rise_time - prediction.eject
@@ -95,7 +97,7 @@ def test_from_the_charge_on_it_sinks_its_height_at_its_speed(prediction: Predict
     )  # it fell until then
 
 
-def test_a_season_is_the_table_of_its_organiser() -> None:
+def test_a_season_agrees_with_the_organizers_table() -> None:
     rows = {2027: (800, 37, 40), 2026: (750, 36, 39), 2025: (790, 41, 44), 2024: (820, 43, 46)}
     rows |= {2023: (850, 42, 45), 2022: (835, 41, 44), 2021: (800, 40, 43), 2020: (800, 40, 43)}
     for year, (feet, opens, closes) in rows.items():
@@ -108,10 +110,10 @@ def test_a_season_is_the_table_of_its_organiser() -> None:
 
 
 @pytest.mark.parametrize(("wind", "lifted", "times"), [(0.0, 0.45, 1), (6.0, 0.7, 2)], ids=["still", "windy"])
-def test_coarse_flights_say_what_fine_ones_do(motors: Catalogue, wind: float, lifted: float, times: float) -> None:
+def test_coarse_simulations_agree_with_fine_ones(motors: Catalogue, wind: float, lifted: float, times: float) -> None:
     every = suitable_motors(
         motors, Wanted(mount=0.029, adapter=True, dry_mass=lifted)
-    )  # what barely lifts is blown over
+    )  # a rocket that barely lifts off is blown over
     planned = [PLAN] * len(every), [Found(motor, None) for motor in every], np.full((1, len(every)), 0.002)
     blown = {"wind": np.array([wind])}
     exact = fly(field_setup(*planned).with_changes(**blown))
@@ -122,13 +124,13 @@ def test_coarse_flights_say_what_fine_ones_do(motors: Catalogue, wind: float, li
         assert error.max() < 0.05
 
 
-def test_coast_times_are_those_flown(motors: Catalogue) -> None:
+def test_coast_times_agree_with_simulated_flights(motors: Catalogue) -> None:
     fitted = fitted_forecast(NEW, [(PLAN.with_changes(wind=4.0), motors.resolve(name)) for name in ("F39T", "E16W")], 4)
     model, at = replace(fitted.model, coarse=True), fitted.at
     assert coast_times(model, at) == pytest.approx(shown(model, at[None], {})["coast_time"][0], rel=1e-12)
 
 
-def test_the_guide_says_what_a_forecast_does(prediction: Prediction, motors: Catalogue) -> None:
+def test_the_guide_agrees_with_a_forecast(prediction: Prediction, motors: Catalogue) -> None:
     motor = motors.resolve("F39T").motor
     (choice,) = guide(NEW, PLAN, [motor], limits(), Site(), draws=200)
     assert three(choice.prediction.apogee)[1] == pytest.approx(three(prediction.apogee)[1], rel=0.06)

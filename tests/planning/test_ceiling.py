@@ -15,7 +15,7 @@ FOUND = catalogue().resolve("F24-7W")
 PLAN = Flight(rocket="Swift", dry_mass=0.4, diameter=0.05, motor="AeroTech F24-7W")
 
 
-def test_an_interval_calibrated_to_be_wider_is_wider_for_the_ceiling_too() -> None:
+def test_an_interval_widened_by_calibration_is_also_used_for_the_ceiling() -> None:
     narrow, wide = (
         forecasts(Rocket((), (), factor, 20), [(PLAN, FOUND)], draws=200)[0].true_apogee for factor in (1.0, 2.0)
     )

@@ -1,4 +1,4 @@
-"""Contest seasons: the rule is in the file, and the points are those of the rule."""
+"""Contest seasons: the rule is in a file, and points follow the rule."""
 
 import csv
 import json
@@ -37,7 +37,7 @@ pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
 
 
-def test_every_season_is_read_and_says_that_it_was_not_checked() -> None:
+def test_every_season_is_read_and_states_that_it_was_not_checked() -> None:
     assert seasons() == list(range(2019, 2028))
     assert not any(season(year).checked for year in seasons())
     with pytest.raises(BadValue, match="2027"):
@@ -55,7 +55,7 @@ def test_feet_and_seconds_outside_cost_points() -> None:
     assert [points for _, points in score(rule, flights)] == pytest.approx([10.0, 13.0, 0.0], abs=1e-9)
 
 
-def test_the_target_and_window_of_the_day_count(tmp_path: Path) -> None:
+def test_the_target_and_window_of_the_day_are_used(tmp_path: Path) -> None:
     rule = season(2027).announced(785 * FOOT, (36.0, 39.0))
     assert float(rule.points(np.array(785 * FOOT), np.array(40.0))) == pytest.approx(4.0)
     (tmp_path / "2027.toml").write_text("season = 2027\n")
@@ -76,11 +76,11 @@ def test_up_to_three_declared_flights_make_a_score() -> None:
             declared_score(rule, scored, names)
 
 
-def test_a_season_of_ones_own_is_a_copy_to_change_and_new_years_are_files(tmp_path: Path) -> None:
+def test_a_user_can_copy_and_change_a_season_and_add_new_years_as_files(tmp_path: Path) -> None:
     own = tmp_path / "seasons"
     file = copy_season(2027, own)
     file.write_text(file.read_text().replace("target_ft = 800", "target_ft = 785").replace("= false", "= true"))
-    assert copy_season(2027, own).read_text() == file.read_text()  # what is there is never written over
+    assert copy_season(2027, own).read_text() == file.read_text()  # an existing file is never overwritten
     mine = season(2027, own)
     assert (round(mine.target / FOOT), mine.caveat) == (785, "")
     (own / "2028.toml").write_text(file.read_text().replace("season = 2027", "season = 2028"))
@@ -97,13 +97,13 @@ def test_a_day_belongs_to_the_season_whose_finals_are_next(day: str, year: int) 
     assert season_of(date.fromisoformat(day)) == year
 
 
-def test_after_the_last_season_with_a_file_that_one_is_the_nearest(tmp_path: Path) -> None:
+def test_after_the_last_season_with_a_file_that_one_is_used(tmp_path: Path) -> None:
     assert season_of(date(2040, 1, 1)) == seasons()[-1]
     (tmp_path / "2030.toml").write_text("")
     assert season_of(date(2030, 1, 1), tmp_path) == 2030
 
 
-def test_without_a_season_flights_are_scored_by_that_of_their_date_and_plans_by_todays(
+def test_without_a_given_season_flights_use_that_of_their_date_and_plans_todays(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
@@ -122,7 +122,7 @@ def test_without_a_season_flights_are_scored_by_that_of_their_date_and_plans_by_
         assert "from today's date" in printed.err
 
 
-def test_a_season_bounds_mass_impulse_and_length() -> None:
+def test_a_season_limits_mass_impulse_and_length() -> None:
     found = catalogue().resolve("G80T")
     lines = {line.name: line for line in allowed(season(2027), Flight(dry_mass=0.6), found, 0.7)}
     verdicts = [lines[f"contest {what}"].verdict for what in ("mass", "impulse", "length")]
@@ -131,7 +131,7 @@ def test_a_season_bounds_mass_impulse_and_length() -> None:
     assert [line.verdict for line in allowed(season(2020), Flight(dry_mass=0.6), found)][:2] == ["unsafe", "unsafe"]
 
 
-def test_a_season_says_what_only_a_look_shows_and_how_sure_each_limit_is() -> None:
+def test_a_season_lists_visual_checks_and_the_certainty_of_each_limit() -> None:
     found = catalogue().resolve("F39T")
     lines = {line.name: line for line in allowed(season(2024), Flight(dry_mass=0.5), found, 0.7)}
     assert "55 to 61 g" in lines["contest eggs"].text
@@ -151,7 +151,8 @@ def test_a_season_says_what_only_a_look_shows_and_how_sure_each_limit_is() -> No
 
 
 def falls(count: int, rng: np.random.Generator, spread: float) -> tuple[list[tuple[Flight, Found]], float]:
-    """Flights of a rocket that falls at its own pace, give or take, at many masses and in two airs; and the pace."""
+    """Flights of a rocket whose descent speed scatters about its own factor, at many masses and two air densities; and
+    the factor."""
     found, pace = catalogue().resolve("F24-4W"), float(np.exp(rng.normal(np.log(9.0), 0.3)))
     flights = []
     for row in range(count):
@@ -165,7 +166,7 @@ WARMTH = (275.0, 310.0)
 DENSITY = [air_of(Flight(temperature=temperature)).density for temperature in WARMTH]
 
 
-def test_speed_goes_with_the_root_of_mass_over_area_and_density() -> None:
+def test_descent_speed_is_proportional_to_the_root_of_mass_over_area_and_density() -> None:
     def speed(mass: float, density: float, area: float) -> float:
         return float(np.median(Fall(2.0, 1e-9, 10**9).speeds(np.random.default_rng(0), (2000, 1), mass, density, area)))
 
@@ -175,7 +176,7 @@ def test_speed_goes_with_the_root_of_mass_over_area_and_density() -> None:
     assert speed(0.4, 1.2, 0.25) == pytest.approx(2 * one, rel=0.02)  # a change of area is itself uncertain
 
 
-def test_the_pace_of_many_flights_is_found_whatever_their_mass_and_air() -> None:
+def test_the_descent_factor_is_found_from_flights_with_any_mass_and_air_density() -> None:
     flights, pace = falls(200, np.random.default_rng(0), 0.05)
     fall = fall_of(flights)
     assert fall.flights == 200
@@ -184,7 +185,7 @@ def test_the_pace_of_many_flights_is_found_whatever_their_mass_and_air() -> None
 
 
 @pytest.mark.parametrize("count", [1, 6])
-def test_descent_speeds_are_covered_nine_times_in_ten(count: int) -> None:
+def test_nine_in_ten_descent_speeds_are_in_their_interval(count: int) -> None:
     rng, inside, rockets = np.random.default_rng(count), 0, 300
     for _ in range(rockets):
         spread = FLIGHT_TO_FLIGHT_SD * np.sqrt(
@@ -198,7 +199,7 @@ def test_descent_speeds_are_covered_nine_times_in_ten(count: int) -> None:
     assert inside / rockets == pytest.approx(0.9, abs=0.05)  # three standard errors
 
 
-def test_a_duration_shows_the_descent_as_well_as_a_descent_speed() -> None:
+def test_a_duration_constrains_the_descent_as_well_as_a_descent_speed() -> None:
     found, plan = catalogue().resolve("F24-4W"), Flight(dry_mass=0.4, diameter=0.066, descent_speed=6.0)
     flown = fly(field_setup([plan.with_changes(delay=6.0)], [found], np.array([0.6 * np.pi / 4 * 0.066**2])))
     names = ("apogee", "duration", "burn_time", "coast_to_apogee", "apogee_to_eject")
@@ -215,7 +216,7 @@ def test_a_flight_with_a_tag_and_one_without_a_figure_do_not_constrain_the_desce
     assert fall_of([(flight, found) for flight in flights]).flights == 0
 
 
-def test_points_of_a_plan_fall_to_the_best_parachute_and_the_chance_is_that_of_sums() -> None:
+def test_the_best_parachute_has_the_fewest_points_and_the_probability_is_that_of_sums() -> None:
     found = catalogue().resolve("F24-4W")
     plan = Flight(rocket="Comet", dry_mass=0.33, diameter=0.066, delay=6.0)
     history = tuple(
@@ -248,13 +249,13 @@ def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.
 
 
 @pytest.mark.parametrize("text", ["40-37", "37", "37-x", "-1-4", "nan-3"])
-def test_a_window_that_is_invalid_is_not_taken(text: str) -> None:
+def test_an_invalid_window_is_refused(text: str) -> None:
     assert read_window("37-40 s") == (37.0, 40.0)
     with pytest.raises(BadValue, match="such as 37-40"):
         read_window(text)
 
 
-def test_the_day_of_a_contest_is_kept_by_its_season(tmp_path: Path) -> None:
+def test_the_day_of_a_contest_is_saved_with_its_season(tmp_path: Path) -> None:
     day = Day(target=785 * FOOT, window=(38.0, 41.0), cut=60.0, declared=("4", "5"))
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         keep_day(ledger, 2027, day)
@@ -294,7 +295,7 @@ def test_every_season_has_its_target_and_window(year: int, target: float, window
     [(year, 0.65, 0.65, eggs) for year, eggs in ((2019, 3), (2020, 1), (2021, 1), (2022, 2), (2023, 1))]
     + [(year, 0.65, 0.65, eggs) for year, eggs in ((2024, 1), (2025, 2), (2026, 1), (2027, 2))],
 )
-def test_every_season_bounds_mass_and_length_and_names_its_eggs(
+def test_every_season_limits_mass_and_length_and_names_its_eggs(
     year: int, mass: float, length: float, eggs: int
 ) -> None:
     rule = season(year)
@@ -304,7 +305,7 @@ def test_every_season_bounds_mass_and_length_and_names_its_eggs(
     assert rule.mark in "OT"
 
 
-def test_two_timers_are_averaged_to_a_hundredth_and_halves_go_up() -> None:
+def test_two_timers_are_averaged_to_a_hundredth_and_halves_are_rounded_up() -> None:
     def timed(one: str, two: str) -> float | None:
         return judged_duration(Flight(duration=1.0, extra={"timer_1_s": one, "timer_2_s": two}))
 
@@ -331,12 +332,12 @@ def test_a_cracked_egg_is_an_attempt_without_a_score() -> None:
         declared_score(rule, scored, ["4", "6", "7"])
 
 
-def test_altitude_counts_in_whole_feet() -> None:
+def test_altitude_is_scored_in_whole_feet() -> None:
     (_, points), *_ = score(season(2027), [Flight(apogee=246.9, duration=38.0)])  # 810.04 ft
     assert points == pytest.approx(10.0)
 
 
-def test_a_motor_list_is_a_file_of_the_flyers(tmp_path: Path) -> None:
+def test_a_motor_list_is_a_file_of_the_flyer(tmp_path: Path) -> None:
     found, rule = catalogue().resolve("F24-4W"), season(2027)
     assert approved_motors(2027, tmp_path) is None
     assert motor_line(rule, found, None).verdict == "unknown"
@@ -350,7 +351,7 @@ TEAMS = Path(__file__).parents[3] / "shared" / "data" / "contest_teams.csv"
 
 
 @pytest.mark.skipif(not TEAMS.exists(), reason="no flights of teams here")
-def test_points_of_teams_are_those_worked_out_by_hand() -> None:
+def test_points_of_teams_agree_with_hand_calculations() -> None:
     """Source: |altitude - 750| in whole feet and four points a second outside 36 to 39 s, in plain arithmetic."""
     with TEAMS.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -367,8 +368,8 @@ def test_points_of_teams_are_those_worked_out_by_hand() -> None:
 
 
 @pytest.mark.skipif(not TEAMS.exists(), reason="no flights of teams here")
-def test_points_of_teams_come_out_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The table as teams keep it, imported and scored by the command, against plain arithmetic for every flight."""
+def test_the_command_computes_the_points_of_teams(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A table as kept by teams, imported and scored by the command, compared with plain arithmetic for every flight."""
     with TEAMS.open(encoding="utf-8") as file:
         rows = {row["flight_id"]: row for row in csv.DictReader(file)}
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
@@ -388,7 +389,7 @@ def test_points_of_teams_come_out_of_the_command(tmp_path: Path, capsys: pytest.
 # Finals
 
 
-def test_mass_and_parachute_are_solved_together_and_higher_targets_want_less_mass() -> None:
+def test_mass_and_parachute_are_optimized_together_and_higher_targets_need_less_mass() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, temperature=290.0, delay=6.0)
     history = tuple(
@@ -435,7 +436,7 @@ def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> No
     assert "no change" not in words
 
 
-def test_the_table_of_finals_says_what_one_flight_would_narrow() -> None:
+def test_the_table_of_finals_states_how_much_one_flight_would_narrow_it() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, delay=6.0)
     flown = trials(Rocket((), (), None, 0), plan, found, rule)
@@ -522,7 +523,7 @@ def test_a_motor_list_may_have_delays(tmp_path: Path, motor: str, line: str, lis
         ({"disqualified": "yes"}, "disqualified"),
     ],
 )
-def test_eggs_and_disqualification_as_teams_write_them(extra: dict[str, str], why: str) -> None:
+def test_eggs_and_disqualification_are_read_as_teams_write_them(extra: dict[str, str], why: str) -> None:
     assert why_no_score(Flight(apogee=240.0, extra=extra)) == why
 
 
@@ -543,14 +544,14 @@ def test_eggs_and_disqualification_as_teams_write_them(extra: dict[str, str], wh
         (2027, "2 eggs", "eggs: 2 eggs"),
     ],
 )
-def test_counted_eggs_are_enough_for_their_season(year: int, eggs: str, why: str) -> None:
+def test_counted_eggs_are_compared_with_the_number_of_their_season(year: int, eggs: str, why: str) -> None:
     rule, flight = season(year), Flight(apogee=240.0, duration=38.0, extra={"eggs": eggs})
     assert why_no_score(flight, rule.egg_count) == why
     ((_, points),) = score(rule, [flight])
     assert np.isnan(points) == bool(why)
 
 
-def test_a_score_without_a_duration_says_that_it_counts_the_altitude_alone(
+def test_a_score_without_a_duration_states_that_it_covers_only_altitude(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     table = tmp_path / "flights.csv"

@@ -1,4 +1,4 @@
-"""A rocket that weighs exactly what a limit allows keeps it, whatever the rounding of the sum with its motor."""
+"""A rocket exactly at a mass limit is within it, whatever the rounding of the sum with its motor."""
 
 import math
 
@@ -17,7 +17,7 @@ MOTORS = [motor for motor in catalogue().motors if motor.total_impulse <= 80]
 
 
 @pytest.mark.parametrize(("over", "verdict"), [(0.0, "ok"), (1e-5, "unsafe")])
-def test_a_contest_rocket_of_exactly_the_most_mass_is_within_it(over: float, verdict: str) -> None:
+def test_a_contest_rocket_of_exactly_the_maximum_mass_is_allowed(over: float, verdict: str) -> None:
     rule = season(2027)
     assert rule.mass is not None
     for motor in MOTORS:

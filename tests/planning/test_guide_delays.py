@@ -1,4 +1,4 @@
-"""The motor guide: its times of ejection are those of the coast without a charge, and it knows what has been flown."""
+"""The motor guide: ejection times refer to the coast without a charge, and flown motors are marked."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
 
 
-def test_a_charge_before_apogee_does_not_hide_how_early_it_fires() -> None:
+def test_it_is_shown_how_early_a_charge_before_apogee_fires() -> None:
     motor = catalogue().find("AeroTech F24W").motor
     rocket = Rocket((), (), None, 0)
     plan = Flight(rocket="Swift", dry_mass=0.15, diameter=0.03)

@@ -34,7 +34,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "kits.toml"
 
 
-def test_a_change_leaves_comments_other_keys_and_other_kits(file: Path) -> None:
+def test_a_change_keeps_comments_other_keys_and_other_kits(file: Path) -> None:
     put_kit(file, Kit("Big Bertha", 12.5, 0.0416, 0.018), "big bertha")
     text = file.read_text(encoding="utf-8")
     assert "# kits of the club" in text
@@ -64,13 +64,13 @@ def test_a_kit_is_renamed_added_and_deleted(file: Path) -> None:
         (Kit("New", float("nan"), None, None), "", "found nan"),
     ],
 )
-def test_a_kit_that_cannot_be_is_refused_and_nothing_changes(file: Path, kit: Kit, was: str, message: str) -> None:
+def test_an_invalid_kit_is_refused_and_nothing_changes(file: Path, kit: Kit, was: str, message: str) -> None:
     with pytest.raises(BadValue, match=message):
         put_kit(file, kit, was)
     assert file.read_text(encoding="utf-8") == WRITTEN
 
 
-def test_a_file_written_in_another_way_is_left_to_the_user(file: Path) -> None:
+def test_a_file_in_another_style_is_left_to_the_user(file: Path) -> None:
     other = "Alpha = { dry_mass_g = 30 }\n"
     file.write_text(other, encoding="utf-8")
     with pytest.raises(BadValue, match="expected a change by hand"):
@@ -91,7 +91,7 @@ def test_the_command_lists_saves_and_deletes_kits(file: Path, capsys: pytest.Cap
     assert main(["kits", "--mount", "13mm"]) == 2
 
 
-def test_a_rocket_named_after_a_kit_is_offered_and_takes_its_mount(file: Path, tmp_path: Path) -> None:
+def test_a_rocket_named_after_a_kit_is_offered_and_has_its_motor_mount(file: Path, tmp_path: Path) -> None:
     put_kit(file, Kit("Big Bertha", 0.08, 0.0416, 0.018), "Big Bertha")
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         names = names_of(ledger, catalogue())
@@ -110,7 +110,7 @@ UNEVEN = {
 
 
 @pytest.mark.parametrize("what", UNEVEN)
-def test_a_file_that_cannot_be_changed_line_by_line_is_left_as_it_is(what: str, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_changed_line_by_line_is_not_changed(what: str, tmp_path: Path) -> None:
     """Neither a broken file nor wrong figures may result, and nothing else in it may be lost."""
     file = tmp_path / "kits.toml"
     for change in (

@@ -24,7 +24,7 @@ def _away(one: dict[str, float]) -> float:
 
 
 def _off(case: dict[str, Any]) -> float:
-    """By how much the distance from the pad is off with two calibers assumed. [1]"""
+    """Relative error of the distance from the pad if two calibers are assumed. [1]"""
     return abs(_away(flown_again(case)) / _away(case["flown"]) - 1)
 
 
@@ -52,14 +52,13 @@ def test_the_climb_scatters_as_the_landing_assumes() -> None:
     assert unknown == pytest.approx(CLIMB_SD_OF_UNKNOWN_STABILITY, abs=0.01)
 
 
-def test_these_are_the_flights_that_the_physics_misses_without_their_static_margin() -> None:
+def test_these_are_the_cases_that_the_physics_misses_without_their_static_margin() -> None:
     assert {case["name"] for case in CASES if _off(case) > 0.15} == set(FAR_OFF)
 
 
 def test_landings_that_the_static_margin_would_move_are_within_their_ellipse_and_interval() -> None:
-    """Of a rocket whose drag four flights in a calm have shown, and whose parachutes are entered.
-
-    90% intervals may miss a tenth of all cases, and these are the ones that could be missed.
+    """The drag of these rockets is known from four flights in calm air, and their parachutes are entered. 90% intervals
+    may miss a tenth of all cases, and these are the most likely to be missed.
     """
     missed = 0
     for case in (case for case in CASES if case["name"] in FAR_OFF):
@@ -72,7 +71,7 @@ def test_landings_that_the_static_margin_would_move_are_within_their_ellipse_and
 
 
 def _forecast(case: dict[str, Any]) -> Landing:
-    """The landing as forecast after four flights in a calm."""
+    """The landing as forecast after four flights in calm air."""
     found = catalogue().resolve(case["motor"])
     body = Flight(
         rocket="R", dry_mass=case["dry_mass"], diameter=case["diameter"], rail_length=case["rail_length"], wind=0.0

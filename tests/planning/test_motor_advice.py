@@ -66,7 +66,7 @@ def test_no_change_is_advised_unless_the_gain_is_clear(choices: list[MotorChoice
 
 
 @pytest.mark.parametrize("listed", [False, True])
-def test_the_list_is_to_be_checked_unless_the_flyer_has_it(
+def test_checking_the_motor_list_is_advised_unless_the_flyer_has_a_copy(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, listed: bool
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))

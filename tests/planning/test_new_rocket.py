@@ -1,4 +1,5 @@
-"""A rocket that has never flown: a ruler and a scale suffice, a kit is a name, and what fits is safe and sensible."""
+"""A rocket that has never flown: mass and diameter suffice, a kit needs only its name, and recommended motors are safe
+and sensible."""
 
 import json
 import re
@@ -47,12 +48,12 @@ def test_mass_and_diameter_alone_make_a_plan(
         assert "one clean flight would narrow the apogee by" in out
 
 
-def test_without_mass_a_rocket_that_nobody_knows_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_rocket_without_a_mass_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--ledger", str(tmp_path / "ledger.db"), "delay", "--motor", "F39T", "--rocket", "Fresh"]) == 1
     assert "Fresh" in capsys.readouterr().err
 
 
-def test_a_kit_brings_mass_diameter_and_mount(
+def test_a_kit_provides_mass_diameter_and_motor_mount(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
@@ -69,7 +70,7 @@ def test_a_kit_brings_mass_diameter_and_mount(
         kit_of(tmp_path / "kits.toml", "Alpha")
 
 
-def test_a_kit_is_a_rocket_of_its_own_and_takes_no_motor_wider_than_its_mount(
+def test_a_kit_is_a_separate_rocket_and_takes_no_motor_wider_than_its_mount(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
@@ -88,7 +89,7 @@ def test_a_kit_is_a_rocket_of_its_own_and_takes_no_motor_wider_than_its_mount(
         assert "24 mm wide, expected at most 18 mm" in capsys.readouterr().err
 
 
-def test_the_app_takes_mass_and_diameter_of_the_kit_that_a_rocket_is_named_after(
+def test_the_app_uses_mass_and_diameter_of_the_kit_that_a_rocket_is_named_after(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
@@ -104,7 +105,7 @@ def test_the_app_takes_mass_and_diameter_of_the_kit_that_a_rocket_is_named_after
         assert (heavier.dry_mass, heavier.diameter) == pytest.approx((0.1, 0.0416))
 
 
-def test_a_guide_without_a_rail_or_a_ceiling_says_that_neither_was_judged(
+def test_a_guide_without_a_rail_or_a_ceiling_states_that_neither_was_checked(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "80g"]
@@ -122,7 +123,7 @@ def test_a_guide_without_a_rail_or_a_ceiling_says_that_neither_was_judged(
     assert "excluded by its height" in text
 
 
-def test_what_fits_is_safe_and_sensible_and_the_rest_says_why(
+def test_motors_that_fit_are_safe_and_sensible_and_the_others_have_a_reason(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
@@ -189,7 +190,7 @@ def test_a_stable_rocket_turns_into_the_wind_sooner_and_lands_nearer(
     assert "body diameters above zero" in capsys.readouterr().err
 
 
-def test_a_plan_without_a_configuration_takes_none_from_another_rocket(tmp_path: Path) -> None:
+def test_a_plan_without_a_configuration_does_not_take_that_of_another_rocket(tmp_path: Path) -> None:
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         ledger.add([Flight("1", "Astra", "A", "F24-4W", dry_mass=0.32, diameter=0.066, apogee=250.0)])
         save_weather(ledger, Flight(wind=3.0))
@@ -199,10 +200,8 @@ def test_a_plan_without_a_configuration_takes_none_from_another_rocket(tmp_path:
         assert (plan.rocket, plan.config, plan.wind) == ("Comet", "", 3.0)
 
 
-def test_every_motor_of_the_guide_is_named_so_that_its_name_means_that_motor(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Makers share names, such as C6; only one of them fits this rocket, and it is not the one that `C6` means."""
+def test_every_name_in_the_guide_identifies_its_motor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Manufacturers share names such as C6; only one of these fits this rocket, and it is not the one found as `C6`."""
     command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "65g"]
     command += ["--diameter", "42mm", "--mount", "18mm", "--rail-length", "3ft"]
     assert main([*command, "--json"]) == 0
@@ -214,7 +213,7 @@ def test_every_motor_of_the_guide_is_named_so_that_its_name_means_that_motor(
     assert ("Quest", "C6") in fitting
 
 
-def test_a_plan_says_what_looks_mistyped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
     assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0
     assert main([*ledger, "sites", "Moor", "--field-size", "100m"]) == 0
