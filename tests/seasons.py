@@ -13,8 +13,8 @@ MOTORS = ("F24", "F39", "E35")
 def season(
     rng: np.random.Generator, kept: tuple[str, ...], count: int = 12, wind: float | None = None, scatter: float = 0.0
 ) -> list[tuple[Flight, Found]]:
-    """Flights of a draggy rocket on three motors with some readouts; `scatter` is the standard deviation of log apogees
-    in addition to drag and thrust."""
+    """Flights of a rocket with high drag on three motors with some readouts; `scatter` is the standard deviation of log
+    apogees in addition to drag and thrust."""
     plans = [
         Flight(
             str(i), "Test", "A", MOTORS[i % 3], dry_mass=0.322, diameter=0.066, delay=10.0, rail_length=1.2, wind=wind

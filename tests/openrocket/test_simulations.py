@@ -51,8 +51,8 @@ DRAG_BELOW = {"Pods--powered with recovery deployment": 1.256 / 0.583}
 """Drag of the whole rocket over that of its upper stage, from the Cd of simulations of the same design in which
 nothing drops. [1]"""
 DRAG_GROWS = {"Base drag hack (short-wide)": (0.207, 0.49)}
-"""Designs whose Cd grows with speed, so that its medians over burn and coast, which are stored, are below what acts at
-the top speed: c0 and c1 of c0 + c1 M^2 at Mach number M. [1]
+"""Designs whose Cd grows with speed, so that the stored medians over burn and coast are below the Cd at top speed: c0
+and c1 of c0 + c1 M^2 at Mach number M. [1]
 
 The least-squares fit to the medians of all simulations of a design. OpenRocket's pressure drag of a nose rises with a
 power of the Mach number, and the nose of a short and wide rocket is blunt.

@@ -1,4 +1,5 @@
-"""Loggers whose files name no units: RRC3, whose pressures prove them, and Eggtimer, where only the descent can."""
+"""Loggers whose files name no units: RRC3, whose pressures prove them, and Eggtimer, whose acceleration near apogee
+may."""
 
 import numpy as np
 import pytest
@@ -102,7 +103,7 @@ def eggtimer(unit: float, *, eject: float = 0.0, header: str = "T,Alt,Veloc,LDA,
 
 @pytest.mark.parametrize("unit", [1.0, FOOT])
 @pytest.mark.parametrize("eject", [0.0, 1.5])
-def test_the_coast_distinguishes_feet_from_meters(unit: float, eject: float) -> None:
+def test_the_acceleration_near_apogee_distinguishes_feet_from_meters(unit: float, eject: float) -> None:
     flight, (note,) = found("eggtimer", eggtimer(unit, eject=eject))
     (series,) = flight.clocks
     assert series.altitude is not None

@@ -1,4 +1,4 @@
-"""Planning: plans agree with predictions, physics and limits apply to all of them, and every limit has a line."""
+"""Planning: plans agree with predictions, the same physics and limits apply to all, and every limit has a line."""
 
 import json
 from dataclasses import replace
@@ -96,12 +96,12 @@ def prediction(rocket: Rocket, plan: Flight, motors: Catalogue) -> Prediction:
 
 
 def lines_of(prediction: Prediction, site: Site = ANYWHERE, **changes: object) -> dict[str, SafetyCheck]:
-    """The safety lines of a forecast whose plan says something else, by name."""
+    """The safety lines of a forecast with a changed plan, by name."""
     changed = replace(prediction, plan=prediction.plan.with_changes(**changes))
     return {line.name: line for line in safety_lines(changed, site, FALL, limits())}
 
 
-def test_plans_say_what_predictions_say(path: str, rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_plans_agree_with_predictions(path: str, rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
     names = ["F24-4W", "E16-6W"]
     with Ledger.open(path) as ledger:
         plans = [plan.with_changes(motor=name) for name in names]
@@ -124,7 +124,7 @@ def test_the_guide_shows_every_check_of_every_motor(rocket: Rocket, plan: Flight
             assert choice.delay == min(choice.ejections, key=lambda pair: abs(pair[1]))[0]
 
 
-def test_a_shortlist_and_a_length_narrow_what_fits(motors: Catalogue) -> None:
+def test_a_shortlist_and_a_length_narrow_the_motors_that_fit(motors: Catalogue) -> None:
     every = suitable_motors(motors, Wanted(mount=0.024, classes=("F", "F")))
     short = suitable_motors(motors, Wanted(mount=0.024, classes=("F", "F"), length=0.1))
     named = suitable_motors(motors, Wanted(mount=0.024, names=frozenset({"AeroTech F24W"})))
@@ -149,11 +149,11 @@ def test_declared_weather_and_rail_act_on_plans(rocket: Rocket, plan: Flight, mo
     assert np.median(hot.apogee) < np.median(hot.true_apogee)  # 308 K where the altimeter believes 288
 
 
-def test_density_and_what_the_altimeter_shows_are_kept_separate() -> None:
+def test_density_and_the_altimeters_reading_are_kept_separate() -> None:
     hot, standard = air_of(Flight(temperature=308.15)), air_of(Flight(site_elevation=1500.0))
     assert hot.gain == pytest.approx(288.15 / 308.15)
     assert hot.density == pytest.approx(1.225 * 288.15 / 308.15, rel=1e-4)
-    assert hot.density_altitude == pytest.approx(699, abs=20)  # 36 m a degree, the rule of thumb of pilots
+    assert hot.density_altitude == pytest.approx(699, abs=20)  # 36 m per degree, the rule of thumb of pilots
     assert (standard.gain, standard.density_altitude) == pytest.approx((1.0, 1500.0), rel=1e-6)
     assert "temperature" in standard.words()
 
@@ -164,28 +164,30 @@ def test_the_first_half_second_is_averaged(motors: Catalogue) -> None:
     assert first_thrust(motor) == pytest.approx(np.interp(time, motor.time, motor.thrust).mean(), rel=1e-3)
 
 
-def test_wind_raises_the_rail_speed_that_is_wanted(prediction: Prediction) -> None:
+def test_wind_raises_the_required_rail_speed(prediction: Prediction) -> None:
     steady = replace(prediction, rail_speed=np.full_like(prediction.rail_speed, 16.0))
     calm, gusty = (lines_of(steady, wind=wind, rail_length=1.0) for wind in (1.0, 9.5))
     assert calm["rail exit speed"].verdict == calm["ground wind"].verdict == "ok"
     assert gusty["rail exit speed"].verdict == gusty["ground wind"].verdict == "unsafe"
     assert "4 times the wind" in gusty["rail exit speed"].text
     assumed = lines_of(steady, wind=9.5)["rail exit speed"]
-    assert assumed.verdict == "caution"  # of a rail that nobody gave
+    assert assumed.verdict == "caution"  # of a rail that was not given
     assert "rail length not given, 1.0 m assumed" in assumed.text
     assert "rail length not given, 3.3 ft assumed" in assumed.words("US")
 
 
-def test_the_ceiling_is_held_against_the_95_per_cent_of_the_true_apogee(prediction: Prediction) -> None:
+def test_the_ceiling_is_compared_with_the_95_percent_quantile_of_the_true_apogee(prediction: Prediction) -> None:
     high = float(np.quantile(prediction.true_apogee, 0.95))
     for ceiling, verdict in ((high - 1, "unsafe"), (high + 1, "ok"), (None, "unknown")):
         assert lines_of(prediction, Site("Meadow", ceiling=ceiling))["ceiling"].verdict == verdict
 
 
-def test_the_field_must_hold_the_drift_under_the_parachute(prediction: Prediction) -> None:
+def test_the_field_must_be_large_enough_for_the_drift_under_the_parachute(prediction: Prediction) -> None:
     small, large = Site("Meadow", size=150.0), Site("Steppe", size=5000.0)
     assert lines_of(prediction, large, wind=5.0)["field size"].verdict == "ok"
-    assert lines_of(prediction, small, wind=5.0)["field size"].verdict == "unsafe"  # the code wants 1,000 ft for an F
+    assert (
+        lines_of(prediction, small, wind=5.0)["field size"].verdict == "unsafe"
+    )  # the code requires 1,000 ft for an F
     assert lines_of(prediction, Site("Park", size=305.0), wind=8.0)["field size"].verdict == "caution"
     assert lines_of(prediction, large)["field size"].verdict == "unknown"
 
@@ -210,7 +212,7 @@ def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(prediction: Predi
         ("J350W", 3.0, "caution", "class 2, which needs a waiver"),
     ],
 )
-def test_the_class_goes_by_propellant_and_mass(
+def test_the_class_depends_on_propellant_and_mass(
     prediction: Prediction, motors: Catalogue, name: str, mass: float, verdict: str, text: str
 ) -> None:
     line = lines_of(replace(prediction, found=motors.resolve(name)), dry_mass=mass)["class"]
@@ -218,7 +220,7 @@ def test_the_class_goes_by_propellant_and_mass(
     assert text in line.text
 
 
-def test_a_threshold_of_ones_own_is_taken_and_a_strange_one_named(tmp_path: Path) -> None:
+def test_a_users_own_threshold_is_used_and_an_unknown_one_is_named(tmp_path: Path) -> None:
     own = tmp_path / "limits.toml"
     own.write_text('[rail_speed]\nvalue = 44\nunit = "ft/s"\n')
     assert limits(own)["rail_speed"].value == pytest.approx(13.41, abs=0.01)
@@ -227,7 +229,7 @@ def test_a_threshold_of_ones_own_is_taken_and_a_strange_one_named(tmp_path: Path
         limits(own)
 
 
-def test_every_threshold_says_where_it_is_from() -> None:
+def test_every_threshold_states_its_source() -> None:
     assert all(limit.source for limit in limits().values())
 
 
@@ -241,20 +243,20 @@ def test_the_best_delay_is_the_least_likely_to_be_too_fast(rocket: Rocket, plan:
     assert judged.forecast.plan.delay == judged.delays[0].delay
     table = [line for line in delays_in_words(judged, 15.0) if line.endswith(("%", "too fast"))]
     assert len(table) == 1 + len(judged.delays)
-    assert max(map(len, table)) <= 57  # of 60, a frame and a scroll bar taken off
+    assert max(map(len, table)) <= 57  # of 60, less a frame and a scroll bar
 
 
-def test_a_delay_strays_by_a_fifth_or_a_second_and_a_half() -> None:
+def test_a_delay_varies_by_a_fifth_or_a_second_and_a_half() -> None:
     assert tolerance(np.array([4.0, 10.0])) * [4.0, 10.0] * 2 == pytest.approx([1.5, 2.0])
 
 
-def test_no_delay_strays_by_more_than_three_seconds() -> None:
+def test_no_delay_varies_by_more_than_three_seconds() -> None:
     """Source: NFPA 1125 as in openrocket#3041."""
     printed = np.array([7.5, 15.0, 17.0, 30.0])
     assert tolerance(printed) * printed * 2 == pytest.approx([1.5, 3.0, 3.0, 3.0])
 
 
-def test_a_drill_goes_by_the_diameter_and_leaves_what_it_must(motors: Catalogue) -> None:
+def test_drilling_depends_on_the_diameter_and_leaves_the_minimum_delay(motors: Catalogue) -> None:
     small, wide = motors.resolve("Cesaroni 25E75-17A").motor, motors.resolve("Cesaroni 2014K1200-16A").motor
     taken = [tool.takes_off if (tool := drill_of(motor)) else () for motor in (small, wide)]
     assert taken == [(3.0, 5.0, 7.0, 9.0), tuple(float(off) for off in range(1, 11))]
@@ -267,7 +269,7 @@ def test_a_drill_goes_by_the_diameter_and_leaves_what_it_must(motors: Catalogue)
     assert max(offered(reload, (2.0, 4.0, 6.0, 8.0), 4.0)) == 14.0  # as the bag says, and not the 10 s of an old list
 
 
-def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, motors: Catalogue) -> None:
+def test_only_delays_that_the_manufacturers_tool_can_drill_are_offered(tmp_path: Path, motors: Catalogue) -> None:
     reload, single = motors.resolve("F40W").motor, motors.resolve("F67W").motor
     tool = drill_of(reload)
     assert drill_of(single) is None
@@ -287,7 +289,7 @@ def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, moto
 
 
 def test_an_old_list_of_delays_asks_for_the_longest_on_the_package(motors: Catalogue) -> None:
-    """29 reloads of H and I carry fixed lists of old; those sold with 14 s today have theirs."""
+    """29 H and I reloads have old fixed lists; those now sold with 14 s have that delay."""
     heavy = Flight(rocket="Comet", dry_mass=1.2, diameter=0.057)
 
     def words(name: str) -> str:
@@ -312,7 +314,7 @@ def test_delays_that_cannot_fit_are_explained(
     assert f"every charge fires {text}" in words
 
 
-def test_ballast_beats_both_neighbours_and_today(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_the_best_ballast_beats_more_less_and_the_current_one(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
     found = motors.resolve("F24-4W")
     best = ballast(rocket, plan, found, Goal(240.0, 10.0), draws=300)
     masses = [best.mass + change for change in (-0.03, 0.0, 0.03)]
@@ -328,16 +330,16 @@ def test_ballast_beats_both_neighbours_and_today(rocket: Rocket, plan: Flight, m
 
 
 @pytest.mark.parametrize(("target", "end"), [(2000.0, 1), (20.0, 0)])
-def test_a_target_out_of_reach_says_what_can_be(
+def test_for_a_target_out_of_reach_the_possible_range_is_stated(
     rocket: Rocket, plan: Flight, motors: Catalogue, target: float, end: int
 ) -> None:
     best = ballast(rocket, plan, motors.resolve("F24-4W"), Goal(target, 3.0), draws=60)
     assert not best.met
     assert best.reach[0] < best.reach[1]
-    assert best.apogee[1] == pytest.approx(best.reach[end], abs=0.01)  # the height it names is the end of its reach
+    assert best.apogee[1] == pytest.approx(best.reach[end], abs=0.01)  # the height it names is the end of the range
 
 
-def test_a_site_is_saved_beside_what_flights_say_of_it(tmp_path: Path) -> None:
+def test_a_saved_site_is_combined_with_what_flights_record_about_it(tmp_path: Path) -> None:
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         ledger.add([Flight(flight_id="1", rocket="A", site="Meadow", site_elevation=212.0, apogee=100.0)])
         keep_site(ledger, "Meadow", size=400.0)
@@ -351,7 +353,7 @@ def test_a_site_is_saved_beside_what_flights_say_of_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("days", "offered"), [(0, "3 m/s"), (1, "")])
-def test_the_weather_of_the_day_is_offered_and_no_older_one(tmp_path: Path, days: int, offered: str) -> None:
+def test_only_the_weather_of_the_day_is_offered(tmp_path: Path, days: int, offered: str) -> None:
     question = next(one for one in QUESTIONS if one.name == "wind")
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         flown = Flight(flight_id="1", rocket="A", date_time=datetime.now() - timedelta(days=days), wind=3.0, apogee=9.0)
@@ -359,7 +361,7 @@ def test_the_weather_of_the_day_is_offered_and_no_older_one(tmp_path: Path, days
         assert offer(ledger, Flight(rocket="A"), question) == offered
 
 
-def test_a_typed_flight_takes_the_elevation_of_its_site(tmp_path: Path) -> None:
+def test_a_typed_flight_gets_the_elevation_of_its_site(tmp_path: Path) -> None:
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         keep_site(ledger, "Meadow", elevation=212.0)
         flight, _ = enter(ledger, Flight(rocket="A", site="Meadow", apogee=100.0))
@@ -397,7 +399,7 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
         assert "[ceiling entered]" in out
 
 
-def test_json_says_the_same(path: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_has_the_same_content(path: str, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["--ledger", path, "predict", "--motor", "F24-4W", "--wind", "9m/s", "--json"]) == 0
     (one,) = json.loads(capsys.readouterr().out)["predictions"]
@@ -406,7 +408,7 @@ def test_json_says_the_same(path: str, capsys: pytest.CaptureFixture[str]) -> No
     assert one["air"]["density_kg_m3"] == pytest.approx(1.225, abs=1e-3)
 
 
-def test_a_saved_site_brings_its_ceiling_to_plans(path: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_ceiling_of_a_saved_site_applies_to_plans(path: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--ledger", path, "sites", "Meadow", "--size", "300m", "--ceiling", "500m"]) == 0
     capsys.readouterr()
     assert main(["--ledger", path, "sites", "--json"]) == 0
@@ -424,10 +426,10 @@ def test_ballast_by_a_seasons_points_includes_the_descent(rocket: Rocket, plan: 
     assert "points" in " ".join(ballast_in_words(best, Goal(rule.target, 3.0, "points", rule)))
 
 
-def test_what_grows_from_flight_to_flight_has_not_grown_between_motors_to_choose_among(
+def test_an_effect_that_grows_with_each_flight_is_the_same_for_all_motors_to_choose_from(
     rocket: Rocket, plan: Flight, motors: Catalogue
 ) -> None:
-    """The last motor of a list is not flown after all the others."""
+    """The motors of a list are alternatives, not consecutive flights."""
     worn = replace(rocket, averaged=((1.0, (Place("wear"),)),))
     some = [motors.resolve(name).motor for name in ("F39T", "E35W", "F24-4W")]
     beside, alone = (guide(worn, plan, chosen, limits(), Site(), 60)[-1] for chosen in (some, some[-1:]))
@@ -435,7 +437,7 @@ def test_what_grows_from_flight_to_flight_has_not_grown_between_motors_to_choose
 
 
 def test_a_drogue_without_a_main_in_a_past_flight_stops_no_plan(tmp_path: Path) -> None:
-    """It does not say what opens when, so a plan takes it from an earlier flight or from none."""
+    """It does not state what opens when, so a plan uses an earlier flight or none."""
     flown = Flight(flight_id="1", rocket="A", config="A", motor="F24-4W", dry_mass=0.322, diameter=0.066, apogee=250.0)
     half = flown.with_changes(flight_id="2", extra={"drogue_speed_mps": "20"})
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:

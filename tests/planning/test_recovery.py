@@ -46,7 +46,7 @@ def prediction() -> Prediction:
 
 
 def flown(speed: float, delay: float, main: float | None = None, drogue: float = 20.0) -> Flight:
-    """A flight whose charge fires by its delay, with what a flyer with a stopwatch and an altimeter writes down."""
+    """A flight whose charge fires after its delay, with the record of a flyer with a stopwatch and an altimeter."""
     extra = {} if main is None else {"main_altitude_m": f"{main}"}
     flight = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, delay=delay, motor="F39T", extra=extra)
     up = fly(field_setup([flight], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
@@ -66,13 +66,13 @@ def speed_of(fall: Fall) -> float:
 
 @pytest.mark.parametrize("delay", [6.0, 9.0, 12.0])
 def test_a_known_delay_counts_when_the_descent_is_fitted(delay: float) -> None:
-    """Of a charge that fires late, the time until it is no time under the parachute."""
+    """If a charge fires late, the time before it is not time under the parachute."""
     fall = fall_of([(flown(6.0, delay), FOUND)])
     assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
 
 
 def test_the_timers_of_a_contest_are_a_duration() -> None:
-    """They come before that of an altimeter, which notices a landing late; a timer that is not a number is none."""
+    """They take precedence over an altimeter, which detects a landing late; a timer that is not a number is ignored."""
     flight = flown(6.0, 6.0)
     timed = {"timer_1_s": f"{flight.duration or 0.0:.2f}", "timer_2_s": f"{flight.duration or 0.0:.2f}"}
     for duration in (None, 90.0):
@@ -83,13 +83,13 @@ def test_the_timers_of_a_contest_are_a_duration() -> None:
     assert speed_of(typo) == pytest.approx(6.0, rel=0.02)
 
 
-def test_an_ejection_height_that_was_read_stands_for_a_delay_that_is_not_known() -> None:
+def test_a_recorded_ejection_height_substitutes_for_an_unknown_delay() -> None:
     known = flown(6.0, 10.0)
     up = fly(field_setup([known], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
     read = replace(known, delay=None, eject_altitude=float(up.eject_altitude[0]))
     plain = Found(FOUND.motor, None)
     assert speed_of(fall_of([(read, plain)])) == pytest.approx(6.0, rel=0.03)
-    assert speed_of(fall_of([(replace(read, eject_altitude=None), plain)])) > 6.5  # fall and parachute in one
+    assert speed_of(fall_of([(replace(read, eject_altitude=None), plain)])) > 6.5  # fall and parachute together
 
 
 def test_two_devices_are_distinguished_by_the_main_speed_and_the_duration() -> None:
@@ -101,7 +101,7 @@ def test_two_devices_are_distinguished_by_the_main_speed_and_the_duration() -> N
     assert speed_of(fall) == pytest.approx(5.0, rel=1e-6)
 
 
-def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_show_it() -> None:
+def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_constrain_it() -> None:
     plan = PLAN.with_changes(extra={"recovery": "streamer"})
     fall = fall_of([(flown(5.0, 6.0), FOUND)], plan)
     assert (fall.flights, fall.log_mean) == (0, pytest.approx(usual("streamer").log_mean))
@@ -113,7 +113,7 @@ def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_show_it() -> 
 
 
 @pytest.mark.parametrize("mass", [0.1, 1.5, 12.0])
-def test_a_parachute_of_which_nothing_is_known_suits_the_mass_under_it(mass: float) -> None:
+def test_an_unknown_parachute_is_assumed_to_suit_the_mass(mass: float) -> None:
     """OpenRocket's stored simulations of 0.07 to 12.7 kg all land at 4.4 to 7.2 m/s: a flyer buys one that does."""
     plan = PLAN.with_changes(dry_mass=mass)
     fall = fall_of([], plan, FOUND)
@@ -122,7 +122,7 @@ def test_a_parachute_of_which_nothing_is_known_suits_the_mass_under_it(mass: flo
     assert float(np.median(speeds)) == pytest.approx(5.0, rel=0.02)
 
 
-def test_a_typed_speed_or_diameter_of_the_parachute_counts_until_flights_on_it_show_another() -> None:
+def test_a_typed_speed_or_diameter_of_the_parachute_is_used_until_flights_show_another() -> None:
     def lands(plan: Flight, *history: Flight) -> float:
         fall = fall_of([(flight, FOUND) for flight in history], plan, FOUND)
         rng = np.random.default_rng(3)
@@ -146,7 +146,7 @@ def test_one_timed_flight_narrows_the_descent_of_a_rocket_without_any() -> None:
     assert narrowed == pytest.approx([np.hypot(0.3, 0.1), np.hypot(0.1, 0.1), np.hypot(0.1, 0.05)])
 
 
-def test_forecast_durations_are_those_of_the_flight_they_were_fitted_on() -> None:
+def test_forecast_durations_agree_with_the_flight_they_were_fitted_to() -> None:
     flights = tuple((flown(6.0, 6.0).with_changes(flight_id=str(n)), FOUND) for n in range(5))
     rocket = Rocket(flights, (), None, 0)
     plan = PLAN.with_changes(wind=None, delay=6.0)
@@ -164,7 +164,7 @@ def test_a_drogue_keeps_a_landing_near(prediction: Prediction) -> None:
     assert with_drogue < 0.45 * alone
 
 
-def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_meter_a_second_is_not(
+def test_without_a_wind_the_landing_is_unknown_but_the_drift_per_wind_speed_is_shown(
     prediction: Prediction,
 ) -> None:
     """The drift is the descent time times the mean wind on the way, less what the rocket flies into the wind."""
@@ -190,12 +190,12 @@ def test_without_a_wind_the_landing_is_unknown_and_its_drift_for_each_meter_a_se
     ("size", "changes"),
     [
         (300.0, {}),
-        (300.0, {"rail_angle": 0.17}),  # climbs into the wind, and so may fly in more of it
+        (300.0, {"rail_angle": 0.17}),  # climbs into the wind, and so may fly in a stronger one
         (240.0, {"rail_angle": 0.1, "extra": {"main_altitude_m": "30", "drogue_speed_mps": "30"}}),
         (600.0, {"extra": {"wind_aloft_mps": "4"}}),
     ],
 )
-def test_up_to_the_wind_that_holds_landings_stay_on_the_field(size: float, changes: dict[str, object]) -> None:
+def test_up_to_the_maximum_wind_landings_stay_on_the_field(size: float, changes: dict[str, object]) -> None:
     plan = PLAN.with_changes(wind=None, **changes)
     wind = wind_that_holds(NEW, plan, FOUND, size)
     (prediction,) = forecasts(NEW, [(plan.with_changes(wind=wind), FOUND)], draws=1000)
@@ -204,7 +204,7 @@ def test_up_to_the_wind_that_holds_landings_stay_on_the_field(size: float, chang
     assert stay == pytest.approx(0.95, abs=3 * by_chance)
 
 
-def test_no_wind_keeps_a_leaning_rocket_on_a_small_field_and_any_wind_a_fast_one_on_a_large_field() -> None:
+def test_in_no_wind_a_tilted_rail_misses_a_small_field_and_in_any_wind_a_fast_descent_hits_a_large_one() -> None:
     calm = PLAN.with_changes(wind=None)
     leaning = planned_flight(NEW, calm.with_changes(rail_angle=0.17), FOUND, Site(size=60.0), limits())
     fast = calm.with_changes(dry_mass=0.9, extra={"main_altitude_m": "30", "drogue_speed_mps": "40"})
@@ -234,7 +234,7 @@ def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(prediction: P
     assert line(delay=0.0).verdict == "unsafe"  # a booster has no charge
 
 
-def test_figures_are_in_the_units_of_the_flyer_alone(prediction: Prediction) -> None:
+def test_figures_are_only_in_the_units_of_the_flyer(prediction: Prediction) -> None:
     lines = safety_lines(prediction, Site(size=300.0, people=20.0, ceiling=500.0), usual(), limits())
     metric, american = (
         [one.words(system).partition(". The rule")[0].partition(" [")[0] for one in lines[:-1]]
@@ -249,7 +249,7 @@ def test_figures_are_in_the_units_of_the_flyer_alone(prediction: Prediction) -> 
     assert not [line for line in words if re.search(r"\d (m|m/s)\b", line)]
 
 
-def test_the_ellipse_holds_nine_landings_in_ten(prediction: Prediction) -> None:
+def test_the_ellipse_contains_nine_landings_in_ten(prediction: Prediction) -> None:
     found = landing(prediction, usual())
     inside = found.ellipse().inside(found.along, found.across).mean()
     assert inside == pytest.approx(0.9, abs=0.05)
@@ -261,7 +261,7 @@ def test_the_ellipse_holds_nine_landings_in_ten(prediction: Prediction) -> None:
     )
 
 
-def test_a_rail_into_the_wind_brings_the_landing_back() -> None:
+def test_a_rail_into_the_wind_brings_the_landing_closer() -> None:
     choices = rail_choices(NEW, PLAN, FOUND, np.radians(20))
     upright = next(choice for choice in choices if choice.angle == 0)
     assert choices[0].direction == "into"
@@ -270,14 +270,14 @@ def test_a_rail_into_the_wind_brings_the_landing_back() -> None:
     assert all(choice.angle <= np.radians(5) + 1e-9 for choice in rail_choices(NEW, PLAN, FOUND, np.radians(5)))
 
 
-def test_a_charge_that_comes_too_late_is_ballistic(prediction: Prediction) -> None:
+def test_a_charge_that_fires_too_late_means_a_ballistic_landing(prediction: Prediction) -> None:
     late = replace(prediction, plan=PLAN.with_changes(delay=20.0), eject=np.full_like(prediction.eject, np.nan))
     assert descents(late, usual(), np.full(300, 5.0)).ballistic.all()
     unknown = replace(late, plan=PLAN.with_changes(delay=None), found=Found(FOUND.motor, None))
     assert not descents(unknown, usual(), np.full(300, 5.0)).ballistic.any()
 
 
-def test_a_plan_comes_down_as_its_configuration_last_did(tmp_path: Path) -> None:
+def test_a_plan_descends_like_the_last_flight_of_its_configuration(tmp_path: Path) -> None:
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
         flight = PLAN.with_changes(flight_id="1", apogee=200.0, extra={"main_altitude_m": "80", "unrelated": "x"})
         ledger.add([flight])
@@ -295,7 +295,7 @@ def test_a_plan_comes_down_as_its_configuration_last_did(tmp_path: Path) -> None
         ({"main_speed_mps": "5", "stability_cal": "2"}, {}, {"main_speed_mps": "5", "stability_cal": "2"}),
     ],
 )
-def test_a_plan_on_another_parachute_does_not_take_the_speed_of_the_former_one(
+def test_a_plan_with_another_parachute_does_not_use_the_speed_of_the_previous_one(
     tmp_path: Path, flown: dict[str, str], planned: dict[str, str], completed: dict[str, str]
 ) -> None:
     with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
@@ -326,7 +326,7 @@ def test_of_an_entered_speed_and_diameter_the_one_used_is_named(
     assert ("--main-speed is used" in shown.err) == noted
 
 
-def test_the_command_says_where_it_lands_and_writes_it_as_kml(
+def test_the_command_prints_the_landing_and_writes_it_as_kml(
     tmp_path: object, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ledger = ["--ledger", f"{tmp_path}/ledger.db"]
@@ -345,7 +345,7 @@ def test_the_command_says_where_it_lands_and_writes_it_as_kml(
     assert "recommended rail" in out
 
 
-def test_the_range_card_is_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_range_card_is_one_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     card, body = tmp_path / "card.png", ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm"]
     command = ["--ledger", str(tmp_path / "ledger.db"), "landing", "--motor", "F39T-6", "--wind", "3m/s", *body]
     assert main([*command, "--card", str(card)]) == 0
@@ -384,7 +384,7 @@ def test_two_devices_are_opened_by_an_altimeter_and_an_early_charge_is_a_caution
     assert "fires before apogee" in verdicts["-6"]["text"]
 
 
-def test_a_map_says_which_wind_it_assumes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_map_states_its_assumed_wind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--motor", "F39T-6", "--wind", "3m/s"]
     kml = ["--kml", str(tmp_path / "a.kml"), "--pad", "47.5,8.7", "--force"]
     plan = ["--ledger", str(tmp_path / "ledger.db"), "landing", *body, *kml]
@@ -446,8 +446,8 @@ def test_a_rocket_that_lands_before_anything_opens_has_no_landing_speed() -> Non
     assert "before anything opens" in line.text
 
 
-def test_a_landing_in_calm_air_is_not_known_to_the_meter() -> None:
-    """Less than 0.3 m/s is calm: drift up to that much is possible in every direction."""
+def test_a_landing_in_calm_air_is_uncertain() -> None:
+    """Calm means less than 0.3 m/s: this much drift is possible in every direction."""
     down = planned_flight(NEW, PLAN.with_changes(wind=0.0), FOUND, Site(), limits()).down
     reach = np.quantile(down.away, 0.95)
     assert 0.2 * np.median(down.drift) < reach < 0.3 * np.quantile(down.drift, 0.99)

@@ -34,7 +34,7 @@ def held(name: str, dry_mass: float = 0.3, altitude: float = 200.0, rules: str =
     return governed(build, altitude, Site(rules=rules), rule_sets(), TODAY)
 
 
-def test_the_sites_of_the_model_code_are_those_of_its_table() -> None:
+def test_the_launch_sites_of_the_model_code_agree_with_its_table() -> None:
     """Source: NAR Model Rocket Safety Code, August 2012, launch site dimensions."""
     table = {1.25: 50, 2.5: 100, 5: 200, 10: 400, 20: 500, 40: 1000, 80: 1000, 160: 1000, 320: 1500}
     sites = rule("nar_model", "field size")
@@ -64,7 +64,7 @@ def test_the_launch_distances_of_the_model_code_are_fifteen_and_thirty_feet() ->
         (40960, 125, 1500, 2000),
     ],
 )
-def test_the_distances_of_high_power_are_those_of_the_table(
+def test_the_distances_of_high_power_agree_with_the_table(
     impulse: float, cleared: float, people: float, complex_rocket: float
 ) -> None:
     """Source: minimum distance table of NAR and NFPA 1127."""
@@ -77,7 +77,7 @@ def test_the_distances_of_high_power_are_those_of_the_table(
     assert distance.row(impulse + 0.005, 0.0) is not row
 
 
-def test_figures_of_the_codes_are_as_written() -> None:
+def test_figures_agree_with_the_text_of_the_codes() -> None:
     angle = {key: np.degrees(rule(key, "launch angle").rows[0].value) for key in ("nar_model", "nar_high_power")}
     assert angle == pytest.approx({"nar_model": 30, "nar_high_power": 20})
     wind = [rule(key, "ground wind").rows[0].value for key in ("nar_model", "nar_high_power", "tripoli", "ukra")]
@@ -121,7 +121,7 @@ def test_figures_of_the_codes_are_as_written() -> None:
         ),
     ],
 )
-def test_the_distances_of_other_codes_are_those_of_their_tables(
+def test_the_distances_of_other_codes_agree_with_their_tables(
     key: str, table: dict[float, tuple[float, float]]
 ) -> None:
     distance = rule(key, "pad distance")
@@ -145,9 +145,7 @@ def test_the_distances_of_other_codes_are_those_of_their_tables(
         ("ukra", "odd rockets", "double the distance"),
     ],
 )
-def test_what_no_figure_of_a_plan_is_held_against_is_reported_in_the_words_of_the_code(
-    key: str, check: str, words: str
-) -> None:
+def test_rules_that_no_figure_of_a_plan_can_check_are_quoted(key: str, check: str, words: str) -> None:
     assert words in rule(key, check).text.words
     name = ("93G80-14A" if check == "sparky motors" else "H128W") if key == "nar_high_power" else "C6"
     rules = "UKRA" if key == "ukra" else ""
@@ -156,7 +154,7 @@ def test_what_no_figure_of_a_plan_is_held_against_is_reported_in_the_words_of_th
     assert lines[check].verdict == "unknown"
 
 
-def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet() -> None:
+def test_the_law_requires_a_quarter_of_the_altitude_and_at_least_1500_feet() -> None:
     away = rule("faa", "bystanders")
     assert (away.least(0.0, 1000 * FOOT) or 0) / FOOT == pytest.approx(1500)
     assert (away.least(0.0, 8000 * FOOT) or 0) / FOOT == pytest.approx(2000)
@@ -167,13 +165,13 @@ def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet()
     assert legal_class(build_of(motors.resolve("F24W").motor, 1.6), laws) == 2
 
 
-def test_a_motor_that_throws_no_sparks_is_not_warned_of_them() -> None:
+def test_there_is_no_spark_warning_for_a_motor_without_sparks() -> None:
     line_names = [line.name for line in rule_lines.reminder_lines(held("H128W", 0.9))]
     assert "sparky motors" not in line_names
     assert "throws sparks" in held("60F50-13A", 0.5).why
 
 
-def test_the_law_of_classes_2_and_3_is_in_its_words() -> None:
+def test_the_law_of_classes_2_and_3_is_quoted() -> None:
     classes = SETS["faa"].classes
     assert [classes[name] for name in ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")] == [
         125,
@@ -187,7 +185,8 @@ def test_the_law_of_classes_2_and_3_is_in_its_words() -> None:
 
 
 def test_the_edge_of_a_high_power_field_is_no_nearer_than_people_may_stand() -> None:
-    """An N keeps people 1,000 ft away: to 2,000 ft high it needs 2,000 ft across, not the 1,500 of its altitude."""
+    """For an N motor people stay 1,000 ft away, so up to 2,000 ft high it needs 2,000 ft across, not the 1,500 ft for
+    the altitude."""
     low, high = (held("N1000W", 20.0, altitude=feet * FOOT) for feet in (2000.0, 9000.0))
     verdicts = [rule_lines.field_line(low, feet * FOOT).verdict for feet in (1500.0, 1990.0, 2000.0)]
     assert verdicts == ["unsafe", "unsafe", "ok"]
@@ -197,14 +196,14 @@ def test_the_edge_of_a_high_power_field_is_no_nearer_than_people_may_stand() -> 
     assert rule_lines.field_line(held("H128W", 0.9), 1500.0 * FOOT).verdict == "ok"
 
 
-def test_what_makes_a_rocket_high_power_are_the_figures_of_the_pages() -> None:
+def test_the_limits_of_high_power_agree_with_the_published_figures() -> None:
     limit = SETS["nar_high_power"].definition
     names = ("impulse_of_several_ns", "impulse_of_one_ns", "average_thrust_n", "propellant_g", "mass_g")
     assert [limit[name] for name in names] == [320, 160, 80, 125, 1500]
     assert limit["kinds"] == ["hybrid"]
 
 
-def test_every_figure_says_its_words_its_source_and_how_sure_it_is() -> None:
+def test_every_figure_has_a_quotation_a_source_and_a_certainty() -> None:
     for one in SETS.values():
         for own in one.rules:
             for text in (own.text, *(row.text for row in own.rows)):
@@ -234,18 +233,18 @@ def test_the_code_is_chosen_by_motor_and_mass(name: str, mass: float, high: bool
     assert found.sets[0].key == ("nar_high_power" if high else "nar_model")
 
 
-def test_25_degrees_are_too_much_for_high_power_alone() -> None:
+def test_25_degrees_are_too_much_only_for_high_power() -> None:
     verdict = {name: rule_lines.angle_line(held(name, 0.9), np.radians(25)).verdict for name in ("F24W", "H128W")}
     assert verdict == {"F24W": "ok", "H128W": "unsafe"}
 
 
-def test_a_line_without_a_figure_to_hold_is_in_the_words_of_the_rule_too() -> None:
+def test_a_line_without_a_figure_also_quotes_the_rule() -> None:
     line = rule_lines.angle_line(held("C6"), None)
     assert line.verdict == "unknown"
     assert "The rule: “pointed to within 30 degrees of the vertical”" in line.words()
 
 
-def test_an_f_in_a_field_of_300_feet_is_not_well() -> None:
+def test_a_300_foot_field_is_too_small_for_an_f() -> None:
     line = rule_lines.field_line(held("F24W"), 300 * FOOT)
     assert line.verdict == "unsafe"
     assert "requires 305 m across" in line.text
@@ -255,7 +254,7 @@ def test_an_f_in_a_field_of_300_feet_is_not_well() -> None:
     assert rule_lines.field_line(held("F24W", rules="NAR contest"), 300 * FOOT).verdict == "ok"  # when it is one
 
 
-def test_high_power_wants_1500_feet_or_half_the_altitude() -> None:
+def test_high_power_requires_1500_feet_or_half_the_altitude() -> None:
     tall = held("J350W", 3.0, altitude=4000 * FOOT)
     assert "requires 2000 ft across" in rule_lines.field_line(tall, 1900 * FOOT).words("US")
     assert rule_lines.field_line(tall, 1900 * FOOT).verdict == "unsafe"
@@ -269,7 +268,7 @@ def test_a_small_high_power_field_is_unverified_and_no_better_than_caution() -> 
     assert rule_lines.field_line(held("J350W", 3.0), 1000 * FOOT).verdict == "unsafe"
 
 
-def test_people_stand_as_far_as_the_table_says_and_twice_that_for_a_cluster() -> None:
+def test_the_distance_of_people_follows_the_table_and_is_larger_for_a_cluster() -> None:
     one = held("H128W", 0.9)
     assert rule_lines.distance_line(one, 100 * FOOT).verdict == "ok"
     assert rule_lines.distance_line(one, 99 * FOOT).verdict == "unsafe"
@@ -287,7 +286,7 @@ def test_bystanders_have_a_distance_by_law_from_class_2_on() -> None:
     assert rule_lines.bystander_line(held("J350W", 3.0), 460.0).verdict == "ok"
 
 
-def test_certification_goes_by_the_installed_impulse() -> None:
+def test_certification_depends_on_the_installed_impulse() -> None:
     texts = {name: rule_lines.certification_line(held(name, 2.0)).text for name in ("H128W", "J350W", "M1297W")}
     assert [text[-1] for text in texts.values()] == ["1", "2", "3"]
     assert rule_lines.certification_line(held("F24W")).verdict == "ok"
@@ -301,7 +300,7 @@ def test_high_power_weighs_at_most_a_third_of_its_thrust() -> None:
     assert rule_lines.weight_line(held("F24W")) is None
 
 
-def test_a_country_is_a_file(tmp_path: Path) -> None:
+def test_a_country_is_added_by_a_file(tmp_path: Path) -> None:
     (tmp_path / "moon.toml").write_text(
         'title = "Moon code"\nauthority = "MOON"\nfor = "any"\nvalid_from = 2026-01-01\nmark = "O"\n'
         'source = "a stone"\n'
@@ -322,7 +321,7 @@ def test_a_country_is_a_file(tmp_path: Path) -> None:
 OWN = 'title = "Moon"\nauthority = "moon"\nfor = "any"\nvalid_from = 2026-01-01\nmark = "O"\nsource = "a stone"\n'
 
 
-def test_a_rule_of_words_alone_is_a_reminder_whatever_it_is_about(tmp_path: Path) -> None:
+def test_a_rule_without_a_figure_is_a_reminder_on_any_subject(tmp_path: Path) -> None:
     (tmp_path / "moon.toml").write_text(OWN + '[[rule]]\ncheck = "ground wind"\nsays = "only in calm air"\n')
     found = governed(build_of(catalogue().resolve("C6").motor, 0.1), 90.0, Site(rules="moon"), rule_sets(tmp_path))
     assert rule_lines.wind_line(found, 3.0).verdict == "unknown"
@@ -337,7 +336,7 @@ def test_a_rule_of_words_alone_is_a_reminder_whatever_it_is_about(tmp_path: Path
         ("[classes]\nclass1_mass_g = 1500\n", "class1_propellant_g"),
     ],
 )
-def test_a_file_of_rules_with_gaps_is_refused_by_name(tmp_path: Path, text: str, named: str) -> None:
+def test_an_incomplete_file_of_rules_is_refused_by_name(tmp_path: Path, text: str, named: str) -> None:
     (tmp_path / "moon.toml").write_text(OWN + text)
     with pytest.raises(BadValue, match=rf"moon\.toml.*{named}"):
         rule_sets(tmp_path)
@@ -352,7 +351,7 @@ def test_a_damaged_file_of_rules_is_named(tmp_path: Path, text: str, named: str)
         rule_sets(tmp_path)
 
 
-def test_the_version_of_a_code_that_is_valid_on_the_day_counts() -> None:
+def test_the_version_of_a_code_valid_on_the_day_is_used() -> None:
     old = SETS["nar_model"]
     new = replace(old, valid_from=datetime.date(2027, 1, 1))
 
@@ -372,7 +371,7 @@ def test_what_makes_a_rocket_high_power_is_in_the_file() -> None:
     assert read_authorities("") == ("NAR", "FAA")
 
 
-def test_a_site_keeps_its_distances_and_whose_rules_govern_it(
+def test_the_distances_and_the_authority_of_a_site_are_saved(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = str(tmp_path / "ledger.db")

@@ -1,4 +1,4 @@
-"""The figures of the program against the tables of the collected facts, `../shared/rules.md`, where that file is."""
+"""The figures of the program compared with the tables of collected facts, `../shared/rules.md`, if that file exists."""
 
 import math
 import re
@@ -128,7 +128,7 @@ def test_every_season() -> None:
         assert rule.impulse == 80.0
 
 
-def test_the_drills_of_the_makers() -> None:
+def test_the_drills_of_the_manufacturers() -> None:
     text = FACTS.read_text(encoding="utf-8")
     for motor, made in (("H128W", "removes **2, 4, 6 or 8 s**"), ("Cesaroni 232H123-14A", "removes **3, 5, 7, 9 s**")):
         assert made in text
@@ -146,6 +146,6 @@ def test_the_drills_of_the_makers() -> None:
         ("Thrust to weight", "thrust_to_weight_unsafe", 4),
     ],
 )
-def test_guidance_that_is_nobodys_law(topic: str, name: str, place: int) -> None:
+def test_guidance_that_is_not_law(topic: str, name: str, place: int) -> None:
     (row,) = [row for row in table("Topic", "Value") if row[0] == topic]
     assert limits()[name].value == float(re.findall(r"\d+(?:\.\d+)?", row[1])[place])

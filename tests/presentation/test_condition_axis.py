@@ -19,7 +19,7 @@ pytestmark = pytest.mark.fast
         ("hour", 14.5, "US", "hour", 14.5),
     ],
 )
-def test_an_axis_is_in_the_units_of_the_system(
+def test_an_axis_is_in_the_units_of_the_chosen_system(
     header: str, value: float, system: str, title: str, shown: float
 ) -> None:
     name, values = in_units(header, np.array([value, np.nan]), system)

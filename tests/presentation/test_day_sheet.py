@@ -32,11 +32,11 @@ def planned() -> PlannedFlight:
 
 
 def text_of(content: bytes) -> str:
-    """The text of a picture: letters of an SVG are shapes, each row named in a comment."""
+    """The text of a picture: letters in an SVG are shapes, with the text of each row in a comment."""
     return content.decode().replace("&gt;", ">")
 
 
-def test_a_row_says_what_a_plan_comes_to_and_below_stand_the_checks_that_are_not_well(planned: PlannedFlight) -> None:
+def test_a_row_summarizes_a_plan_with_its_failed_checks_below(planned: PlannedFlight) -> None:
     sheet = text_of(day_sheet("Saturday", SITE, [planned], ".svg"))
     for text in ("Saturday", "Meadow, field 300 m, people 30 m, ceiling not given", "recommended rail", "C6-5"):
         assert text in sheet
@@ -49,7 +49,7 @@ def test_a_row_says_what_a_plan_comes_to_and_below_stand_the_checks_that_are_not
     assert "field 300 m" not in american
 
 
-def test_many_flights_have_pages_and_no_line_is_lost(planned: PlannedFlight) -> None:
+def test_many_flights_take_several_pages_and_no_line_is_lost(planned: PlannedFlight) -> None:
     many = day_sheet("Saturday", SITE, [planned] * (ROWS + 1), ".pdf")
     assert many.startswith(b"%PDF")
     assert many.count(b"/Type /Page\n") + many.count(b"/Type /Page ") >= 2
@@ -57,7 +57,7 @@ def test_many_flights_have_pages_and_no_line_is_lost(planned: PlannedFlight) -> 
         day_sheet("Saturday", SITE, [planned] * (ROWS + 1), ".png")
 
 
-def test_the_command_reads_a_table_of_plans_and_what_is_given_for_the_day(
+def test_the_command_reads_a_table_of_plans_and_conditions_of_the_day(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     table, out = tmp_path / "plans.csv", tmp_path / "day.svg"
@@ -91,9 +91,9 @@ def test_a_table_of_plans_may_have_clusters_and_a_bad_motor_is_named(
     assert "row 2, motor" in capsys.readouterr().err
 
 
-def test_the_column_of_the_charge_says_what_opens_the_parachute(tmp_path: Path) -> None:
-    """An unknown delay is not an altimeter, a charge that never fires is no number, and two devices have an altimeter
-    whatever the delay of the motor."""
+def test_the_charge_column_shows_what_opens_the_parachute(tmp_path: Path) -> None:
+    """An unknown delay does not mean an altimeter, a charge that never fires has no number, and two devices imply an
+    altimeter whatever the motor's delay."""
     table, out = tmp_path / "plans.csv", tmp_path / "day.svg"
     header = "flight_id,rocket,dry_mass_g,diameter_mm,motor,delay_s,main_altitude_m\n"
     charges = {

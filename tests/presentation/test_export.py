@@ -50,7 +50,7 @@ def as_json(held: list[Flight]) -> str:
 
 
 @pytest.mark.parametrize("write", [csv_table, as_json])
-def test_what_is_exported_reads_back_as_the_same_flights(write: object) -> None:
+def test_an_export_imports_as_the_same_flights(write: object) -> None:
     @examples(60)
     @given(st.lists(flights, min_size=1, max_size=3, unique_by=by_name))
     def law(held: list[Flight]) -> None:
@@ -72,7 +72,7 @@ def test_what_is_exported_reads_back_as_the_same_flights(write: object) -> None:
         ('{"flights": [{"date_time": "soon"}]}', "found 'soon', expected a date"),
     ],
 )
-def test_a_flight_that_is_invalid_is_rejected_with_its_place(text: str, found: str) -> None:
+def test_an_invalid_flight_is_rejected_with_its_position(text: str, found: str) -> None:
     (rejected,) = read(text.encode(), "x.json", any_motor).rejected
     assert rejected.row == 1
     assert found in rejected.error
@@ -82,6 +82,6 @@ def test_every_readout_is_in_the_document() -> None:
     assert {column.header for column in READOUTS} <= set(document(Flight()))
 
 
-def test_a_line_feed_of_its_own_kind_in_a_text_breaks_no_row() -> None:
+def test_unusual_line_separators_in_a_text_do_not_break_a_row() -> None:
     flight = Flight(flight_id="a\rb", rocket="c\nd", motor="C6-5", notes="'=e", apogee=100.0)
     assert list(read(csv_table([flight]).encode(), "t.csv", lambda name: None).flights) == [flight]

@@ -1,4 +1,4 @@
-"""KML: places on the ground, whole documents, names made harmless."""
+"""KML: positions on the ground, complete documents, escaped names."""
 
 from pathlib import Path
 from xml.etree import ElementTree
@@ -27,14 +27,14 @@ def coordinates(content: bytes) -> list[list[tuple[float, ...]]]:
     ]
 
 
-def test_downwind_of_a_west_wind_is_east_and_its_right_is_south() -> None:
+def test_downwind_of_a_west_wind_is_east_and_to_its_right_is_south() -> None:
     one = placed((45.0, 7.0), 270.0, np.array([[1000.0, 0.0], [0.0, 1000.0]]))
     degree = np.radians(1) * EARTH_RADIUS
     assert one[0] == pytest.approx([7 + 1000 / (degree * np.cos(np.pi / 4)), 45.0])
     assert one[1] == pytest.approx([7.0, 45 - 1000 / degree])
 
 
-def test_a_landing_is_a_pad_a_middle_an_ellipse_and_some_of_the_draws() -> None:
+def test_a_landing_has_a_pad_a_center_an_ellipse_and_some_draws() -> None:
     rng = np.random.default_rng(0)
     along, across = 300 + 40 * rng.normal(size=200), 20 * rng.normal(size=200)
     down = DescentResult(*[np.ones(200)] * 7)
@@ -49,7 +49,7 @@ def test_a_landing_is_a_pad_a_middle_an_ellipse_and_some_of_the_draws() -> None:
     assert b"\x1b" not in content
 
 
-def test_a_track_has_altitude_above_sea_level_and_leaves_out_what_is_lost() -> None:
+def test_a_track_has_altitudes_above_sea_level_and_omits_missing_positions() -> None:
     latitude = np.array([47.0, np.nan, 47.001, 0.0, 47.002])
     longitude = np.array([8.0, 8.0, 8.001, 0.0, 8.002])
     (track,) = coordinates(track_kml("3", latitude, longitude, np.array([400.0, 1, 500, 0, 410])))
@@ -59,7 +59,7 @@ def test_a_track_has_altitude_above_sea_level_and_leaves_out_what_is_lost() -> N
 
 
 @pytest.mark.parametrize("text", ["47.5", "95,8", "here,there", "nan,8"])
-def test_a_place_that_is_invalid_is_named(text: str) -> None:
+def test_an_invalid_position_is_named(text: str) -> None:
     assert read_place("47.5, -8.7") == (47.5, -8.7)
     with pytest.raises(BadValue, match=r"such as 47\.5"):
         read_place(text)

@@ -39,7 +39,7 @@ def test_the_group_of_an_effect_is_in_parentheses(place: Place, words: str) -> N
         (190.0, 190.2, "the same as with the plain model"),
     ],
 )
-def test_the_next_forecast_stands_before_its_change(before: float, after: float, change: str) -> None:
+def test_the_next_forecast_is_shown_before_its_change(before: float, after: float, change: str) -> None:
     flight: Any = SimpleNamespace(
         flight=SimpleNamespace(motor="F39"), before=before, after=after, interval=(170.0, 230.0)
     )

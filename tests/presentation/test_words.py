@@ -39,7 +39,7 @@ def test_the_reason_why_no_charge_fires_is_named() -> None:
     assert ejection_in_words(forecast("F24-4W", dry_mass=30.0)) == "none: the rocket does not leave the pad"
 
 
-def test_a_new_rocket_has_one_basis_in_every_sentence() -> None:
+def test_the_basis_of_a_new_rockets_forecast_is_the_same_in_every_sentence() -> None:
     made = forecast("F24-4W")
     assert "  based on  no flights of this rocket, only other rockets" in list(in_words(made))
     assert rests_in_words(made).startswith("no flights of this rocket, only other rockets; one clean flight")
@@ -66,12 +66,12 @@ def test_ounces_keep_their_decimals_in_the_limits_of_a_rule() -> None:
         ("the plain model replaced by model version 1", "the plain model replaced by model version 1"),
     ],
 )
-def test_what_made_a_forecast_stale_is_in_the_units_of_the_flyer(change: str, american: str) -> None:
+def test_the_reason_why_a_forecast_is_stale_is_in_the_flyers_units(change: str, american: str) -> None:
     assert change_in_system(change, "US") == american
 
 
 @pytest.mark.parametrize("suffix", EDGES)
-def test_a_name_is_no_formula_on_the_card_of_finals(suffix: str) -> None:
+def test_a_name_is_not_read_as_a_formula_on_the_finals_card(suffix: str) -> None:
     row = ("800", "320", "383", "100%", "700-900", "30-50", "40")
     assert finals_card([f"{NAME} on AeroTech F24W " * 4, "wind not given"], [row], suffix, [NAME])
 
@@ -137,7 +137,7 @@ def test_forecasts_of_two_builds_differ_in_their_configuration_and_no_date_is_cu
     assert " heavy " in printed
 
 
-def test_a_range_card_shows_a_name_as_it_is(home: Path) -> None:
+def test_a_range_card_shows_a_name_unchanged(home: Path) -> None:
     card = home / "card.svg"
     assert main(["landing", "--motor", "F24-4W", "--wind", "5mph", "--card", str(card)]) == 0
     assert "$x_$" in card.read_text(encoding="utf-8")

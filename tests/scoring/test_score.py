@@ -10,7 +10,7 @@ from fieldkit.scoring.proper_scores import calibration, crps, interval_score, pi
 pytestmark = pytest.mark.fast
 
 
-def test_the_score_of_one_number_is_its_error_and_of_a_normal_what_the_formula_says() -> None:
+def test_the_crps_of_a_point_is_its_error_and_that_of_a_normal_follows_the_formula() -> None:
     assert crps(np.array([210.0]), 200.0) == 10.0
     draws = np.random.default_rng(2).normal(0.0, 1.0, 40_000)
     assert crps(draws, 0.0) == pytest.approx((np.sqrt(2) - 1) / np.sqrt(np.pi), rel=0.02)  # Gneiting and Raftery, 2007
@@ -26,7 +26,7 @@ def test_the_score_is_best_for_the_truth() -> None:
     assert min(mean, key=lambda key: mean[key]) == (0.0, 1.0)
 
 
-def test_chance_is_the_binomial_range() -> None:
+def test_the_range_expected_by_chance_is_binomial() -> None:
     found = calibration([0.5] * 20)
     assert found.expected == (0.0, 4.0)
     assert found.intervals[-1].expected == (0.8, 1.0)
@@ -50,7 +50,7 @@ def test_the_score_of_an_interval_is_smallest_at_the_true_quantiles() -> None:
     assert min(ends, key=lambda key: ends[key]) == (0.05, 0.95)
 
 
-def test_a_difference_is_of_pairs_and_has_a_verdict_from_five_flights_on() -> None:
+def test_differences_are_paired_and_have_a_verdict_from_five_flights_on() -> None:
     rng = np.random.default_rng(1)
     common = rng.exponential(1.0, 60)
     found = paired(common, common + 0.1 + 0.01 * rng.normal(size=60))

@@ -86,7 +86,7 @@ def normal(mean: np.ndarray, sd: float = 0.1) -> Forecasts:
     return Forecasts(mean[None], np.full((1, len(mean)), sd), np.ones((1, len(mean))))
 
 
-def test_the_interval_of_an_error_holds_the_true_one_as_often_as_said() -> None:
+def test_the_interval_of_an_error_has_its_stated_coverage() -> None:
     rng = np.random.default_rng(2)
     inside = 0
     for _ in range(150):
@@ -104,7 +104,7 @@ def test_an_interval_is_the_same_at_every_call_and_narrows_with_flights() -> Non
     assert many.mae[0] < many.score.mae < many.mae[1]
 
 
-def test_a_gain_is_of_the_same_flights() -> None:
+def test_a_gain_compares_the_same_flights() -> None:
     truth = 5.0 + np.random.default_rng(4).normal(0, 0.1, 30)
     better, (low, _) = gain(normal(np.full(30, 5.0)), normal(truth), truth, np.ones(30, bool))
     assert better > low > 0
@@ -120,13 +120,13 @@ def test_no_flights_have_no_errors() -> None:
 # Forward in time
 
 
-def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
+def test_a_flight_is_forecast_from_earlier_flights(found: Findings) -> None:
     assert found.ahead.seen.tolist() == [False] * MIN_EARLIER_FLIGHTS + [True] * (12 - MIN_EARLIER_FLIGHTS)
     assert found.forward.before.flights == 12 - MIN_EARLIER_FLIGHTS
     assert not any(found.ahead.chosen[:MIN_EARLIER_FLIGHTS])
 
 
-def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
+def test_later_flights_change_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
     """The last flight's apogee is absurd, which must not change any earlier forecast."""
 
     def spoilt(one: Hypothesis) -> Hypothesis:
@@ -145,10 +145,10 @@ def test_the_effect_is_found_on_the_way_and_helps(found: Findings) -> None:
     assert found.forward.after.score.mae < found.forward.before.score.mae
 
 
-# The verdict in a flyer's words
+# The verdict in plain words
 
 
-def test_a_verdict_says_what_why_how_sure_what_would_settle_it_and_what_accepting_changes(found: Findings) -> None:
+def test_a_verdict_states_effect_evidence_probability_next_test_and_consequence(found: Findings) -> None:
     document, text, written = loop_document(found), "\n".join(report(found)), page(found)
     verdict = document["verdict"]
     one = verdict["next_flight"]
@@ -164,7 +164,7 @@ def test_a_verdict_says_what_why_how_sure_what_would_settle_it_and_what_acceptin
     assert all(test.in_words in text for test in found.tests)
 
 
-def test_misses_before_and_after_are_drawn_and_fall(found: Findings) -> None:
+def test_errors_before_and_after_are_plotted_and_decrease(found: Findings) -> None:
     rows = misses(found)
     before, after = ([abs(row[f"{when}_m"]) for row in rows] for when in ("before", "after"))
     assert np.mean(before) == pytest.approx(found.left_out.before.score.mae)
@@ -176,7 +176,7 @@ def test_misses_before_and_after_are_drawn_and_fall(found: Findings) -> None:
     assert sum(drawn[1]) < sum(drawn[0])
 
 
-def test_nothing_is_drawn_if_forecasts_stay(found: Findings) -> None:
+def test_nothing_is_plotted_if_forecasts_do_not_change(found: Findings) -> None:
     plain = replace(found, diagnosis=replace(found.diagnosis, averaged=((1.0, ()),)))
     assert list(misses_drawn(plain)) == []
     assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use the plain model"]
@@ -185,7 +185,7 @@ def test_nothing_is_drawn_if_forecasts_stay(found: Findings) -> None:
 # The fingerprint
 
 
-def test_the_fingerprint_of_the_true_effect_is_what_was_found(diagnosis: Diagnosis) -> None:
+def test_the_fingerprint_of_the_true_effect_agrees_with_the_residuals(diagnosis: Diagnosis) -> None:
     rows = {mark.readout: mark for mark in marks(diagnosis, diagnosis.accepted[0])}
     assert len(rows) == 10
     for name in ("apogee", "coast_to_apogee"):
@@ -217,14 +217,14 @@ def test_wind_is_distinguished_from_a_tilted_rail_by_measuring_the_rail_or_flyin
     assert all(one.expected >= 0 for one in advice)
 
 
-def test_planned_flights_are_of_motors_and_configurations_that_are_there(diagnosis: Diagnosis) -> None:
+def test_planned_flights_use_existing_motors_and_configurations(diagnosis: Diagnosis) -> None:
     plans = list(options(diagnosis.model))
     assert {plan.motor for _, plan, _ in plans} == {"F24-4W", "F39-6T"}
     assert max(plan.dry_mass or 0 for _, plan, _ in plans) == pytest.approx(BALLAST * 0.322)
     assert all(not plan.tags for _, plan, _ in plans)
 
 
-def test_divergence_is_that_of_normals() -> None:
+def test_the_divergence_is_that_of_normal_distributions() -> None:
     one, other = (np.array([0.0]), np.array([[1.0]])), (np.array([2.0]), np.array([[1.0]]))
     assert divergence(one, other, [0]) == pytest.approx(2.0)
     assert divergence(one, one, [0]) == 0.0
@@ -245,12 +245,12 @@ def test_draws_are_widened_about_their_median() -> None:
     np.testing.assert_array_equal(narrow.corrected(1.0, 20).apogee, narrow.apogee)
 
 
-def test_what_the_residual_goes_with_is_reported(diagnosis: Diagnosis) -> None:
+def test_correlations_of_the_residuals_are_reported(diagnosis: Diagnosis) -> None:
     in_words = leftover(diagnosis).in_words
     assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", in_words)
 
 
-def test_an_average_is_kept_until_there_is_nothing_to_average(
+def test_averaging_continues_until_there_is_nothing_to_average(
     diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     motors = catalogue()
@@ -295,7 +295,7 @@ def test_names_from_files_are_text_on_the_page(html: Page) -> None:
     assert words.count(HOSTILE) >= 12
 
 
-def test_the_page_holds_all_that_it_shows(html: Page) -> None:
+def test_the_page_is_self_contained(html: Page) -> None:
     assert len(html.sources) == 4
     for source in html.sources:
         head, _, data = source.partition(",")
@@ -305,7 +305,7 @@ def test_the_page_holds_all_that_it_shows(html: Page) -> None:
         assert not [one for one in picture.iter() if one.tag.endswith(("script", "foreignObject"))]
 
 
-def test_the_page_shows_what_the_terminal_shows(html: Page, found: Findings) -> None:
+def test_the_page_has_the_same_content_as_the_terminal(html: Page, found: Findings) -> None:
     words = " ".join(" ".join(html.text).split())
     assert f"{found.left_out.before.score.mae:.1f} m" in words
     assert "weathercocking" in words
@@ -319,7 +319,7 @@ def test_the_page_shows_what_the_terminal_shows(html: Page, found: Findings) -> 
         assert heading in words
 
 
-def test_flights_that_were_left_out_are_named_on_every_medium(found: Findings) -> None:
+def test_flights_that_were_left_out_are_named_in_every_medium(found: Findings) -> None:
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.tui.loop.loop_words import verdict
 
@@ -353,7 +353,7 @@ def test_the_loop_goes_into_a_rocket_s_report(found: Findings, tmp_path: Path) -
     assert len(one.sources) == 4
 
 
-def test_a_page_is_written_by_the_name_of_its_file(found: Findings, tmp_path: Path) -> None:
+def test_the_format_of_a_page_follows_from_its_file_name(found: Findings, tmp_path: Path) -> None:
     write_page(found, tmp_path / "page.png")
     assert (tmp_path / "page.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(FieldkitError, match="cannot be written"):

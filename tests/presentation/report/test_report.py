@@ -81,7 +81,7 @@ def one(day: FlightReport) -> FlightReport:
     return FlightReport("Flight 2", "", day.cards[1:])
 
 
-def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: FlightReport) -> None:
+def test_a_report_can_be_for_a_day_a_flight_or_a_rocket(file: Path, day: FlightReport) -> None:
     assert (day.title, len(day.cards), day.summary) == ("Launch day 2026-05-02", 2, True)
     with Ledger.open(file) as ledger:
         flight = book(ledger, catalogue(), "2", quiet)
@@ -94,7 +94,7 @@ def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: Flight
     assert " m" not in " ".join(value for value, _ in headline(feet.cards[0]))
 
 
-def test_a_card_holds_figures_prediction_and_what_had_changed(day: FlightReport) -> None:
+def test_a_card_has_figures_prediction_and_changes(day: FlightReport) -> None:
     first, second = day.cards
     assert first.forecast is not None
     assert not first.forecast.kept
@@ -154,7 +154,7 @@ def test_a_long_report_reads_a_table_once_and_infers_in_one_batch(
 
 
 @pytest.mark.parametrize("top", [9.0, 400.0, 40_000.0])
-def test_words_of_a_picture_stay_inside_its_margins(day: FlightReport, top: float) -> None:
+def test_text_of_a_picture_stays_inside_its_margins(day: FlightReport, top: float) -> None:
     from matplotlib.figure import Figure
 
     time = np.linspace(0.0, 30.0, 50)
@@ -175,7 +175,7 @@ def test_words_of_a_picture_stay_inside_its_margins(day: FlightReport, top: floa
         assert words.y1 <= size[1]
 
 
-def test_the_table_lays_predictions_beside_flights(day: FlightReport) -> None:
+def test_the_table_shows_predictions_beside_flights(day: FlightReport) -> None:
     headers, rows = table(day)
     assert headers[5:8] == ("forecast m", "flown m", "miss m")
     assert rows[0][5] == ""
@@ -232,11 +232,11 @@ def test_names_from_files_are_text_in_markdown(day: FlightReport, tmp_path: Path
         ("F24-4W", "F24-4W"),
     ],
 )
-def test_marks_of_markdown_are_escaped(text: str, safe: str) -> None:
+def test_markdown_syntax_is_escaped(text: str, safe: str) -> None:
     assert as_markdown(text) == safe
 
 
-def test_paper_is_a4_a_card_a_page(day: FlightReport, tmp_path: Path) -> None:
+def test_each_card_is_one_a4_page(day: FlightReport, tmp_path: Path) -> None:
     with styled():
         sheets = list(pages(day))
     assert len(sheets) == 3
@@ -256,7 +256,7 @@ def test_many_flights_continue_over_pages(day: FlightReport) -> None:
     assert sum(texts) > 10
 
 
-def test_a_name_that_cannot_be_written_is_one_line(day: FlightReport, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_reported_in_one_line(day: FlightReport, tmp_path: Path) -> None:
     with pytest.raises(BadValue, match=r"found 'card\.doc'"):
         check_report(Path("card.doc"))
     with pytest.raises(FieldkitError, match="cannot be written"):
