@@ -118,10 +118,10 @@ def parsed(scope: str, css: str, at: Any, variable_tokens: dict[str, list[Any]],
 PAINTED = Compositor.render_update
 NEXT_MESSAGE = MessagePump._get_message
 WAITING: WeakSet[MessagePump] = WeakSet()
-"""The app and the widgets that wait for a message: a message to each of them, to hear that it is handled, would be
+"""The app and the widgets that wait for a message. To send each of them a message and wait until it is handled would be
 three of four messages in these tests."""
 LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minus", "space"])
-"""Keys that only add a letter if a text is typed."""
+"""Keys that only add a letter while text is typed."""
 
 
 def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
@@ -154,7 +154,7 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, work in ONCE.items():
         monkeypatch.setattr(name, work)
     monkeypatch.setenv("TZ", "UTC")
-    if hasattr(time, "tzset"):  # Windows keeps its own zone
+    if hasattr(time, "tzset"):  # Windows has its own time zone setting
         time.tzset()
     monkeypatch.setattr(models, "now", lambda: MOMENT)
 
@@ -171,8 +171,7 @@ def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 async def opened(
     file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False, page: str = "flights"
 ) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger with its settings next to it, started on a page and idle; like a flyer's app if it
-    `stays`."""
+    """The app on a ledger with its settings next to it, started on a page and idle; like a flyer's app with `stays`."""
     with (
         unchecked(),
         patch("textual.css.stylesheet.parse", parsed),
@@ -198,7 +197,7 @@ async def calm(pilot: Pilot[None]) -> None:
         await _workers_done(pilot)
         await _all_handled(pilot)
         await pilot.app.animator.wait_until_complete()  # a page that scrolls
-        pilot.app.screen._on_timer_update()  # what waits for the next paint need not wait for its time
+        pilot.app.screen._on_timer_update()  # do not wait for the next scheduled paint
         screen = pilot.app.screen
         busy = _busy(pilot)
         due = isinstance(screen, PageScreen) and screen._seen != (pilot.app.revision, pilot.app.look)
@@ -209,12 +208,13 @@ async def calm(pilot: Pilot[None]) -> None:
 
 
 def _busy(pilot: Pilot[None]) -> bool:
-    """Whether a worker is at work."""
+    """Whether a worker is running."""
     return any(not worker.is_finished for worker in pilot.app.workers)
 
 
 async def _workers_done(pilot: Pilot[None], polls: int = 20) -> None:
-    """Wait a fifth of a second at most for the workers, because a look at all widgets takes their interpreter away."""
+    """Wait at most a fifth of a second for the workers, because inspecting all widgets keeps the interpreter from
+    them."""
     while polls and _busy(pilot):
         await asyncio.sleep(0.01)
         polls -= 1
@@ -222,7 +222,9 @@ async def _workers_done(pilot: Pilot[None], polls: int = 20) -> None:
 
 async def _all_handled(pilot: Pilot[None], polls: int = 200) -> None:
     """Wait until every message is handled; after some polls with pauses, for a handler that waits itself."""
-    for _ in range(4):  # a key that is pressed, and what a thread answers, reach the queue of the app in two turns
+    for _ in range(
+        4
+    ):  # a pressed key and the answer of a thread reach the app's queue in two iterations of the event loop
         await asyncio.sleep(0)
     while not _all_read(pilot):
         await asyncio.sleep(0 if polls > 0 else 0.002)
@@ -235,14 +237,14 @@ def _all_read(pilot: Pilot[None]) -> bool:
 
 
 def _idle(pump: MessagePump) -> bool:
-    """Whether a widget waits for its next message and has nothing to do after the last."""
+    """Whether a widget waits for its next message and has nothing left to do."""
     if pump._closing or pump._closed:
         return True
     return pump in WAITING and pump._message_queue.empty() and not pump._next_callbacks
 
 
 async def _waiting(pump: MessagePump) -> Message:
-    """Replaces the wait for the next message, to see which widgets are in it."""
+    """Replaces the wait for the next message, to record which widgets are waiting."""
     WAITING.add(pump)
     try:
         return await NEXT_MESSAGE(pump)
@@ -250,7 +252,7 @@ async def _waiting(pump: MessagePump) -> Message:
         WAITING.discard(pump)
 
 
-MessagePump._get_message = _waiting  # type: ignore[method-assign]  # of every app that is opened after this
+MessagePump._get_message = _waiting  # type: ignore[method-assign]  # for every app opened after this
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:
@@ -277,7 +279,8 @@ async def _no_wait(*_: float) -> None:
 
 
 def _unpainted(compositor: Compositor, full: bool = False, **how: Any) -> object:
-    """Replaces painting after every change, two fifths of the time of these tests: `shown` paints what is looked at."""
+    """Replaces painting after every change, which takes two fifths of the time of these tests: `shown` paints only what
+    is checked."""
     if full:  # a picture
         return PAINTED(compositor, full=True, **how)
     compositor._dirty_regions.clear()

@@ -1,4 +1,4 @@
-"""Leave-one-out forecasts by hypotheses: a repeated fit and importance sampling agree on the weight of a hypothesis."""
+"""Leave-one-out forecasts by hypotheses: a repeated fit and importance sampling give a hypothesis the same weight."""
 
 from dataclasses import replace
 

@@ -53,7 +53,7 @@ def texts(numbers: Sequence[float]) -> list[str]:
     return [f"{number:.3f}" for number in numbers]
 
 
-def test_headers_that_name_an_outcome_are_none_of_the_conditions() -> None:
+def test_columns_that_name_an_outcome_are_not_conditions() -> None:
     flights = season(6)
     for name in (
         "published_apogee_m",
@@ -76,7 +76,7 @@ def test_headers_that_name_an_outcome_are_none_of_the_conditions() -> None:
         assert known_before(name, flights), name
 
 
-def test_values_that_restate_a_readout_are_an_outcome_whatever_they_are_called() -> None:
+def test_columns_that_repeat_a_readout_are_outcomes_whatever_their_name() -> None:
     flights = season()
     apogees = np.array([flight.apogee for flight in flights], float)
     rng = np.random.default_rng(3)
@@ -98,7 +98,7 @@ def test_values_that_restate_a_readout_are_an_outcome_whatever_they_are_called()
     assert not any("openrocket" in where for where in named)
 
 
-def test_a_pattern_that_nobody_listed_is_found_in_its_column() -> None:
+def test_a_pattern_in_a_users_own_column_is_found() -> None:
     """Drag that rises with a condition that no effect uses."""
     spread = np.random.default_rng(5).normal(size=16)
     flights = season(fin_spread_mm=texts(60 + 3 * spread), sim_m=["0"] * 16)

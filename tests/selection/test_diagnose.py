@@ -60,7 +60,7 @@ def test_an_undeclared_effect_is_named(diagnoses: dict, scenario: str) -> None:
     assert diagnosis.after.mae < diagnosis.before.mae
 
 
-def test_nothing_is_found_if_nothing_is(diagnoses: dict) -> None:
+def test_nothing_is_found_if_no_effect_is_present(diagnoses: dict) -> None:
     diagnosis, _, _ = diagnoses["null"]
     assert diagnosis.effect == "none"
     assert diagnosis.accepted == ()
@@ -73,7 +73,7 @@ def test_nothing_is_found_if_nothing_is(diagnoses: dict) -> None:
     [("wind", "motor_thrust"), pytest.param(HELD[1:], marks=pytest.mark.slow)],
     ids=["an effect before flight and one in it", "every effect"],
 )
-def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict, scenarios: tuple[str, ...]) -> None:
+def test_the_accepted_effect_improves_forecasts_of_later_flights(diagnoses: dict, scenarios: tuple[str, ...]) -> None:
     before, after = [], []
     for scenario in scenarios:
         diagnosis, _, later = diagnoses[scenario]
@@ -98,13 +98,13 @@ def test_residuals_are_in_units_of_their_scatter(diagnoses: dict) -> None:
     assert all(abs(row.bias) < 1.0 for row in spreads(diagnosis))
 
 
-def test_wind_shows_in_the_pattern_of_a_windy_history(diagnoses: dict) -> None:
+def test_wind_is_visible_in_the_pattern_of_a_windy_history(diagnoses: dict) -> None:
     diagnosis, _, _ = diagnoses["wind"]
     assert patterns(diagnosis)[0].against == "wind_mps"
     assert patterns(diagnosis)[0].statistic < 0
 
 
-def test_an_early_ejection_has_the_fingerprint_of_one(diagnoses: dict) -> None:
+def test_an_early_ejection_has_its_fingerprint(diagnoses: dict) -> None:
     diagnosis, _, _ = diagnoses["early_ejection"]
     marks = fingerprint(diagnosis.accepted[0])
     assert marks["coast_to_apogee"] < -0.02
@@ -113,7 +113,9 @@ def test_an_early_ejection_has_the_fingerprint_of_one(diagnoses: dict) -> None:
 
 
 @pytest.mark.slow
-def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(folder: Path, diagnoses: dict) -> None:
+def test_a_diagnosis_is_reproducible_and_does_not_depend_on_the_order_of_candidates(
+    folder: Path, diagnoses: dict
+) -> None:
     diagnosis, label, _ = diagnoses["wind"]
     flights = _flights(folder / f"{label['set']}.csv")
     model = rocket_model([f for f, _ in flights], [m for _, m in flights])
@@ -138,7 +140,7 @@ def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(("effect", "shown"), [("wear", True), ("rail_friction", False)])
-def test_an_effect_that_flights_left_out_do_not_show_yet_is_reported_as_one(effect: str, shown: bool) -> None:
+def test_an_effect_not_confirmed_by_left_out_flights_is_reported_as_such(effect: str, shown: bool) -> None:
     table = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.csv"
     flown = [pair for pair in _flights(table) if pair[0].clean]
     flights = [flight for flight, _ in flown]

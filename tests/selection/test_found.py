@@ -30,7 +30,7 @@ READ_TO = {
 
 @dataclass(frozen=True)
 class Strong:
-    """An effect at a strength (of its fitted value) in a place, in flights with these changes, and its name."""
+    """An effect with a strength (of its fitted value) at a place, in flights with these changes, and its name."""
 
     place: Place
     strength: float
@@ -95,7 +95,7 @@ def test_a_strong_effect_is_found(name: str) -> None:
     assert diagnosis.after.mae < diagnosis.before.mae
 
 
-def test_what_begins_later_is_tried_from_some_flight_on_and_never_from_the_first() -> None:
+def test_effects_that_begin_later_are_never_tried_from_the_first_flight_on() -> None:
     flights = [Flight(str(row), dry_mass=0.3, diameter=0.06, motor="F24-7W", apogee=300.0) for row in range(8)]
     model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
     places = [one.place for one in effect_candidates(model, np.ones(8, bool))]
@@ -103,7 +103,7 @@ def test_what_begins_later_is_tried_from_some_flight_on_and_never_from_the_first
         assert {place.since for place in places if place.effect == name} == {"2", "3", "4", "5", "6"}
 
 
-def test_a_blank_elevation_is_tried_at_the_sites_that_have_none() -> None:
+def test_a_missing_elevation_is_tried_at_the_sites_without_one() -> None:
     sites = (("low", 50.0), ("high", None))
     flights = [
         Flight(str(row), dry_mass=0.3, diameter=0.06, motor="F24-7W", apogee=300.0, site=site, site_elevation=elevation)
@@ -115,7 +115,7 @@ def test_a_blank_elevation_is_tried_at_the_sites_that_have_none() -> None:
     assert {place.where for place in places if place.effect == "site_elevation"} == {"low", "high"}
 
 
-def test_what_every_rocket_has_is_in_the_plain_model_and_not_beside_a_learned_one() -> None:
+def test_common_departures_are_in_the_plain_model_but_not_in_addition_to_a_learned_one() -> None:
     flights = [Flight("1", dry_mass=0.3, diameter=0.06, motor="F24-7W")]
     found = [catalogue().resolve("F24-7W")]
     assert "usual base_drag" in rocket_model(flights, found).names

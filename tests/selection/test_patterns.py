@@ -37,14 +37,14 @@ def weights(where: str, past: list[Flight], ahead: list[Flight]) -> np.ndarray:
     return weigh([*past, *ahead])[len(past) :]
 
 
-def test_a_pattern_is_the_same_in_the_past_whatever_is_planned() -> None:
+def test_a_pattern_in_past_flights_does_not_depend_on_plans() -> None:
     past = flown()
     for kind in known_patterns(past):
         for where, weigh in kind.items():
             np.testing.assert_array_equal(weigh([*past, PLAN, PLAN])[:12], weigh(past), err_msg=where)
 
 
-def test_patterns_continue_in_the_flights_to_come() -> None:
+def test_patterns_continue_in_later_flights() -> None:
     plans = [PLAN.with_changes(site="mead"), PLAN.with_changes(date_time=FIRST), PLAN]
     assert weights("every flight from F5 on", flown(), plans).tolist() == [1, 1, 1]
     assert weights("every 3 flights, as F1", flown(), plans).tolist() == [0, 1, 0]
@@ -53,7 +53,7 @@ def test_patterns_continue_in_the_flights_to_come() -> None:
     assert weights("paint smooth", flown(), plans).tolist() == [0, 0, 0]
 
 
-def test_what_was_not_written_down_of_a_plan_is_as_ever() -> None:
+def test_unrecorded_conditions_of_a_plan_are_as_usual() -> None:
     hours = [PLAN, PLAN.with_changes(date_time=FIRST + timedelta(hours=6.5))]
     assert weights("the hour of the day", flown(), hours).tolist() == [0, 1]
     warm = [PLAN, PLAN.with_changes(temperature=320.0)]
@@ -101,7 +101,7 @@ def test_a_forecast_follows_a_lasting_change() -> None:
 
 
 @pytest.mark.parametrize("count", [3, 8])
-def test_single_flights_are_no_pattern(count: int) -> None:
+def test_single_flights_are_not_a_pattern(count: int) -> None:
     alone = [PLAN.with_changes(flight_id=f"F{row}", site=f"site {row}") for row in range(count)]
     assert not any("site" in where for kind in known_patterns(alone) for where in kind)
 

@@ -18,7 +18,7 @@ from fieldkit.selection.prior import (
 pytestmark = pytest.mark.fast
 
 
-def test_another_effect_takes_from_its_own_family_alone() -> None:
+def test_another_effect_reduces_only_the_prior_of_its_own_family() -> None:
     more = {**effects(), "novelty": replace(effects()["wear"], title="novelty")}
     before, after = inclusion_probabilities(), inclusion_probabilities(more)
     others = [name for name, effect in effects().items() if effect.family != "aging" and not effect.form_of]
@@ -33,7 +33,7 @@ def test_another_form_of_an_effect_changes_nothing() -> None:
     assert inclusion_probabilities(more) == inclusion_probabilities()
 
 
-def test_nothing_is_missing_as_often_as_not() -> None:
+def test_no_effect_has_a_prior_probability_of_one_half() -> None:
     nothing = (1 - FAMILY_PROBABILITY) ** (len(FAMILIES) + 1)
     assert nothing == pytest.approx(NO_EFFECT_PROBABILITY)
     chances = inclusion_probabilities()

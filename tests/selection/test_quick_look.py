@@ -18,7 +18,7 @@ def test_strong_wear_is_the_verdict() -> None:
     assert look.after.mae < look.before.mae
 
 
-def test_a_plan_without_a_name_is_forecast_as_one_with() -> None:
+def test_a_plan_without_a_name_is_forecast_like_one_with_a_name() -> None:
     worn = history(12, wear=0.05)
     flown = list(zip(worn.flights[:-1], worn.found[:-1], strict=True))
     plan, found = worn.flights[-1], worn.found[-1]

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.fast
 FLIGHTS = 18
 SETS = 300
 SCALE = 4
-"""Of the grid: ordinary scatter, readings a little worse than expected."""
+"""Scales of the grid: ordinary scatter, readings a little worse than expected."""
 TERMS = 4
 
 
@@ -71,7 +71,7 @@ def test_residuals_of_a_right_model_have_no_bias_and_unit_spread() -> None:
     assert residual.std() == pytest.approx(1.0, abs=0.12)
 
 
-def test_p_values_of_columns_are_uniform_if_nothing_is() -> None:
+def test_p_values_of_columns_are_uniform_without_a_dependence() -> None:
     rng = np.random.default_rng(6)
     p = []
     for error in null_residuals()[:, :, 0]:
@@ -83,12 +83,12 @@ def test_p_values_of_columns_are_uniform_if_nothing_is() -> None:
     assert kstest(site, "uniform").pvalue > 0.01
 
 
-def test_p_values_of_the_autocorrelation_are_uniform_if_nothing_is() -> None:
+def test_p_values_of_the_autocorrelation_are_uniform_without_one() -> None:
     p = [spread_of("apogee", error).autocorrelation_p for error in null_residuals()[:, :, 0]]
     assert kstest(p, "uniform").pvalue > 0.01
 
 
-def test_an_autocorrelation_that_is_put_in_is_found() -> None:
+def test_an_added_autocorrelation_is_found() -> None:
     rng = np.random.default_rng(8)
     p = []
     for _ in range(60):
@@ -99,14 +99,14 @@ def test_an_autocorrelation_that_is_put_in_is_found() -> None:
     assert np.mean(np.array(p) < 0.05) > 0.6
 
 
-def test_a_bias_and_a_spread_that_are_put_in_are_found() -> None:
+def test_an_added_bias_and_spread_are_found() -> None:
     error = np.random.default_rng(9).normal(size=20)
     assert spread_of("apogee", error).bias_p > 0.05
     assert spread_of("apogee", error + 1.5).bias_p < 0.001
     assert spread_of("apogee", 3 * error).spread_p < 0.001
 
 
-def test_a_dependence_that_is_put_in_is_found_and_named() -> None:
+def test_an_added_dependence_is_found_and_named() -> None:
     rng = np.random.default_rng(10)
     wind, hour = rng.uniform(0, 8, 20), rng.uniform(9, 17, 20)
     error = -0.6 * wind + rng.normal(size=20)
@@ -114,7 +114,7 @@ def test_a_dependence_that_is_put_in_is_found_and_named() -> None:
     assert rows["wind"] < 0.001 < rows["hour"]
 
 
-def test_a_column_that_says_nothing_is_not_looked_at() -> None:
+def test_a_constant_column_is_not_tested() -> None:
     error = np.random.default_rng(11).normal(size=12)
     assert associations(error, {"wind": np.full(12, 3.0), "hour": np.full(12, np.nan)}, {"site": ["a"] * 12}) == []
 
@@ -129,12 +129,12 @@ def test_a_group_of_one_flight_does_not_hide_the_others() -> None:
     assert associations(error[:9], {}, {"motor": motors[:8] + motors[16:]}) == []
 
 
-def test_holm_keeps_the_chance_of_one_false_alarm() -> None:
+def test_holms_method_bounds_the_probability_of_a_false_alarm() -> None:
     rng = np.random.default_rng(12)
     alarms = [min(holm(list(rng.uniform(size=8)))) < 0.1 for _ in range(2000)]
     assert np.mean(alarms) == pytest.approx(0.1, abs=0.02)
 
 
-def test_holm_is_as_the_textbook_has_it() -> None:
+def test_holms_method_agrees_with_the_textbook() -> None:
     assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
     assert holm([]) == []

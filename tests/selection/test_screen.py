@@ -34,7 +34,7 @@ def families() -> tuple[object, dict[str, list[Candidate]]]:
     return plain, {name: every[name] for name in LINEAR}
 
 
-def test_the_closed_form_is_near_the_fit_and_keeps_the_prior_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_closed_form_agrees_with_the_fit_and_keeps_the_prior_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     plain, some = families()
     kept = screened(some, plain).families
     for name, found in kept.items():
@@ -86,12 +86,12 @@ def test_the_weight_of_a_pair_is_summed_over_places_and_is_that_of_the_best_star
         assert whole[two] == pytest.approx(np.logaddexp.reduce(list(parts.values())) + odds)
 
 
-def test_an_effect_below_its_worth_is_not_fitted() -> None:
+def test_an_effect_with_too_low_a_screening_weight_is_not_fitted() -> None:
     plain, some = families()
     assert list(screened(some, plain, {name: 50.0 for name in LINEAR if name != "wear"}).families) == ["wear"]
 
 
-def test_the_first_step_of_a_fit_is_what_flying_its_start_gives() -> None:
+def test_the_first_step_of_a_fit_agrees_with_simulating_its_start() -> None:
     plain, some = families()
     worthy = screened({"base_drag": some["base_drag"]}, plain)
     ((place, start), step) = next(iter(worthy.steps.items()))
@@ -129,7 +129,7 @@ def test_every_place_of_an_effect_that_needs_a_blank_column_is_screened_on_its_o
         np.testing.assert_allclose(step.slope[:, 0, -own:], flown.slope[:, 0, -own:], rtol=0.1, atol=1e-9)
 
 
-def test_every_effect_has_a_family_that_the_prior_knows() -> None:
+def test_every_effect_has_a_known_family() -> None:
     from fieldkit.selection.prior import FAMILIES, inclusion_probabilities
 
     assert {effect.family for effect in effects().values()} == set(FAMILIES)

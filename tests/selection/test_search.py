@@ -76,8 +76,9 @@ def test_the_evidence_of_a_probable_set_does_not_depend_on_the_grid_of_its_fit()
     assert found[0] == pytest.approx(found[1], abs=0.1)
 
 
-def test_a_set_far_from_the_flights_lends_its_correction_to_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The linear fits of the plain model and of one effect alone are off by 15 and 4 nats, of better sets by 1."""
+def test_the_correction_of_a_set_far_from_the_flights_is_not_used_for_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The linear fits of the plain model and of one effect alone have errors of 15 and 4 nats, those of better sets
+    1."""
     off = {"": 15.0, "wear": 4.0, "wear+wind": 1.0, "mass_offset+wear": 1.0}
     linear = {"": -150.0, "wear": -5.0, "wear+wind": 0.0, "mass_offset+wear": -1.0, "wear+tip_off": -5.5, "wind": -9.0}
 
@@ -96,8 +97,8 @@ def test_a_set_far_from_the_flights_lends_its_correction_to_no_other(monkeypatch
 def test_two_effects_that_hide_each_other_are_found_without_all_places_of_long_histories(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A rocket wears while its days become calmer: neither effect alone improves the model. Pairs of all places would
-    be the square of the number of flights."""
+    """A rocket wears while its days become calmer: neither effect alone improves the model. The number of pairs of all
+    places would be the square of the number of flights."""
     places: list[int] = []
 
     def paired(families: Any, columns: Any, near: Any) -> Any:
@@ -118,7 +119,7 @@ def test_two_effects_that_hide_each_other_are_found_without_all_places_of_long_h
     assert max(places) <= MAX_PLACES < max(len(family) for family in tried.values())
 
 
-def test_a_pair_is_tried_for_itself_only_if_its_screening_is_probable_and_neither_effect_is_extended() -> None:
+def test_a_pair_is_tried_by_itself_only_if_it_is_probable_and_neither_effect_is_extended() -> None:
     sets = {frozenset[str](): [Hypothesis((), fitted(0.0))]}
     weights = {"wear": -2.6, "wind": -3.5, "motor_thrust": 0.5}
     for name, weight in weights.items():
@@ -134,7 +135,7 @@ def test_a_pair_is_tried_for_itself_only_if_its_screening_is_probable_and_neithe
     assert found == {frozenset({"wear"}): ["wind"], frozenset({"wind"}): ["tip_off"]}
 
 
-def test_a_pair_for_itself_is_tried_last_and_closes_no_other_way(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pair_tried_by_itself_comes_last_and_excludes_no_other_set(monkeypatch: pytest.MonkeyPatch) -> None:
     """A pair that is better than every effect alone, but not than the sets that the best effect leads to."""
     alone = {"mach_drag": 30.0, "flutter": 20.0, "air_density": 19.0}
     trials = [Trial(candidate(name), fitted(evidence)) for name, evidence in alone.items()]
@@ -157,7 +158,7 @@ def test_a_pair_for_itself_is_tried_last_and_closes_no_other_way(monkeypatch: py
 @pytest.mark.parametrize("effect", ["wear", "launch_angle", "early_ejection_seconds", "motor_thrust"])
 @pytest.mark.parametrize("beyond", [-3.0, 0.0, 40.0])
 def test_a_strength_has_the_moments_of_its_truncated_posterior(effect: str, beyond: float) -> None:
-    """Against draws by inversion, for a normal posterior whose mean is below, at or far above the lower bound."""
+    """Compared with draws by inversion, for a normal posterior whose mean is below, at or far above the lower bound."""
     bends = effects()[effect]
     term = Term(effect, bends, bends.prior.mean, bends.prior.sd, np.ones(4), bends.prior.low, bends.prior.high)
     sd = (bends.prior.high - bends.prior.low) / 100

@@ -60,7 +60,7 @@ def posterior(weights: dict[str, float]) -> SetPosterior:
         ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ("wind",)),
     ],
 )
-def test_what_is_probable_enough_is_named(
+def test_effects_that_are_probable_enough_are_named(
     weights: dict[str, float],
     effect: str,
     confidence: float,
@@ -90,11 +90,11 @@ def test_a_verdict_of_none_does_not_say_that_nothing_is_missing_if_something_pro
     assert named.why.endswith(why)
 
 
-def test_the_threshold_is_where_naming_and_not_naming_cost_the_same() -> None:
+def test_at_the_threshold_naming_and_not_naming_have_the_same_cost() -> None:
     assert pytest.approx(NAMING_PROBABILITY) == COST_OF_FALSE_NAME * (1 - NAMING_PROBABILITY)
 
 
-def test_inclusion_adds_up_the_sets_that_an_effect_is_in() -> None:
+def test_the_inclusion_probability_is_the_sum_over_sets_with_the_effect() -> None:
     found = posterior({"": 0.1, "wind+wear": 0.5, "wind": 0.4})
     assert found.inclusion == pytest.approx({"wind": 0.9, "wear": 0.5})
     assert found.without(["wear"]).inclusion == pytest.approx({"wind": 0.8})
@@ -120,7 +120,7 @@ def season(**columns: list[Any]) -> Model:
 
 
 def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
-    """The same flights with the readouts of a flight of each, thrust and drag a little different every time."""
+    """The same flights with simulated readouts, with slightly different thrust and drag each time."""
     rng = np.random.default_rng(seed)
     values = np.array([[term.mean for term in model.terms]])
     size = (1, len(model.flights))
@@ -134,7 +134,7 @@ def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
     return replace(model, flights=tuple(flights))
 
 
-def test_hot_and_cold_days_are_air_and_move_the_altimeter_with_it() -> None:
+def test_hot_and_cold_days_change_the_air_density_and_the_altimeter_together() -> None:
     kelvin = [288.15 + (-10.0, 14.0, 2.0, 22.0)[number // 4] for number in range(16)]
     flown = measured(season(temperature=kelvin))
     forgotten = [flight.with_changes(temperature=None) for flight in flown.flights]
@@ -148,7 +148,7 @@ def test_hot_and_cold_days_are_air_and_move_the_altimeter_with_it() -> None:
     assert diagnosis.after.mae < diagnosis.before.mae
 
 
-def test_an_effect_that_the_flyer_knows_of_is_taken_whatever_the_evidence() -> None:
+def test_an_effect_given_by_the_flyer_is_accepted_whatever_the_evidence() -> None:
     model = measured(season())
     data = observe(model.flights, [True] * 16)
     taken = diagnose(model, data, given=("wear", "mass_offset"))
@@ -165,7 +165,7 @@ def test_the_probability_of_a_given_effect_is_counted_once() -> None:
 
 
 @pytest.mark.parametrize("name", ["gremlins", "", "wind"])
-def test_an_effect_that_nobody_knows_or_no_flight_could_show_is_an_error(name: str) -> None:
+def test_an_unknown_effect_or_one_that_no_flight_could_show_is_an_error(name: str) -> None:
     model = measured(season())
     with pytest.raises(UnknownEffect, match="mass_offset"):
         diagnose(model, observe(model.flights, [True] * 16), given=(name,))
@@ -187,7 +187,7 @@ def test_the_forms_of_an_effect_share_its_prior_odds() -> None:
     assert all(share == pytest.approx(1.0) for share in shares.values())
 
 
-def test_a_column_of_the_flyers_own_is_looked_at_as_a_pattern() -> None:
+def test_a_flyers_own_column_is_tested_as_a_pattern() -> None:
     paint = [{"paint": "rough" if number % 3 else "smooth"} for number in range(16)]
     names = [candidate.place.where for candidate in pattern_candidates(season(extra=paint))]
     assert "paint rough" in names

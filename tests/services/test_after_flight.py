@@ -52,7 +52,7 @@ def offered(ledger: Ledger, **answers: object) -> dict[str, str]:
     return found
 
 
-def test_what_was_decided_on_is_offered_next(ledger: Ledger) -> None:
+def test_the_saved_plan_is_offered_next(ledger: Ledger) -> None:
     assert offered(ledger)["rocket"] == "Bolt"
     decide(ledger)
     expected = {"rocket": "Astra", "config": "A", "motor": "F24W-4", "dry_mass": "330 g", "site": "Mead"}
@@ -61,18 +61,18 @@ def test_what_was_decided_on_is_offered_next(ledger: Ledger) -> None:
     assert found["wind"] == "3 m/s"
 
 
-def test_a_forecast_that_was_only_asked_for_offers_nothing(ledger: Ledger) -> None:
+def test_an_unsaved_forecast_offers_nothing(ledger: Ledger) -> None:
     predict_plans(ledger, catalogue(), [PLAN])
     assert planned_answers(ledger) == {}
 
 
-def test_another_rocket_or_configuration_has_answers_of_its_own(ledger: Ledger) -> None:
+def test_another_rocket_or_configuration_has_its_own_defaults(ledger: Ledger) -> None:
     decide(ledger)
     assert offered(ledger, rocket="Bolt")["dry_mass"] == "400 g"
     assert offered(ledger, config="B")["motor"] == "F24-4W"
 
 
-def test_a_plan_is_over_once_it_has_flown_or_after_two_weeks(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_plan_expires_once_it_has_flown_or_after_two_weeks(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
     long_ago = (datetime.now(UTC) - timedelta(days=15)).isoformat()
     with monkeypatch.context() as patch:
         patch.setattr(models, "now", lambda: long_ago)
@@ -84,7 +84,7 @@ def test_a_plan_is_over_once_it_has_flown_or_after_two_weeks(ledger: Ledger, mon
     assert planned_answers(ledger) == {}
 
 
-def test_deciding_is_in_the_history_and_can_be_undone_and_redone(ledger: Ledger) -> None:
+def test_saving_a_plan_is_in_the_history_and_can_be_undone_and_redone(ledger: Ledger) -> None:
     decide(ledger)
     assert (ledger.history()[-1].command, ledger.history()[-1].what) == ("forecast", "Astra A on F24W")
     ledger.undo()
@@ -94,7 +94,7 @@ def test_deciding_is_in_the_history_and_can_be_undone_and_redone(ledger: Ledger)
     assert planned_answers(ledger)["rocket"] == "Astra"
 
 
-def test_a_forecast_made_in_its_place_is_not_written_over_by_redo(ledger: Ledger) -> None:
+def test_redo_does_not_overwrite_a_forecast_made_instead(ledger: Ledger) -> None:
     decide(ledger)
     ledger.undo()
     predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=5.0)])
@@ -104,7 +104,7 @@ def test_a_forecast_made_in_its_place_is_not_written_over_by_redo(ledger: Ledger
     assert "plan" not in one.payload
 
 
-def test_a_flight_typed_in_the_minute_of_its_forecast_is_measured_against_it(ledger: Ledger) -> None:
+def test_a_flight_entered_in_the_minute_of_its_forecast_is_compared_with_it(ledger: Ledger) -> None:
     decide(ledger)
     flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=248.0))
     found = of_flight(ledger, catalogue(), flight)
@@ -125,7 +125,7 @@ def test_an_apogee_in_the_wrong_unit_is_questioned_and_a_poor_flight_is_not(ledg
 
 
 @pytest.mark.parametrize("missing", ["motor", "dry_mass", "apogee"])
-def test_what_cannot_be_expected_is_not_questioned(ledger: Ledger, missing: str) -> None:
+def test_without_an_expectation_nothing_is_questioned(ledger: Ledger, missing: str) -> None:
     flown = PLAN.with_changes(motor="F24-4W", apogee=20.0)
     assert (
         expected_instead(ledger, catalogue(), flown.with_changes(**{missing: None if missing != "motor" else ""}))
@@ -150,7 +150,7 @@ def test_a_flight_is_compared_with_its_forecast_and_moves_the_next(ledger: Ledge
     assert "Next on F24-4W: " in lines_shown
 
 
-def test_a_flight_that_nobody_forecast_is_compared_with_earlier_flights(ledger: Ledger) -> None:
+def test_a_flight_without_a_forecast_is_compared_with_earlier_flights(ledger: Ledger) -> None:
     flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=245.0))
     found = outcome(ledger, catalogue(), flight)
     assert found is not None

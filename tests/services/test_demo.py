@@ -28,7 +28,7 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.thorough
-def test_the_demo_goes_from_readouts_to_the_next_apogee_and_leaves_the_flyers_ledger_alone(
+def test_the_demo_shows_readouts_to_next_apogee_and_does_not_touch_the_flyers_ledger(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mine = tmp_path / "mine.db"
@@ -61,7 +61,7 @@ def test_the_demo_refuses_a_ledger_that_is_in_use(tmp_path: Path, capsys: pytest
         assert [flight.rocket for flight in ledger.flights()] == ["Mine"]
 
 
-def test_a_demo_that_is_cut_short_leaves_no_half_made_ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_demo_leaves_no_incomplete_ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def cut_short(*_: object, **__: object) -> None:
         raise UnknownMotor("the power went")
 
@@ -88,7 +88,9 @@ def ledger(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
 
 
 @pytest.mark.parametrize("model", ["history", "field", "paper"])
-def test_infer_gives_every_flight_drag_and_thrust(model: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_infer_gives_drag_and_thrust_for_every_flight(
+    model: str, ledger: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["--ledger", ledger, "infer", "--model", model, "--json"]) == 0
     flights = json.loads(capsys.readouterr().out)["flights"]
     assert [one["flight_id"] for one in flights] == [str(number) for number in range(1, 13)]
@@ -101,7 +103,7 @@ def test_infer_gives_every_flight_drag_and_thrust(model: str, ledger: str, capsy
         assert one["alpha_sd"] > 0
 
 
-def test_infer_takes_the_flights_that_are_named(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_infer_uses_the_named_flights(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--ledger", ledger, "infer", "3", "Astra/9"]) == 0
     printed = capsys.readouterr()
     assert [line.split()[0] for line in printed.out.splitlines()] == ["flight", "3", "9"]
@@ -127,9 +129,7 @@ def test_infer_on_an_empty_ledger_says_what_to_do(tmp_path: Path, capsys: pytest
     assert "found no flights" in capsys.readouterr().err
 
 
-def test_a_warning_is_reported_once_for_all_flights_that_it_is_about(
-    ledger: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_warning_is_printed_once_for_all_its_flights(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--ledger", ledger, "infer", "2", "3"]) == 0
     notes = capsys.readouterr().err.splitlines()
     assert len(notes) == len({note.partition(": ")[2].partition(": ")[2] for note in notes})
@@ -145,7 +145,7 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("case", OTHERS)
-def test_what_is_missing_is_reported_and_the_others_are_inferred(case: str) -> None:
+def test_missing_values_are_reported_and_the_other_flights_inferred(case: str) -> None:
     flight, why = OTHERS[case]
     good = ROCKET.with_changes(flight_id="7", apogee=250.0)
     found = infer([flight.with_changes(flight_id="5"), good], catalogue())

@@ -24,7 +24,7 @@ def ledger(tmp_path: Path) -> Ledger:
     return ledger
 
 
-def test_what_is_kept_is_what_would_be_computed(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_saved_messages_equal_those_computed_again(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
     first = fleet_prior(ledger, catalogue(), "New")
     assert first is not None
     assert ledger.draft(f"{MESSAGE_PREFIX}R0") is not None
@@ -36,7 +36,7 @@ def test_what_is_kept_is_what_would_be_computed(ledger: Ledger, monkeypatch: pyt
     np.testing.assert_allclose(again.covariance, first.covariance, atol=1e-6)
 
 
-def test_a_flight_that_changes_is_seen(ledger: Ledger) -> None:
+def test_a_changed_flight_is_detected(ledger: Ledger) -> None:
     before = fleet_prior(ledger, catalogue(), "New")
     ledger.edit(ledger.ids(ledger.flights("R0"))[0], apogee=120.0)
     after = fleet_prior(ledger, catalogue(), "New")
@@ -45,7 +45,7 @@ def test_a_flight_that_changes_is_seen(ledger: Ledger) -> None:
     assert np.abs(after.mean - before.mean).max() > 1e-4
 
 
-def test_a_message_is_for_one_version_and_one_source_of_the_readouts(
+def test_a_message_belongs_to_one_version_and_one_source_of_readouts(
     ledger: Ledger, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def saved() -> str:

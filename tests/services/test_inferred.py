@@ -24,7 +24,7 @@ def ledger(tmp_path: Path) -> Ledger:
     return Ledger.open(str(tmp_path / "ledger.db"))
 
 
-def test_flights_of_any_rockets_are_judged_together_as_alone() -> None:
+def test_flights_of_any_rockets_are_inferred_the_same_together_and_alone() -> None:
     """All flights are simulated in one batch, and their answers are independent."""
     motors = [catalogue().resolve(name) for name in ("F24-4W", "C6-5", "F39-6T")]
     small = Flight("2", "Small", "A", "C6-5", dry_mass=0.05, diameter=0.025, apogee=180.0)
@@ -36,7 +36,7 @@ def test_flights_of_any_rockets_are_judged_together_as_alone() -> None:
         assert estimate.log_alpha == pytest.approx(alone.log_alpha, abs=1e-6)
 
 
-def test_more_height_is_less_drag_or_more_thrust(ledger: Ledger) -> None:
+def test_more_height_means_less_drag_or_more_thrust(ledger: Ledger) -> None:
     flights = [ONE.with_changes(flight_id=str(n), apogee=height) for n, height in enumerate((230.0, 250.0, 270.0))]
     found = FlightInference(ledger, catalogue()).infer(flights).inferred
     assert found[0].cd > found[1].cd > found[2].cd
@@ -44,7 +44,7 @@ def test_more_height_is_less_drag_or_more_thrust(ledger: Ledger) -> None:
 
 
 def test_other_rockets_of_the_flyer_inform_a_flight(ledger: Ledger) -> None:
-    """Twelve rockets that all flew low: the next low flight is less surprising and better known."""
+    """Twelve rockets that all flew low: the next low flight is less surprising and more certain."""
     before = FlightInference(ledger, catalogue()).infer([ONE]).inferred[0]
     for n in range(12):
         low = ONE.with_changes(flight_id=f"{n}", rocket=f"R{n}", apogee=205.0, top_speed=64.0, coast_to_apogee=5.0)
@@ -53,13 +53,13 @@ def test_other_rockets_of_the_flyer_inform_a_flight(ledger: Ledger) -> None:
     assert after.cd_sd < before.cd_sd
 
 
-def test_a_tagged_flight_is_judged_like_any_other(ledger: Ledger) -> None:
+def test_a_tagged_flight_is_inferred_like_any_other(ledger: Ledger) -> None:
     ask = FlightInference(ledger, catalogue())
     plain, tagged = ask.infer([ONE, ONE.with_changes(flight_id="2", tags=("weak_launch",))]).inferred
     assert (plain.cd, plain.alpha) == pytest.approx((tagged.cd, tagged.alpha))
 
 
-def test_without_a_diameter_there_is_no_cd_but_thrust(ledger: Ledger) -> None:
+def test_without_a_diameter_there_is_thrust_but_no_cd(ledger: Ledger) -> None:
     bare = ONE.with_changes(diameter=None)
     (found,) = FlightInference(ledger, catalogue()).infer([bare]).inferred
     assert np.isnan(found.cd)
@@ -69,7 +69,7 @@ def test_without_a_diameter_there_is_no_cd_but_thrust(ledger: Ledger) -> None:
     assert float(np.median(in_inches.drag / drawn.drag)) == pytest.approx(1 / 2.54**2, rel=0.1)
 
 
-def test_the_draws_of_a_flight_are_what_is_printed_of_it(ledger: Ledger) -> None:
+def test_the_draws_of_a_flight_agree_with_the_printed_figures(ledger: Ledger) -> None:
     ledger.add([ONE])
     (printed,) = infer_flights(ledger, catalogue(), []).inferred
     drawn = drag_facts(ONE, ledger, catalogue())

@@ -33,7 +33,7 @@ def table(folder: Path, *rows: tuple[str, ...]) -> Path:
     return path
 
 
-def test_only_high_power_flights_with_everything_are_read(tmp_path: Path) -> None:
+def test_only_complete_high_power_flights_are_read(tmp_path: Path) -> None:
     without = [
         ("4", "No Mach", "76.2", "K550W", "2400", "2500", "2500", ""),
         ("5", "F", "66", "F24", "250", "260", "", "0.3"),
@@ -75,14 +75,14 @@ def test_the_command_keeps_the_rest_of_the_card(run_command: Run, tmp_path: Path
     assert card["high_power_flights"]["flights"] == 3
 
 
-def test_no_table_at_all_is_a_mistake(run_command: Run) -> None:
+def test_a_missing_table_is_a_usage_error(run_command: Run) -> None:
     status, _, err = run_command("learn")
     assert status == 2
     assert "expected at least one" in err
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="the table of high-power flights is not here")
-def test_the_shipped_figures_are_those_of_the_table() -> None:
+def test_the_shipped_figures_agree_with_the_table() -> None:
     found = learn_from_table(read_table(SHARED, catalogue()), learned())
     assert (found.high_power, found.design_drag) == pytest.approx(
         (learned().high_power, learned().design_drag), rel=0.01

@@ -41,13 +41,13 @@ def last(ledger: Ledger) -> Outcome:
 
 
 def forecast(flown: float) -> SavedForecast:
-    """One of 230 to 270 m, and the flight that followed it."""
+    """A forecast of 230 to 270 m, and the flight that followed it."""
     at = {"apogee_m": {"p05": 230.0, "p50": 250.0, "p95": 270.0}}
     made = StoredPrediction(1, datetime.now(UTC), "", "Astra", "", at)
     return SavedForecast(made, replace(FLOWN[0], apogee=flown), ())
 
 
-def test_without_a_target_the_flight_is_repeated_and_what_that_narrows_is_reported(
+def test_without_a_target_repeating_the_flight_is_suggested_with_the_narrower_interval(
     ledger: Ledger, last: Outcome
 ) -> None:
     found = suggestion(ledger, catalogue(), Settings(), last)
@@ -66,7 +66,7 @@ def test_with_a_target_a_motor_that_passes_the_checks_and_ends_near_it_is_named(
     assert suggestion(ledger, catalogue(), Settings(target=4.0), last).kind == "repeat", "no motor goes so low"
 
 
-def test_misses_beyond_chance_lead_to_the_loop_and_one_in_ten_does_not(ledger: Ledger, last: Outcome) -> None:
+def test_more_misses_than_by_chance_lead_to_the_loop_and_one_in_ten_does_not(ledger: Ledger, last: Outcome) -> None:
     poor = [forecast(flown) for flown in (250.0, 290.0, 300.0, 285.0)]
     found = suggestion(ledger, catalogue(), Settings(), last, poor)
     assert (found.kind, found.outside, found.forecasts) == ("loop", 3, 4)
@@ -77,7 +77,7 @@ def test_misses_beyond_chance_lead_to_the_loop_and_one_in_ten_does_not(ledger: L
     assert suggestion(ledger, catalogue(), Settings(), last, good).kind == "repeat"
 
 
-def test_the_chance_of_misses_is_a_binomial_tail() -> None:
+def test_the_probability_of_misses_is_a_binomial_tail() -> None:
     assert chance_of(0, 7) == pytest.approx(1.0)
     assert chance_of(1, 1) == pytest.approx(0.1)
     assert chance_of(2, 3) == pytest.approx(3 * 0.01 * 0.9 + 0.001)

@@ -1,4 +1,4 @@
-"""Forecasts keep the order flown: a past flight in its place, and an effect that starts at a renamed flight."""
+"""Forecasts follow the order flown: a past flight in its position, and an effect that starts at a renamed flight."""
 
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -50,7 +50,7 @@ def median(ledger: Ledger, flight: Flight) -> float:
 
 
 @pytest.mark.parametrize("place", LASTING_PLACES)
-def test_a_lasting_change_acts_on_a_past_flight_only_if_it_flew_after_it(ledger: Ledger, place: Place) -> None:
+def test_a_lasting_change_acts_only_on_flights_after_it(ledger: Ledger, place: Place) -> None:
     accept(ledger, place)
     for row in (2, CHANGED, 8):
         flown = FLOWN[row].apogee

@@ -1,4 +1,4 @@
-"""The names that forms offer while a flyer types are names that the program reads as what they stand for."""
+"""The program finds each item by the name that forms offer for it while a flyer types."""
 
 import pytest
 
@@ -20,7 +20,7 @@ def test_a_motor_is_offered_with_each_delay_whatever_its_name() -> None:
     assert offered("F24W")[0] == "AeroTech F24W-4"
 
 
-def test_every_offered_motor_is_the_motor_it_is_offered_for() -> None:
+def test_every_offered_name_finds_its_motor() -> None:
     motors = catalogue()
     for motor in motors.motors:
         names = [one.text for one in NAMES.with_delays(motor)]
@@ -31,7 +31,7 @@ def test_every_offered_motor_is_the_motor_it_is_offered_for() -> None:
 
 
 def test_nearly_all_motors_are_offered_with_all_their_delays() -> None:
-    """All but those whose name already reads as another motor."""
+    """All except those whose name is already read as another motor."""
     several = [motor for motor in catalogue().motors if len(motor.delays) > 1]
     whole = [motor for motor in several if len(list(NAMES.with_delays(motor))) == len(motor.delays)]
     assert len(whole) > 0.98 * len(several) > 300

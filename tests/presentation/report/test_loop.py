@@ -245,12 +245,12 @@ def test_draws_are_widened_about_their_median() -> None:
     np.testing.assert_array_equal(narrow.corrected(1.0, 20).apogee, narrow.apogee)
 
 
-def test_correlations_of_the_residuals_are_reported(diagnosis: Diagnosis) -> None:
+def test_the_pattern_of_the_residuals_is_described(diagnosis: Diagnosis) -> None:
     in_words = leftover(diagnosis).in_words
     assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", in_words)
 
 
-def test_averaging_continues_until_there_is_nothing_to_average(
+def test_a_model_version_keeps_its_average(
     diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     motors = catalogue()

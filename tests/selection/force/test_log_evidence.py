@@ -43,7 +43,7 @@ def shared(term: str, strength: float, flights: int = FLIGHTS) -> tuple[Common, 
     return common_law([flown(term, strength, seed) for seed in range(flights)], library())
 
 
-def test_a_force_in_every_flight_comes_back() -> None:
+def test_a_force_in_every_flight_is_found() -> None:
     (found,) = shared("base drag", 0.4)
     assert found.term.effect == "base_drag"
     assert found.value == pytest.approx(0.4, abs=3 * found.sd)
@@ -51,7 +51,7 @@ def test_a_force_in_every_flight_comes_back() -> None:
 
 
 @pytest.mark.parametrize("share", [0.8, 1.0, 1.25])
-def test_a_fraction_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
+def test_a_fraction_of_the_drag_refers_to_the_true_drag(share: float) -> None:
     """If the model lacks a drag in the coast, its fitted drag is too large, and the fraction does not refer to that."""
     rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
     climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
@@ -59,21 +59,21 @@ def test_a_fraction_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
     assert value == pytest.approx(0.4, abs=3 * sd)
 
 
-def test_the_scatter_of_single_flights_is_no_law() -> None:
+def test_the_scatter_of_single_flights_is_not_a_law() -> None:
     climbs, random = [flown("", 0.0, seed) for seed in range(12)], np.random.default_rng(0)
     drawn = [random.choice(12, 3, replace=False) for _ in range(20)]
     alarms = [bool(common_law([climbs[number] for number in three], library())) for three in drawn]
     assert sum(alarms) <= 1
 
 
-def test_motors_equally_by_chance_are_no_law() -> None:
+def test_equal_motor_errors_by_chance_are_not_a_law() -> None:
     same = [flown("", 0.0, seed, (0.025, 0.0, 0.0)) for seed in range(3)]
     assert common_law(same, library()) == ()
     law = common_law(same, [replace(term, random_draw_sd=0.0) for term in library()])
     assert "thrust" in [name for found in law for name in (found.term.name, *found.also)]
 
 
-def test_a_coefficient_varies_by_its_part_of_the_scatter() -> None:
+def test_a_coefficient_varies_with_its_part_of_the_scatter() -> None:
     lucks = {term.name: term.random_draw_sd for term in library() if term.random_draw_sd}
     climb = flown("", 0.0, 0)
     both = climb.random_draw_sd(["thrust", "longer burn"], lucks)
@@ -92,7 +92,7 @@ def test_one_flight_decides_nothing_however_strong_its_force() -> None:
     assert "base drag" not in [found.term.name for found in together]
 
 
-def test_flights_that_disagree_in_sign_have_no_law() -> None:
+def test_flights_with_opposite_signs_have_no_common_law() -> None:
     both = [flown("base drag", strength, 1) for strength in (0.4, -0.4)]
     assert all(one.cost([]) > one.cost(["base drag"]) for one in both)
     assert common_law(both, library()) == ()
@@ -107,20 +107,20 @@ def one(smoothed: bool = False) -> FlightForce:
 
 
 @pytest.mark.usefixtures("shapes_checked")
-def test_a_climb_is_summed_up_in_a_few_points() -> None:
+def test_a_climb_is_summarized_in_a_few_points() -> None:
     points = one().points
     assert [point.burning for point in points] == [True] * 4 + [False] * 8
     assert all(np.diff([point.time_from_liftoff for point in points]) > 0)
     assert points[5].force < -3 * points[5].sd
 
 
-def test_smoothed_heights_constrain_the_coast_alone() -> None:
+def test_smoothed_heights_constrain_only_the_coast() -> None:
     shown_force = one(smoothed=True)
     assert not any(point.burning for point in shown_force.points)
     assert not {"thrust", "longer burn", "rail"} & set(shown_force.regression.columns)
 
 
-def test_a_log_without_a_climb_says_why() -> None:
+def test_for_a_log_without_a_climb_the_reason_is_given() -> None:
     assert flight_force("F1", Recorded(notes=("no heights",)), SLOW) == "no heights"
     few = forces(climb(SLOW, "", 0.0).part(np.arange(len(climb(SLOW, "", 0.0).speed)) < 12))
     assert flight_force("F1", Recorded(forces=few), SLOW) == TOO_SHORT
@@ -136,12 +136,12 @@ def test_a_log_without_a_climb_says_why() -> None:
         ("unexplained", "more"),
     ],
 )
-def test_the_law_is_put_beside_the_verdict(verdict: str, says: str) -> None:
+def test_the_law_is_reported_with_the_verdict(verdict: str, says: str) -> None:
     assert _comparison(verdict, shared("base drag", 0.4), FLIGHTS) == says
     assert _comparison(verdict, (), 1) == ""
 
 
-def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
+def test_a_verdict_that_the_logs_should_show_but_do_not_is_reported() -> None:
     assert _comparison("base_drag", (), FLIGHTS) == "nothing of it"
     assert _comparison("wind", (), FLIGHTS) == ""
 
@@ -152,7 +152,7 @@ def test_without_a_log_nothing_is_reported() -> None:
     assert document(silent)["flights"] == document(silent)["law"] == []
 
 
-def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
+def test_logs_without_evidence_for_the_same_reason_share_a_line() -> None:
     silent = LogEvidence((), (("F1", OLDER_LOGS_NOTE), ("F2", OLDER_LOGS_NOTE), ("F3", "no heights")), (), "")
     assert list(climbs_in_words(silent)) == [
         f"2 logs without a missing force, F1 and 1 more: {OLDER_LOGS_NOTE}",
@@ -160,7 +160,7 @@ def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
     ]
 
 
-def test_a_single_log_says_that_it_decides_nothing() -> None:
+def test_for_a_single_log_it_is_stated_that_it_decides_nothing() -> None:
     (line,) = climbs_in_words(LogEvidence((one(),), (), (), ""))
     assert "base drag" in line
     assert line.endswith("one flight alone is not enough")

@@ -75,13 +75,13 @@ def found(rocket: RocketInputs, term: str, strength: float, seed: int = 1, smoot
     return law(missing_force(noisy(climb(rocket, term, strength), seed, smooth=smooth), rocket))
 
 
-def test_the_climb_is_one() -> None:
+def test_the_simulated_climb_is_plausible() -> None:
     assert 200 < climb(SLOW, "", 0.0).height[-1] < 400
     assert climb(FAST, "", 0.0).speed.max() > 250
 
 
 @pytest.mark.parametrize("smooth", [1, 15], ids=["white noise", "smoothed noise"])
-def test_nothing_is_missing_if_nothing_is(smooth: int) -> None:
+def test_no_force_is_found_if_none_is_missing(smooth: int) -> None:
     alarms = [bool(found(SLOW, "", 0.0, seed, smooth).terms) for seed in range(16)]
     assert sum(alarms) <= 1
 
@@ -100,7 +100,7 @@ def test_nothing_is_missing_if_nothing_is(smooth: int) -> None:
         (FAST, "drag rise near the speed of sound", 0.8),
     ],
 )
-def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: RocketInputs, term: str, strength: float) -> None:
+def test_an_added_force_is_found_with_its_strength(rocket: RocketInputs, term: str, strength: float) -> None:
     shown = found(rocket, term, strength)
     assert shown.terms[0].term.name == term
     assert len(shown.terms) == 1
@@ -108,7 +108,7 @@ def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: RocketInputs
 
 
 @pytest.mark.usefixtures("shapes_checked")
-def test_its_uncertainty_is_what_other_logs_scatter_by() -> None:
+def test_its_uncertainty_agrees_with_the_scatter_among_logs() -> None:
     shown = [found(SLOW, "base drag", 0.4, seed, smooth=5).terms[0] for seed in range(10)]
     values, sds = (np.array([getattr(one, name) for one in shown]) for name in ("value", "sd"))
     assert 0.4 < values.std() / sds.mean() < 2.5
@@ -120,7 +120,7 @@ def test_terms_of_the_plugin_folder_are_named_as_effects() -> None:
     assert found(SLOW, "linear in speed", 0.05).effects == ()
 
 
-def test_a_late_lift_off_is_no_force() -> None:
+def test_a_late_lift_off_is_not_a_force() -> None:
     track = noisy(climb(SLOW, "", 0.0), 3)
     late = ClimbTrack(
         track.time_from_liftoff + 0.03, track.height, track.speed, track.push, track.push_sd, track.burning
@@ -128,11 +128,11 @@ def test_a_late_lift_off_is_no_force() -> None:
     assert law(missing_force(late, SLOW)).terms == ()
 
 
-def test_smoothed_samples_count_for_less() -> None:
+def test_smoothed_samples_have_less_weight() -> None:
     assert found(SLOW, "", 0.0, smooth=15).worth < 0.4 * found(SLOW, "", 0.0).worth
 
 
-def test_measured_forces_are_taken_as_they_come() -> None:
+def test_measured_forces_are_used_unchanged() -> None:
     assert law(missing_force(track_of(forces(noisy(climb(SLOW, "base drag", 0.4), 1))), SLOW)).effects == ("base_drag",)
 
 

@@ -37,7 +37,7 @@ def ledger(tmp_path: Path) -> Ledger:
 
 @pytest.fixture
 def better_measuring(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A changed reader with an apogee one meter higher and another column."""
+    """A changed reader that gives an apogee one meter higher and another column."""
     as_it_was = from_samples.columns
 
     def better(recorded: Recorded, stated: dict[str, object]) -> tuple[dict[str, object], dict[str, str]]:
@@ -51,7 +51,9 @@ def taken(ledger: Ledger, *paths: Path, **defaults: object) -> Receipt:
     return bring_in(ledger, paths, any_motor, defaults=defaults)
 
 
-def test_a_log_that_is_measured_better_today_is_a_duplicate(ledger: Ledger, request: pytest.FixtureRequest) -> None:
+def test_a_log_that_would_be_measured_differently_today_is_a_duplicate(
+    ledger: Ledger, request: pytest.FixtureRequest
+) -> None:
     (id,) = taken(ledger, PNUT).ids
     ledger.edit(id, rocket="Astra")
     before = ledger.flights()
@@ -64,13 +66,13 @@ def test_a_log_that_is_measured_better_today_is_a_duplicate(ledger: Ledger, requ
     assert other.duplicates == 0
 
 
-def test_what_the_flyer_says_of_a_log_is_never_passed_over_in_silence(ledger: Ledger) -> None:
+def test_options_for_a_duplicate_log_are_never_silently_ignored(ledger: Ledger) -> None:
     taken(ledger, PNUT, motor="F24-4W")
     (line,) = taken(ledger, PNUT, motor="G80-7T").rejected
     assert "another motor" in line.error
 
 
-def test_a_row_whose_log_is_measured_better_today_is_a_duplicate(
+def test_a_row_whose_log_would_be_measured_differently_today_is_a_duplicate(
     ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     (tmp_path / PNUT.name).write_bytes(PNUT.read_bytes())
@@ -92,13 +94,13 @@ def test_every_file_of_a_logger_that_writes_several_is_kept(ledger: Ledger) -> N
     assert taken(ledger, low, high).duplicates == taken(ledger, low).duplicates == 1
 
 
-def test_a_file_alone_says_that_others_may_belong_to_it(ledger: Ledger) -> None:
+def test_for_a_single_file_it_is_noted_that_others_may_belong_to_it(ledger: Ledger) -> None:
     receipt = taken(ledger, RAVEN["app__low"])
     assert any("with it or after it to use them" in note for note in receipt.notes)
 
 
 @pytest.mark.parametrize("order", [("app__low", "app__high", "summary"), ("summary", "app__high", "app__low")])
-def test_files_that_come_one_after_another_are_one_flight(ledger: Ledger, tmp_path: Path, order: tuple[str]) -> None:
+def test_files_imported_one_after_another_are_one_flight(ledger: Ledger, tmp_path: Path, order: tuple[str]) -> None:
     files = [RAVEN[name] for name in order]
     (id,) = taken(ledger, files[0]).ids
     for file in files[1:]:
@@ -138,7 +140,7 @@ def test_the_flash_and_the_export_of_a_numbered_flight_are_one_flight(
     assert len(ledger.flights()) == 1
 
 
-def test_a_number_that_an_erased_memory_gave_again_is_another_flight(ledger: Ledger, tmp_path: Path) -> None:
+def test_a_number_reused_after_erasing_the_memory_is_another_flight(ledger: Ledger, tmp_path: Path) -> None:
     (id,) = taken(ledger, ALTOS["csv"]).ids
     ledger.edit(id, apogee=700.0)
     receipt = taken(ledger, ALTOS["flash"])
@@ -146,7 +148,7 @@ def test_a_number_that_an_erased_memory_gave_again_is_another_flight(ledger: Led
     assert any(f"may belong to flight {id}, which has the same number" in note for note in receipt.notes)
 
 
-def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger, tmp_path: Path) -> None:
+def test_another_export_of_a_numbered_flight_gets_a_note_on_what_it_may_be(ledger: Ledger, tmp_path: Path) -> None:
     (id,) = taken(ledger, ALTOS["csv"]).ids
     exported = tmp_path / "again.csv"
     exported.write_bytes(b"# Comment: exported once more\n" + ALTOS["csv"].read_bytes())
@@ -155,7 +157,7 @@ def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger,
     assert any(f"may belong to flight {id}, which has the same number" in note for note in receipt.notes)
 
 
-def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> None:
+def test_a_file_imported_later_keeps_what_the_flyer_typed(ledger: Ledger) -> None:
     (id,) = taken(ledger, RAVEN["app__low"]).ids
     ledger.edit(id, apogee=123.0, notes="windy", rocket="Astra")
     assert taken(ledger, RAVEN["app__high"], motor="F24-4W").joined == (id,)
@@ -165,7 +167,7 @@ def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> 
     assert flight.peak_accel is not None
 
 
-def test_a_file_of_another_lift_off_is_another_flight(ledger: Ledger, tmp_path: Path) -> None:
+def test_a_file_with_another_lift_off_time_is_another_flight(ledger: Ledger, tmp_path: Path) -> None:
     taken(ledger, RAVEN["app__low"])
     later = tmp_path / "later.csv"
     later.write_bytes(RAVEN["app__high"].read_bytes().replace(b",11:04:", b",12:04:"))
@@ -174,7 +176,7 @@ def test_a_file_of_another_lift_off_is_another_flight(ledger: Ledger, tmp_path: 
     assert not any("may belong to flight" in note for note in receipt.notes)
 
 
-def test_a_file_without_a_time_of_day_says_what_it_may_be_of(ledger: Ledger, tmp_path: Path) -> None:
+def test_a_file_without_a_time_of_day_gets_a_note_on_its_possible_flight(ledger: Ledger, tmp_path: Path) -> None:
     (id,) = taken(ledger, RAVEN["app__low"]).ids
     spoilt = tmp_path / "spoilt.csv"
     spoilt.write_bytes(RAVEN["app__high"].read_bytes().replace(b",11:04:", b",04:"))
@@ -183,9 +185,7 @@ def test_a_file_without_a_time_of_day_says_what_it_may_be_of(ledger: Ledger, tmp
     assert any(f"may belong to flight {id}" in note for note in receipt.notes)
 
 
-def test_files_are_measured_again_and_what_was_typed_stays(
-    ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
+def test_remeasuring_files_keeps_typed_values(ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     (tmp_path / PNUT.name).write_bytes(PNUT.read_bytes())
     table = tmp_path / "season.csv"
     table.write_text(f"flight_id,rocket,apogee_m,burn_time_s,log\n1,Astra,,0.77,{PNUT.name}\n")
@@ -208,7 +208,7 @@ def test_files_are_measured_again_and_what_was_typed_stays(
     assert (edited.changes, edited.kept) == ({}, ("apogee",))
 
 
-def test_a_readout_edited_after_it_was_measured_again_stays(ledger: Ledger, request: pytest.FixtureRequest) -> None:
+def test_a_readout_edited_after_remeasuring_is_kept(ledger: Ledger, request: pytest.FixtureRequest) -> None:
     (id,) = taken(ledger, PNUT).ids
     ledger.edit(id, notes="windy")
     request.getfixturevalue("better_measuring")
@@ -226,7 +226,7 @@ def test_a_readout_edited_after_it_was_measured_again_stays(ledger: Ledger, requ
     assert taken(ledger, PNUT).duplicates == 1
 
 
-def test_remeasure_says_what_changes_changes_it_and_is_undone(
+def test_remeasure_lists_its_changes_makes_them_and_can_be_undone(
     ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (id,) = taken(ledger, PNUT).ids

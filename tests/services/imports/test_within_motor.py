@@ -19,14 +19,14 @@ SEEN = Flight(
 )
 
 
-def test_what_a_motor_does_is_stored() -> None:
+def test_readouts_possible_on_a_motor_are_stored() -> None:
     assert within_motor(SEEN) == (SEEN, [])
 
 
 @pytest.mark.parametrize(
     ("name", "value"), [("top_speed", 799.0), ("peak_accel", 3364.0), ("burn_time", 0.17)], ids=["799", "343 g", "0.17"]
 )
-def test_what_no_motor_of_this_kind_does_is_named_and_not_stored(name: str, value: float) -> None:
+def test_readouts_impossible_on_a_motor_are_named_and_not_stored(name: str, value: float) -> None:
     flight, notes = within_motor(SEEN.with_changes(**{name: value}, sd=SEEN.sd, source=SEEN.source))
     assert flight.number(name) is None
     assert name not in flight.sd
@@ -37,13 +37,13 @@ def test_what_no_motor_of_this_kind_does_is_named_and_not_stored(name: str, valu
     assert "C6" in note
 
 
-def test_what_is_not_sure_or_was_typed_stays() -> None:
+def test_uncertain_or_typed_readouts_are_kept() -> None:
     vague = SEEN.with_changes(top_speed=799.0, sd={"top_speed": 380.0}, source=SEEN.source)
     typed = SEEN.with_changes(top_speed=799.0, source={"top_speed": "typed"})
     assert within_motor(vague)[0].top_speed == within_motor(typed)[0].top_speed == 799.0
 
 
-def test_without_a_mass_or_a_motor_nothing_is_known() -> None:
+def test_without_a_mass_or_a_motor_nothing_is_checked() -> None:
     for changes in ({"dry_mass": None}, {"motor": ""}):
         flight = SEEN.with_changes(top_speed=799.0, sd=SEEN.sd, source=SEEN.source, **changes)
         assert within_motor(flight) == (flight, [])
