@@ -89,9 +89,9 @@ def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("at_the_root")
 @pytest.mark.parametrize("name", ["README", *RUN, pytest.param("examples.sh", marks=pytest.mark.thorough)])
-def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """And show no figures in feet, ounces, or miles per hour to a user with SI units, nor words that are no text of the
-    program, which a translator would not find."""
+def test_the_examples_run_one_after_another(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """They show no feet, ounces or miles per hour to a user with SI units, and no words that a translator would not
+    find among the program's texts."""
     lines = lines_of(name)
     assert lines
     for line in lines:
@@ -107,12 +107,12 @@ def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path, capsys:
 
 
 @pytest.mark.parametrize("line", lines_of("examples-long.sh"))
-def test_the_long_examples_are_written_right(line: str) -> None:
+def test_the_long_examples_are_valid(line: str) -> None:
     assert main([*shlex.split(line)[1:], "--help"]) == 0
 
 
 @pytest.mark.parametrize("name", sorted(set(PAGES) - {*RUN, "commands", "journal", "real-histories"}))
-def test_what_other_pages_run_is_in_a_session(name: str) -> None:
+def test_commands_on_other_pages_are_in_a_session(name: str) -> None:
     shown = {*lines_of("examples.sh"), *lines_of("examples-long.sh")}
     assert {line for line in lines_of(name) if line.startswith("fieldkit ")} <= shown
 
@@ -142,7 +142,7 @@ def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.Capt
     assert "unverified" in str(wind)
 
 
-def test_the_claims_of_the_first_page_are_what_commands_printed() -> None:
+def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
     claims = " ".join(README.split())
     errors = {
         name: (flights, median)
@@ -171,25 +171,25 @@ def test_every_command_has_an_example() -> None:
     assert set(commands) == shown
 
 
-def test_the_pages_that_follow_from_the_program_are_as_it_is_now() -> None:
+def test_the_generated_pages_are_up_to_date() -> None:
     for path, text in pages():
         assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} again"
 
 
 @pytest.mark.parametrize(("tool", "network"), [(field_report, "field"), (history_report, "history")])
-def test_the_pages_of_measurements_follow_from_them(tool: ModuleType, network: str) -> None:
+def test_the_pages_of_measurements_are_up_to_date(tool: ModuleType, network: str) -> None:
     text = "\n".join(tool.report(read_card(trained_folder(network)))).rstrip() + "\n"
     assert tool.REPORT.read_text(encoding="utf-8") == text, f"python {tool.__file__} writes it again"
 
 
-def test_the_first_page_leads_to_all_others_as_the_site_does() -> None:
+def test_the_first_page_links_to_all_others_like_the_site() -> None:
     linked = re.findall(r"\]\((\w[\w-]*)\.md\)", PAGES["index"])
     assert sorted(["index", *linked]) == sorted(PAGES)
     assert re.findall(r"- ([\w-]+)\.md$", (ROOT / "mkdocs.yml").read_text(), flags=re.MULTILINE) == ["index", *linked]
 
 
 @pytest.mark.parametrize("page", ["", "phys", *PAGES])
-def test_the_manual_is_in_the_terminal(page: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_manual_can_be_read_in_the_terminal(page: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["docs", *([page] if page else [])]) == 0
     printed = capsys.readouterr().out
     text = PAGES["physics" if page == "phys" else page or "index"]
@@ -197,7 +197,7 @@ def test_the_manual_is_in_the_terminal(page: str, capsys: pytest.CaptureFixture[
     assert title.replace("`", "") in " ".join(printed.split())
 
 
-def test_a_page_that_is_not_there_is_answered_with_those_that_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_for_a_missing_page_the_existing_ones_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["docs", "weather"]) == 1
     assert "found 'weather', expected one of index, start, predictions" in capsys.readouterr().err
 
@@ -243,7 +243,7 @@ def test_every_tool_and_option_that_is_mentioned_exists(page: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["journal", "real-histories"])
-def test_the_commands_on_flights_that_are_not_shipped_are_written_right(name: str) -> None:
+def test_commands_on_flights_that_are_not_shipped_are_valid(name: str) -> None:
     for line in lines_of(name):
         assert main([*shlex.split(line)[1:], "--help"]) == 0, line
 
@@ -256,16 +256,16 @@ def test_every_table_has_an_empty_line_above(page: str) -> None:
     assert [lines[i] for i in heads if i and lines[i - 1]] == []
 
 
-def test_ci_runs_the_tests_as_the_readme_does_with_what_trains() -> None:
+def test_ci_runs_the_tests_of_the_readme_with_the_training_extra() -> None:
     assert "pytest" in TESTS
     assert "train" not in TESTS, "torch is gigabytes on Linux"
     with_torch = " && ".join(TESTS.splitlines()).replace("'.[", "'.[train,")
     assert with_torch in [line.strip() for line in (ROOT / ".ci" / "run").read_text().splitlines()]
 
 
-def test_what_the_manual_says_that_the_program_says_is_in_the_program() -> None:
+def test_messages_quoted_in_the_manual_are_in_the_program() -> None:
     sources = [path for folder in ("fieldkit", "parsers") for path in (ROOT / folder).rglob("*.py")]
-    program = "".join(re.sub(r'"\s+f?"', "", path.read_text(encoding="utf-8")) for path in sources)  # parted texts
+    program = "".join(re.sub(r'"\s+f?"', "", path.read_text(encoding="utf-8")) for path in sources)  # split texts
     heads = re.findall(r"^\*\*(.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
     quotes = [words for head in heads for words in re.findall(r"`([^`]+)`", head)]
     missing = [words for words in quotes if re.sub(r"^(1|the file is) ", "", words) not in program]
@@ -278,7 +278,7 @@ def test_the_first_command_ends_in_the_demo() -> None:
     assert SETUP.endswith("fieldkit demo")
 
 
-def test_the_logger_of_the_manual_is_read() -> None:
+def test_the_example_parser_of_the_manual_works() -> None:
     parser, *_ = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(parser, "skylark.py", "exec"), module)
@@ -293,7 +293,7 @@ def test_the_logger_of_the_manual_is_read() -> None:
         skylark.read(b"SKYLARK 2\n0.00,0\n0.05\n")
 
 
-def test_the_helpers_of_the_manual_are_those_that_parsers_use() -> None:
+def test_the_helpers_in_the_manual_are_those_that_parsers_use() -> None:
     """Each named helper is used by two parsers or more, and what four or more use is named."""
     rows = re.findall(r"^\| (`.*?) \| `fieldkit/[^|]*\|", PAGES["extending"], flags=re.MULTILINE)
     helpers = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
@@ -310,7 +310,7 @@ def test_the_helpers_of_the_manual_are_those_that_parsers_use() -> None:
     assert [name for name, count in used.items() if count >= 4 and name not in helpers] == []
 
 
-def test_the_messages_that_troubleshooting_explains_are_the_programs() -> None:
+def test_the_messages_explained_in_troubleshooting_are_in_the_program() -> None:
     headings = re.findall(r"^\*\*(`.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
     messages = [message for heading in headings for message in re.findall(r"`([^`]+)`", heading)]
     parts = [
@@ -325,7 +325,7 @@ def test_the_messages_that_troubleshooting_explains_are_the_programs() -> None:
     assert unknown == of_the_shell
 
 
-def test_the_effect_of_the_manual_bends_the_reading() -> None:
+def test_the_example_effect_of_the_manual_changes_the_reading() -> None:
     _, effect, _ = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(effect, "sticky_altimeter.py", "exec"), module)
@@ -336,7 +336,7 @@ def test_the_effect_of_the_manual_bends_the_reading() -> None:
     assert bent["top_speed"].tolist() == [[50.0, 60.0]]
 
 
-async def test_the_screen_of_the_manual_shows_the_wind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_example_screen_of_the_manual_shows_the_wind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "weather.py").write_text(blocks("python", PAGES["extending"])[2], encoding="utf-8")
     monkeypatch.setattr(screens, "__path__", [*screens.__path__, str(tmp_path)])
     with Ledger.open(tmp_path / "ledger.db") as ledger:

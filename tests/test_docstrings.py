@@ -100,7 +100,7 @@ def _commands(tree: ast.Module) -> set[str]:
 
 
 def _raised(node: ast.AST) -> Iterator[str]:
-    """Names of what is raised in a body itself."""
+    """Names of the exceptions raised directly in a body."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, Function | ast.Lambda | ast.ClassDef):
             continue

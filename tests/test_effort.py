@@ -28,7 +28,7 @@ def test_a_quarter_of_the_cases_of_a_sampled_test_is_kept(count: int, kept: int)
     assert out == left_out([*reversed(cases)])  # type: ignore[list-item]
 
 
-def test_the_thorough_run_tries_everything(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_thorough_run_tries_all_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(effort, "THOROUGH", False)
     assert [part(range(10), start) for start in (0, 1, 5)] == [range(0, 10, 4), range(1, 10, 4), range(1, 10, 4)]
     assert examples(100).max_examples == 25

@@ -1,4 +1,4 @@
-"""Two programs that change the same file of fieldkit at once lose no change of either."""
+"""If two programs change a file of fieldkit at the same time, no change is lost."""
 
 import subprocess
 import sys
@@ -33,7 +33,7 @@ for number in range(12):
     remember(ColumnChoice({"altitude": "#2"}, (own, str(number))))
     change_settings({"units": "US"} if own == "a" else {"target": 250.0})
 """
-"""Changes of every kind of file, as another program makes them."""
+"""Changes to every kind of file, made by another program."""
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +63,7 @@ def test_three_programs_that_change_every_file_at_once_lose_nothing() -> None:
     assert (read_settings().units, read_settings().target) == ("US", 250.0)
 
 
-def test_a_card_that_another_program_saved_in_the_meantime_stays() -> None:
+def test_a_card_saved_by_another_program_in_the_meantime_is_kept() -> None:
     before = own_card()
     own = keep_card("theirs", before)
     with pytest.raises(FieldkitError, match="another program has saved a card"):
@@ -79,7 +79,7 @@ def test_a_lock_that_stays_held_is_reported_in_a_line(home: Path, monkeypatch: p
         pass
 
 
-def test_the_next_one_waits_until_the_first_has_finished(home: Path) -> None:
+def test_the_next_program_waits_until_the_first_has_finished(home: Path) -> None:
     order: list[str] = []
     held = threading.Event()
 
@@ -107,19 +107,19 @@ def test_a_lock_ends_with_its_block_and_with_its_process(home: Path) -> None:
             assert (home / LOCK_NAME).is_file()
 
 
-def test_a_folder_that_cannot_be_made_is_reported_in_a_line(home: Path) -> None:
+def test_a_folder_that_cannot_be_created_is_reported_in_one_line(home: Path) -> None:
     (home / "file").write_text("")
     with pytest.raises(FieldkitError, match="cannot be written"), changing(home / "file" / "kits.toml"):
         pass
 
 
-def test_a_loop_of_links_is_reported_in_a_line(home: Path) -> None:
+def test_a_loop_of_links_is_reported_in_one_line(home: Path) -> None:
     (home / "kits.toml").symlink_to(home / "kits.toml")
     with pytest.raises(FieldkitError, match="cannot be written"), changing(home / "kits.toml"):
         pass
 
 
-def test_a_disk_without_locks_is_written_without_one(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_system_without_locks_is_written_without_one(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(number: int) -> None:
         raise OSError(95, "Operation not supported")
 
@@ -128,7 +128,7 @@ def test_a_disk_without_locks_is_written_without_one(home: Path, monkeypatch: py
         pass
 
 
-def test_the_lock_is_no_motor_file() -> None:
+def test_the_lock_is_not_read_as_a_motor_file() -> None:
     with changing(motor_folder() / "motor_corrections.csv"):
         pass
     from fieldkit.motors.own import own_motors

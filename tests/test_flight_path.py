@@ -1,4 +1,4 @@
-"""A reader can follow a rocket's flights through a forecast: few functions hand them on, in few files."""
+"""A reader can follow a rocket's flights through a forecast: few functions in few files pass them on."""
 
 from functools import cache
 

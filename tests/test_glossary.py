@@ -1,4 +1,5 @@
-"""Names are meaningful: no private words, no type name twice, no constant that is a bare adjective."""
+"""Names are meaningful: no words that the glossary replaces, no duplicate type name, no constant that is a bare
+adjective."""
 
 import ast
 import re

@@ -27,7 +27,7 @@ ALLOWED = {
 
 
 def woken(tmp_path: Path, *arguments: str) -> set[str]:
-    """The modules that a fresh process has imported once a command is done."""
+    """The modules that a new process has imported after a command."""
     code = (
         "import json, sys\n"
         "from fieldkit.cli.main import main\n"
@@ -54,24 +54,24 @@ def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
 @pytest.mark.parametrize(
     "arguments", [["--help"], ["add", "--help"], ["predict", "--help"], ["demo", "--help"], ["capture", "--help"]]
 )
-def test_help_wakes_nothing_heavy(tmp_path: Path, arguments: list[str]) -> None:
+def test_help_imports_nothing_heavy(tmp_path: Path, arguments: list[str]) -> None:
     heavy = NEVER | {"numpy", "scipy", "sqlalchemy", "alembic", "onnxruntime", "sqlite3"}
     assert not heavy & woken(tmp_path, *arguments)
 
 
-def test_listing_flights_wakes_only_the_ledger(tmp_path: Path, ledger: str) -> None:
+def test_listing_flights_imports_only_the_ledger(tmp_path: Path, ledger: str) -> None:
     modules = woken(tmp_path, "--ledger", ledger, "flights")
     assert not (NEVER | {"scipy", "scipy.optimize", "numpy", "onnxruntime"}) & modules
     assert "sqlalchemy" in modules
 
 
-def test_predicting_wakes_no_training(tmp_path: Path, ledger: str) -> None:
+def test_predicting_does_not_import_training(tmp_path: Path, ledger: str) -> None:
     modules = woken(tmp_path, "--ledger", ledger, "predict", "--motor", "F24-4W")
     assert not (NEVER | {"onnxruntime", "alembic", "scipy.optimize", "scipy.stats"}) & modules
     assert "numpy" in modules
 
 
-def test_inferring_wakes_no_training(tmp_path: Path, ledger: str) -> None:
+def test_inferring_does_not_import_training(tmp_path: Path, ledger: str) -> None:
     modules = woken(tmp_path, "--ledger", ledger, "infer", "1")
     assert not (NEVER | {"onnx", "scipy.optimize"}) & modules
     assert "onnxruntime" in modules
@@ -89,7 +89,7 @@ def imports(file: Path) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("folder", ALLOWED)
-def test_plug_ins_know_the_engine_and_not_each_other(folder: str) -> None:
+def test_plug_ins_import_the_engine_and_not_each_other(folder: str) -> None:
     files = sorted((ROOT / folder).glob("*.py"))
     assert files
     for file in files:
@@ -98,7 +98,7 @@ def test_plug_ins_know_the_engine_and_not_each_other(folder: str) -> None:
 
 
 def test_the_engine_names_no_effect() -> None:
-    """By its registry alone; names that are also those of a column or a tag are left out."""
+    """Effects are found only by the registry; names that are also those of a column or a tag are left out."""
     names = {file.stem for file in (ROOT / "models" / "effects").glob("*.py")} - BY_NAME.keys() - KNOWN_TAGS.keys()
     assert len(names) > 8
     for file in (ROOT / "fieldkit").rglob("*.py"):
@@ -118,7 +118,7 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
 
 
 def imported(file: Path, known: Container[str]) -> Iterator[str]:
-    """Those of the known modules that a file imports; of `from a import b` it is `a.b` if that is a module."""
+    """The known modules that a file imports; for `from a import b` it is `a.b` if that is a module."""
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             whole = [f"{node.module}.{name.name}" for name in node.names]

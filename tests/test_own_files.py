@@ -97,7 +97,7 @@ def test_a_cell_beyond_the_limit_of_tables_is_refused(tmp_path: Path) -> None:
     ["1" + " " * 80_000 + "x", "9" * 80_000, "F24" + "," * 80_000 + "x", "1/" * 40_000],
     ids=["spaces", "digits", "commas", "stages"],
 )
-def test_an_overlong_name_is_no_motor_and_takes_no_time(text: str) -> None:
+def test_an_overlong_name_is_quickly_found_not_to_be_a_motor(text: str) -> None:
     start = time.process_time()
     with pytest.raises(UnknownMotor) as refused:
         catalogue().resolve_several(text)
@@ -112,7 +112,7 @@ def test_a_message_quotes_at_most_a_part_of_a_long_text() -> None:
     assert len(str(error)) < 2 * LONGEST_LINE
 
 
-def test_a_limit_that_is_no_number_is_refused(tmp_path: Path) -> None:
+def test_a_limit_that_is_not_a_number_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "limits.toml"
     for value in ("nan", "inf", "true"):
         file.write_text(f"[{next(iter(limits()))}]\nvalue = {value}\n")
@@ -126,7 +126,7 @@ SHIPPED = {
     **{name: DATA / "rules" / name for name in ("car.toml", "faa.toml", "nar_high_power.toml")},
 }
 READ = {"drills.toml": "AeroTech"}
-"""The table that is read for the motor of these tests, if it is only one."""
+"""The table that is read for the motor of these tests, if a file has several."""
 WRONG_NUMBERS = (math.nan, -1, 1e300, True, "x", [], {})
 WRONG_VALUES = ("", "\x1b[31m", [[]], {"a": 1}, [1, "a"], datetime.date(1, 1, 1), [{}], 2**62, math.inf)
 Leaf = tuple[str | int, ...]
@@ -197,14 +197,14 @@ def test_a_number_that_no_calculation_can_use_is_refused_by_its_file_and_name(na
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_a_file_with_any_value_in_any_place_is_read_or_refused(name: str, tmp_path: Path) -> None:
+def test_a_file_with_any_value_anywhere_is_read_or_refused(name: str, tmp_path: Path) -> None:
     tables = shipped(name)
     for path, _ in leaves(tables):
         for value in WRONG_VALUES:
             assert "\n" not in reads(name, with_value(tables, path, value), tmp_path)
 
 
-def test_a_file_that_an_editor_of_windows_has_saved_is_read(tmp_path: Path) -> None:
-    """With the mark of byte order that Notepad puts before UTF-8."""
+def test_a_file_saved_by_a_windows_editor_is_read(tmp_path: Path) -> None:
+    """With the byte order mark that Notepad writes before UTF-8."""
     (tmp_path / "kits.toml").write_text("[Bertha]\ndry_mass_g = 80\n", encoding="utf-8-sig")
     assert read_kits(tmp_path / "kits.toml")["bertha"].dry_mass == pytest.approx(0.080)

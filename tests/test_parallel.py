@@ -24,7 +24,7 @@ def square(number: int) -> bytes:
     return str(number**2).encode()
 
 
-def test_what_was_cut_short_continues_where_it_was(tmp_path: Path) -> None:
+def test_an_interrupted_job_resumes_where_it_stopped(tmp_path: Path) -> None:
     worked: list[int] = []
 
     def noting(number: int) -> bytes:
@@ -41,7 +41,7 @@ def test_what_was_cut_short_continues_where_it_was(tmp_path: Path) -> None:
     assert sorted(file.name for file in tmp_path.iterdir()) == ["a", "b", "c", "d"], "nothing half-made"
 
 
-def test_a_worker_of_this_computer_does_the_work(tmp_path: Path) -> None:
+def test_a_local_worker_does_the_work(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     with workers("local:1") as pool:
         assert dict(done(str.encode, {"a": "x", "b": "y"}, tmp_path, pool)) == {"a": b"x", "b": b"y"}
@@ -70,7 +70,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-def test_a_cluster_that_loses_a_worker_flies_the_same_flights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_that_loses_a_worker_gives_the_same_flights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     script = tmp_path / "loses_a_worker.py"
     script.write_text(
@@ -87,7 +87,7 @@ def test_a_cluster_that_loses_a_worker_flies_the_same_flights(tmp_path: Path, mo
         np.testing.assert_array_equal(getattr(there, name), getattr(here, name))
 
 
-def test_parts_of_another_seed_are_not_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_parts_with_another_seed_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parts, "SIZE", 60)
     few = split_motors()[0][::50]
     monkeypatch.setattr(parts, "split_motors", lambda: (few, []))
@@ -107,13 +107,13 @@ def test_parts_of_another_seed_are_not_taken(tmp_path: Path, monkeypatch: pytest
 @pytest.mark.parametrize(
     ("where", "message"), [("local:0", "at least one worker"), ("nowhere://x", "no Dask scheduler")]
 )
-def test_no_workers_are_named(where: str, message: str) -> None:
+def test_missing_workers_are_reported(where: str, message: str) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(FieldkitError, match=message), workers(where):
         pass
 
 
-def test_the_bench_scores_a_set_from_what_it_is_given_and_continues(tmp_path: Path) -> None:
+def test_the_bench_scores_a_set_from_its_input_alone_and_resumes(tmp_path: Path) -> None:
     label = {"set": "set_001", "scenario": "wind", "label": "wind", "level": 1}
     label |= {"ideal_mae_m": 5.0, "blind_mae_m": 10.0, "ideal_future_mae_m": 5.0}
     for name in ("set_001.csv", "set_001_future.csv"):
@@ -140,7 +140,7 @@ with processes(3) as pool:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
-def test_no_worker_outlives_the_process_that_began_it() -> None:
+def test_no_worker_outlives_the_process_that_started_it() -> None:
     with subprocess.Popen([sys.executable, "-c", BUSY], stdout=subprocess.PIPE, text=True) as began:
         assert began.stdout is not None
         workers = began.stdout.readline().split()

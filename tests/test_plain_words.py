@@ -46,7 +46,7 @@ ORDINARY = {
     "weight": "the weight of a rocket, of a sample",
     "where": "ordinary of places; only a reader can find it instead of `if`",
 }
-"""Terms of the glossary's left column that are not looked for, with the ordinary use that they have."""
+"""Terms of the glossary's left column that are not searched for, each with its ordinary use."""
 
 
 def _replaced() -> tuple[str, ...]:
@@ -81,7 +81,7 @@ BANNED = re.compile(
     r"(?<![\w-])(" + "|".join(sorted(map(re.escape, WORDS), key=len, reverse=True)) + r")(?![\w-])", re.I
 )
 QUOTED = re.compile(r"`[^`]*`|\{[^}]*\}|“[^”]*”")
-"""Names of code, fields of a message and quoted rules are nobody's words."""
+"""Not checked: names in code, fields of a message and quoted rules."""
 
 QUOTES = {
     "cannot tell": "a value of `beside_verdict` in the JSON of a loop, which programs may compare with",

@@ -20,7 +20,7 @@ def run(code: str, folder: Path) -> list[str]:
     return subprocess.run(command, cwd=folder.parent, capture_output=True, text=True, check=True).stdout.split()
 
 
-def test_an_installed_package_finds_its_parsers_inside(tmp_path: Path) -> None:
+def test_an_installed_package_finds_its_parsers_inside_itself(tmp_path: Path) -> None:
     skip = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "fieldkit", tmp_path / "site" / "fieldkit", ignore=skip)
     shutil.copytree(ROOT / "parsers", tmp_path / "site" / "fieldkit" / "parsers", ignore=skip)
@@ -37,10 +37,10 @@ def test_a_checkout_finds_its_parsers_beside_the_package() -> None:
     assert Path(folder) == ROOT / "parsers"
 
 
-def test_mounting_imports_no_plug_in() -> None:
+def test_mounting_plug_in_folders_imports_no_plug_in() -> None:
     assert set(run(IDLE, ROOT)) <= {"fieldkit.parsers", "fieldkit.plugins"}
 
 
 @pytest.mark.parametrize("name", ["parsers", "models"])
-def test_a_plugin_folder_is_no_ordinary_package(name: str) -> None:
+def test_a_plugin_folder_is_not_an_ordinary_package(name: str) -> None:
     assert not (ROOT / name / "__init__.py").exists()

@@ -14,7 +14,7 @@ CHECK_SHAPES = False
 
 ROOT = Path(__file__).parents[1]
 NOT_SHOWN = ("fieldkit/inference/training", "fieldkit/inference/validation", "fieldkit/inference/history")
-"""Code that writes for its developers."""
+"""Code whose messages are for developers."""
 NOUNS = """
     apps bytes candidates cells characters clusters columns draws duplicates elements errors figures files flights
     flyers headers histories lines logs motors notes notices numbers packets parts pieces plans points ports readouts

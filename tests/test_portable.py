@@ -49,13 +49,13 @@ SESSION = (
 )
 
 
-def test_a_session_does_without_what_only_unix_has(tmp_path: Path) -> None:
+def test_a_session_works_without_unix_only_modules(tmp_path: Path) -> None:
     flyer = {**os.environ, "FIELDKIT_HOME": str(tmp_path), "PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, "-c", WITHOUT, *SESSION], env=flyer, cwd=tmp_path, capture_output=True)
     assert done.returncode == 0, done.stderr.decode()
 
 
-def test_what_only_unix_has_is_asked_for_where_it_may_be_missing() -> None:
+def test_unix_only_names_are_used_only_if_their_absence_is_handled() -> None:
     words = re.compile(rf"\b({'|'.join([*UNIX, *' '.join(UNIX_NAMES.values()).split()])})\b")
     sources = {path: path.read_text(encoding="utf-8") for path in SOURCES}
     named = {path: text for path, text in sources.items() if words.search(text)}
@@ -80,7 +80,7 @@ def unguarded(tree: ast.AST) -> list[str]:
     return names + [name for child in ast.iter_child_nodes(tree) for name in unguarded(child)]
 
 
-def test_a_path_with_a_drive_is_a_ledgers_path_and_no_url() -> None:
+def test_a_path_with_a_drive_letter_is_a_path_and_not_a_url() -> None:
     for path in (r"C:\Users\me\flights.db", "C:/Users/me/flights.db", r"\\club\share\flights.db"):
         url = whereabouts.location(path)
         assert whereabouts.name_of(url) == path
@@ -89,7 +89,7 @@ def test_a_path_with_a_drive_is_a_ledgers_path_and_no_url() -> None:
     assert PureWindowsPath(str(whereabouts.file_of(url))) == PureWindowsPath(r"C:\Users\me\flights.db")
 
 
-def test_notices_name_files_of_every_system_by_their_names() -> None:
+def test_notices_shorten_paths_of_every_system_to_file_names() -> None:
     assert shortened(r"C:\Users\me\logs\cold.csv: found 'x'") == "cold.csv: found 'x'"
     assert shortened("/home/me/logs/cold.csv: found 'x'") == "cold.csv: found 'x'"
     assert shortened(r"\\club\share\cold.csv: found 'x'") == "cold.csv: found 'x'"

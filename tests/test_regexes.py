@@ -58,7 +58,7 @@ def expressions() -> Iterator[tuple[str, "re.Pattern[Any]", str]]:
 
 def _module(file: Path) -> Any:
     if file.parent.name == "parsers":
-        plugins("parsers", "PARSER")  # which mounts them
+        plugins("parsers", "PARSER")  # which mounts the plug-ins
         return importlib.import_module(f"fieldkit.parsers.{file.stem}")
     parts = file.relative_to(ROOT).with_suffix("").parts
     return importlib.import_module(".".join(part for part in parts if part != "__init__"))

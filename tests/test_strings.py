@@ -52,7 +52,7 @@ def test_texts_of_templates_are_listed_without_tags_and_values() -> None:
     assert not any("<" in text or "{{" in text or "max-width" in text for text in texts)
 
 
-def test_every_line_names_its_place() -> None:
+def test_every_line_names_its_file_and_line() -> None:
     lines = list(listed(("models",)))
     assert len(lines) > 50
     assert all(line.split(":")[1].isdigit() for line in lines)
@@ -61,7 +61,7 @@ def test_every_line_names_its_place() -> None:
 DATA = """
     afbb cato comet decoded fault http lightning oog reloadable sandt sirius sketch tsp
 """
-"""What the pages of the pictures show besides: rockets, tags, a web page, motors and a logger's lines."""
+"""Other words on the pages in the pictures: rockets, tags, a web page, motors and a logger's lines."""
 OF_TEXTUAL = "focus selected super"
 """Words of keys that the library itself binds and describes."""
 
@@ -83,7 +83,7 @@ def test_a_word_without_a_text_is_found() -> None:
     assert unlisted("gobbledygook", "--rocket Gobbledygook") == []
 
 
-def test_the_catalog_has_each_text_once_with_its_places(tmp_path: Path) -> None:
+def test_the_catalog_has_each_text_once_with_all_its_locations(tmp_path: Path) -> None:
     lines = list(catalog())
     ids = [line for line in lines if line.startswith("msgid ")]
     assert len(ids) == len(set(ids)) > 1500
@@ -98,7 +98,7 @@ def test_the_catalog_has_each_text_once_with_its_places(tmp_path: Path) -> None:
     ]
 
 
-def test_the_tools_of_translators_read_the_catalog(tmp_path: Path) -> None:
+def test_translators_tools_can_read_the_catalog(tmp_path: Path) -> None:
     pofile = pytest.importorskip("babel.messages.pofile")
     file = tmp_path / "fieldkit.pot"
     file.write_text("\n".join(catalog()) + "\n", encoding="utf-8")

@@ -38,7 +38,7 @@ HOSTILE = {
     "sql": "'; DROP TABLE flights; --",
     "long": "x" * 100_000,
 }
-"""The longest is below what a cell of a table may hold."""
+"""The longest is below the limit of a table's cell."""
 
 
 @pytest.fixture(autouse=True)
@@ -49,7 +49,7 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("what", HOSTILE)
-def test_a_hostile_text_reaches_no_terminal_and_comes_back_whole(
+def test_hostile_text_is_escaped_in_the_terminal_and_exported_unchanged(
     what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     hostile = HOSTILE[what]
@@ -58,7 +58,7 @@ def test_a_hostile_text_reaches_no_terminal_and_comes_back_whole(
     )
     with Ledger.open() as ledger:
         ledger.add([flight], source=f"{hostile[:40]}.csv")
-        ledger.tag("1", hostile[:40].replace(";", ""))  # which parts tags in a table
+        ledger.tag("1", hostile[:40].replace(";", ""))  # which separates tags in a table
     for command in (
         ["flights"],
         ["show", "1"],
@@ -80,7 +80,7 @@ def test_a_hostile_text_reaches_no_terminal_and_comes_back_whole(
     assert (copied.rocket, copied.tags) == (kept.rocket, kept.tags)
 
 
-def test_a_nul_is_refused_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_nul_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = tmp_path / "t.csv"
     table.write_text("flight_id,rocket,apogee_m,log\n1,Astra,100,\n2,Astra,101,a\0b.csv\n", encoding="utf-8")
     assert main(["import", str(table)]) in (0, 1)
@@ -89,13 +89,13 @@ def test_a_nul_is_refused_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 @given(st.text(max_size=12))
 @examples(200)
-def test_a_cell_is_never_a_formula_and_comes_back(word: str) -> None:
+def test_an_exported_cell_is_never_a_formula_and_imports_unchanged(word: str) -> None:
     assert not as_cell(word).startswith(("=", "+", "-", "@", "\t", "\r", "＝", "＋", "－", "＠"))
     assert from_cell(as_cell(word)) == word
 
 
 @pytest.mark.parametrize("start", ["=1+1", "+1", "-1", "@SUM(1)", "'=1", "＝1", "\t=1"])
-def test_no_exported_text_is_a_formula_and_numbers_stay_numbers(start: str) -> None:
+def test_no_exported_text_is_a_formula_and_numbers_remain_numbers(start: str) -> None:
     flight = Flight(
         flight_id=start, rocket=start, notes=start, tags=(start,), apogee_to_eject=-0.4, extra={start: start}
     )
@@ -140,7 +140,7 @@ def test_a_log_that_is_a_pipe_is_not_waited_for(tmp_path: Path, capsys: pytest.C
     assert "cannot be read (a pipe or a device, not a plain file); imported without it" in capsys.readouterr().err
 
 
-def test_a_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_endless_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(files, "MAX_FILE_SIZE", 1 << 20)
     (tmp_path / "long.csv").write_bytes(bytes((1 << 20) + 1))
     with pytest.raises(DamagedLog, match=r"cannot be read \(more than 1 MiB\)"):
@@ -165,7 +165,7 @@ def test_an_xml_bomb_is_a_damaged_file(bomb: str) -> None:
     assert len(str(error.value)) < 400
 
 
-def test_a_motor_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_endless_motor_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(own, "MAX_MOTOR_FILE_SIZE", 1 << 20)
     (tmp_path / "big.rse").write_bytes(b"<" * ((1 << 20) + 1))
     motors, errors = own.own_motors(tmp_path)
@@ -173,7 +173,7 @@ def test_a_motor_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytes
     assert "cannot be read (more than 1 MiB)" in str(errors[0])
 
 
-def test_a_log_that_unpacks_to_more_than_its_row_says_is_not_unpacked(tmp_path: Path) -> None:
+def test_a_log_that_expands_to_more_than_its_stated_size_is_not_unpacked(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([Flight(flight_id="1", rocket="Astra")], log=bytes(10_000_000))
@@ -266,7 +266,7 @@ def _watch(event: str, arguments: tuple[object, ...]) -> None:
 def sockets() -> Iterator[list[str]]:
     """Attempts to use a socket; each fails."""
     global _forbidden
-    sys.addaudithook(_watch)  # it stays, and does nothing after this test
+    sys.addaudithook(_watch)  # it stays installed, and does nothing after this test
     _forbidden = []
     yield _forbidden
     _forbidden = None
@@ -303,11 +303,11 @@ def asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, lis
 
 
 def harmless(captured: tuple[str, str]) -> bool:
-    """Whether nothing was printed that a terminal would obey."""
+    """Whether nothing was printed that a terminal would execute."""
     return not {c for c in "".join(captured) if unicodedata.category(c) in ("Cc", "Cf", "Cs") and c != "\n"}
 
 
-def test_no_command_reaches_for_a_network_or_lets_a_terminal_obey_a_name(
+def test_no_command_uses_a_network_or_prints_a_name_unescaped(
     sockets: list[str],
     asked: Callable[[str, list[str]], list[str]],
     monkeypatch: pytest.MonkeyPatch,
@@ -324,7 +324,7 @@ def test_no_command_reaches_for_a_network_or_lets_a_terminal_obey_a_name(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", LONG)
-def test_no_long_command_does_either(
+def test_no_long_command_uses_a_network_or_prints_a_name_unescaped(
     command: str,
     sockets: list[str],
     asked: Callable[[str, list[str]], list[str]],

@@ -23,7 +23,7 @@ BOUNDED = {
     "tui/serve.py",
     "importing/tables/column_choice.py",
 }
-"""Modules whose digits are few for another reason: the name of a file, a caught error, a length that is checked."""
+"""Modules in which the number of digits is limited otherwise: by a file name, a caught error, a checked length."""
 LONG = "9" * 5000
 
 
@@ -43,7 +43,7 @@ def test_the_next_id_follows_the_ids_that_are_numbers(tmp_path: Path) -> None:
         assert ledger.next_flight_id("Comet") == "1"
 
 
-def test_a_flight_whose_part_of_a_log_has_any_number_is_compared_or_refused_in_a_line(
+def test_a_flight_with_any_part_number_of_its_log_is_compared_or_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "log.txt").write_bytes((ROOT / "sample_logs" / "bdureau__eight_bit_board_that_wraps.txt").read_bytes())
@@ -55,7 +55,7 @@ def test_a_flight_whose_part_of_a_log_has_any_number_is_compared_or_refused_in_a
     assert "Traceback" not in capsys.readouterr().err
 
 
-def test_a_count_of_flights_that_is_no_number_is_none() -> None:
+def test_a_count_of_flights_that_is_not_a_number_is_ignored() -> None:
     body = b"nbrOfFlight,\xb2,"
     (one,) = sentences(b"$" + body + str(sum(body) % 256).encode() + b";")
     assert one.sound
@@ -69,7 +69,7 @@ def test_a_stage_with_any_number_is_read(number: str) -> None:
     assert reference_diameter(next(rocket.iter("rocket")), "a") > 0
 
 
-def test_no_module_takes_what_isdigit_accepts_for_what_int_reads() -> None:
+def test_no_module_assumes_that_int_reads_whatever_isdigit_accepts() -> None:
     for file in sorted((ROOT / "fieldkit").rglob("*.py")):
         if file.relative_to(ROOT / "fieldkit").as_posix() in BOUNDED:
             continue

@@ -1,4 +1,4 @@
-"""Words that are shown but that no text of `tools/strings.py` has: what a translator would not find."""
+"""Words that are shown but not in any text from `tools/strings.py`, so a translator would not find them."""
 
 import re
 from functools import cache

@@ -33,7 +33,7 @@ def test_another_form_of_an_effect_changes_nothing() -> None:
     assert inclusion_probabilities(more) == inclusion_probabilities()
 
 
-def test_no_effect_has_a_prior_probability_of_one_half() -> None:
+def test_the_family_probability_follows_from_that_of_no_effect() -> None:
     nothing = (1 - FAMILY_PROBABILITY) ** (len(FAMILIES) + 1)
     assert nothing == pytest.approx(NO_EFFECT_PROBABILITY)
     chances = inclusion_probabilities()

@@ -55,7 +55,7 @@ FITS = {
 
 
 def season(count: int, **changes: object) -> list[dict[str, object]]:
-    """Flights of a rocket that scatter by a few meters."""
+    """Flights of a rocket whose apogees scatter by a few meters."""
     apogees = np.random.default_rng(1).normal(250, 6, count)
     return [
         {
@@ -90,18 +90,18 @@ IMPOSSIBLE = {
     "all at 200 km": season(5, apogee_m=200_000),
 }
 WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
-"""Flights that slow commands are tested with too."""
+"""Flights with which slow commands are tested too."""
 SLOW = ("loop", "score", "study")
 WITHOUT_A_LEDGER = ("capture", "demo", "docs", "learn", "paper", "study reference")
-"""Commands that no flight of the ledger changes."""
+"""Commands whose result no flight in the ledger changes."""
 USAGE = 2
-"""Exit status of a command line that is not understood."""
+"""Exit status of a usage error."""
 Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
 def run_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """A command on a ledger of its own: exit status, output and messages."""
+    """Runs a command on a separate ledger: exit status, output and messages."""
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
 
@@ -121,9 +121,7 @@ def run_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 @pytest.mark.parametrize(
     "what", [pytest.param(WHOLLY[0], marks=pytest.mark.thorough), *(what for what in IMPOSSIBLE if what != WHOLLY[0])]
 )
-def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_invalid(
-    what: str, run_command: Run
-) -> None:
+def test_an_impossible_flight_is_named_and_no_command_shows_an_invalid_number(what: str, run_command: Run) -> None:
     rows = IMPOSSIBLE[what]
     implausible_count = len(rows) if what.startswith("all") else 1
     _, out, err = run_command(rows=rows)
@@ -140,10 +138,10 @@ def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_inv
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("rows", [[], season(6, dry_mass_g=32200)], ids=["none", "none plausible"])
-def test_no_command_fails_unforeseen_without_a_flight_to_fit(
+def test_no_command_fails_unexpectedly_without_a_flight_to_fit(
     rows: list[dict[str, object]], run_command: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every line of the manual's session, each on a ledger of its own without any flight that a fit could use."""
+    """Every line of the manual's session, each on a separate ledger without any flight that a fit could use."""
     session.furnished(tmp_path / "desk")
     monkeypatch.chdir(tmp_path / "desk")
     for words in dict.fromkeys((*session.lines(), *session.more())):
@@ -156,11 +154,11 @@ def test_no_command_fails_unforeseen_without_a_flight_to_fit(
             run_command("undo")
         status, out, err = run_command(*words)
         assert not re.search(r"\bnan\b|Traceback|Warning", out + err, re.IGNORECASE), words
-        assert status != USAGE, (words, err)  # otherwise neither this test nor the fault bench tries anything
+        assert status != USAGE, (words, err)  # otherwise neither this test nor the fault bench would test anything
 
 
-def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_in(run_command: Run) -> None:
-    """Five times the usual apogee, which this motor could reach without drag; only what is new is questioned."""
+def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_imported(run_command: Run) -> None:
+    """Five times the usual apogee, which this motor could reach without drag; only new flights are questioned."""
     _, _, err = run_command(rows=with_one(apogee_m=1250))
     printed = (
         "row 11: flight 10 of Astra: apogee 1250 m is 5 times the usual 252.4 m of this rocket and motor; check it"
@@ -172,7 +170,7 @@ def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_it_comes_
 
 
 @pytest.mark.slow
-def test_no_command_fails_unforeseen_at_the_ends_of_time(
+def test_no_command_fails_unexpectedly_at_the_first_and_last_dates(
     run_command: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every line of the manual's session, on flights of the first and the last second that a date can have."""
@@ -190,8 +188,8 @@ def test_a_ratio_to_the_usual_is_written_in_digits(run_command: Run) -> None:
     assert "apogee 199900 m is 790 times the usual 252.4 m" in run_command(rows=with_one(apogee_m=199_900))[2]
 
 
-def test_a_flight_that_no_motor_lifts_announces_no_next_one(run_command: Run) -> None:
-    """Its readouts may be right; a forecast for a mass typed wrong is 0 m from 0 to 0."""
+def test_after_a_flight_too_heavy_to_lift_off_no_next_forecast_is_shown(run_command: Run) -> None:
+    """Its readouts may be right, but a forecast for a mistyped mass would be 0 m from 0 to 0."""
     run_command(rows=season(10))
     typed = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--diameter", "66mm", "--apogee", "250m")
     status, out, err = run_command("add", *typed, "--dry-mass", "32kg")
@@ -201,14 +199,14 @@ def test_a_flight_that_no_motor_lifts_announces_no_next_one(run_command: Run) ->
     assert "Next on" in run_command("add", *typed, "--dry-mass", "322g", "--flight-id", "12")[1]
 
 
-def test_a_card_is_learned_without_impossible_flights_and_names_them(run_command: Run, tmp_path: Path) -> None:
+def test_learning_a_card_leaves_out_impossible_flights_and_names_them(run_command: Run, tmp_path: Path) -> None:
     run_command(rows=with_one(dry_mass_g=32200))
     status, _, err = run_command("learn", str(tmp_path / "flights.csv"), "--out", str(tmp_path / "card.json"))
     assert status == 0
     assert "flight 10 of Astra is excluded from every fit" in err
 
 
-def test_the_loop_hands_on_which_flights_had_no_part(run_command: Run) -> None:
+def test_the_loop_reports_which_flights_were_not_used(run_command: Run) -> None:
     run_command(rows=with_one(dry_mass_g=32200))
     document = json.loads(run_command("loop", "--look", "--json")[1])
     (line,) = document["implausible"]
@@ -234,14 +232,14 @@ def test_one_impossible_flight_changes_no_forecast(what: str, run_command: Run) 
     assert "flight 10 of Astra" in beside["left_out"][0]
 
 
-def test_a_flight_that_is_typed_in_is_doubted_at_once(run_command: Run) -> None:
+def test_an_implausible_flight_is_questioned_when_entered(run_command: Run) -> None:
     words = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "250m", "--dry-mass", "32200g"]
     status, _, err = run_command("add", *words)
     assert status == 0
     assert "excluded from every fit: dry_mass_g: found a dry mass of 32200 g, expected less than" in err
 
 
-def test_a_plan_begins_from_a_set_up_that_can_fly(run_command: Run) -> None:
+def test_the_defaults_of_a_plan_come_from_a_setup_that_can_fly(run_command: Run) -> None:
     run_command(rows=IMPOSSIBLE["one that no motor lifts"])
     _, out, _ = run_command("predict", "--motor", "F24-4W")
     assert "322 g without the motor" in out
@@ -265,7 +263,7 @@ ODD_BUT_POSSIBLE = (
 
 
 @pytest.mark.parametrize("changes", ODD_BUT_POSSIBLE, ids=str)
-def test_what_is_merely_odd_passes(changes: dict[str, object]) -> None:
+def test_a_merely_unusual_flight_passes(changes: dict[str, object]) -> None:
     assert implausible(GOOD.with_changes(**changes), F24) is None
 
 
@@ -292,7 +290,7 @@ MOTORS = [motor for motor in catalogue().motors if motor.total_impulse > 1]
 
 
 @given(st.sampled_from(MOTORS), st.floats(0.02, 50.0), st.floats(0.9, 1.15))
-def test_no_simulated_flight_without_drag_is_beyond_the_bound(motor: Motor, dry_mass: float, alpha: float) -> None:
+def test_no_flight_simulated_without_drag_exceeds_the_bound(motor: Motor, dry_mass: float, alpha: float) -> None:
     top, speed = climbed(motor, dry_mass, alpha)
     assert top <= best_apogee(dry_mass, motor) * (1 + 1e-3)
     assert speed <= best_speed(dry_mass, motor) * (1 + 1e-3)
@@ -318,7 +316,7 @@ def climbed(motor: Motor, dry_mass: float, alpha: float) -> tuple[float, float]:
 
 
 @given(st.floats(1e-4, 1e3), st.floats(1e-3, 3.0), st.floats(0, math.pi / 2), st.floats(0.1, 2e5))
-def test_what_passes_is_within_the_bound_whatever_was_typed(
+def test_accepted_flights_are_within_the_bound_whatever_was_typed(
     dry_mass: float, diameter: float, angle: float, apogee: float
 ) -> None:
     flight = GOOD.with_changes(dry_mass=dry_mass, diameter=diameter, rail_angle=angle, apogee=apogee)
@@ -328,7 +326,7 @@ def test_what_passes_is_within_the_bound_whatever_was_typed(
 
 
 def test_the_motor_of_each_name_is_looked_up_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The search for names near an unknown one takes long."""
+    """The search for names similar to an unknown one takes long."""
     asked: list[str] = []
     resolve = Catalogue.resolve
 
@@ -394,7 +392,7 @@ def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_on
 @pytest.mark.sampled
 @pytest.mark.parametrize("end", ["lowest", "next to zero", "highest"])
 def test_no_value_within_its_limits_makes_a_forecast_fail(end: str, run_command: Run, tmp_path: Path) -> None:
-    """Not even one next to zero, whose logarithm and inverse are large; numpy's warnings are errors here."""
+    """Not even one close to zero, whose logarithm and inverse are large; numpy's warnings are errors here."""
     run_command(rows=season(4))
     odd = []
     for column in FLIGHT_COLUMNS:
@@ -423,7 +421,7 @@ def test_a_value_beyond_its_limits_in_an_old_ledger_is_named_and_not_used(run_co
 
 @pytest.mark.parametrize("text", ["x", "nan", "1e300"])
 def test_a_recovery_column_that_cannot_be_read_stops_no_forecast(text: str, run_command: Run, tmp_path: Path) -> None:
-    """A spreadsheet's own column may have the name of one; only what a fit uses excludes the flight."""
+    """A spreadsheet's own column may have the same name; only columns that a fit uses exclude the flight."""
     run_command(rows=season(4))
     names = [recovery_header(name) for name in RECOVERY_NAMES]
     with Ledger.open(tmp_path / "ledger.db") as ledger:

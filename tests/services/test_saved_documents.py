@@ -1,4 +1,4 @@
-"""Documents that several rockets, sites or seasons share: changes at the same time are all kept."""
+"""Documents shared by several rockets, sites or seasons: simultaneous changes are all kept."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -34,7 +34,7 @@ SAVED: dict[str, tuple[str, Callable[[Ledger, str], object]]] = {
 
 
 @pytest.mark.parametrize("what", SAVED)
-def test_what_is_saved_beside_other_writers_is_kept(what: str, tmp_path: Path) -> None:
+def test_changes_by_simultaneous_writers_are_all_kept(what: str, tmp_path: Path) -> None:
     name, save = SAVED[what]
     file = tmp_path / "ledger.db"
     Ledger.open(file).close()

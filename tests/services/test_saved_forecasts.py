@@ -57,7 +57,7 @@ def only(ledger: Ledger) -> SavedForecast:
     return one
 
 
-def test_a_prediction_keeps_what_it_was_made_from(ledger: Ledger) -> None:
+def test_a_prediction_is_saved_with_its_inputs(ledger: Ledger) -> None:
     made = only(ledger).made
     parts = made.payload["made_from"]
     assert parts["mass"] == {"dry_mass_g": "320"}
@@ -87,7 +87,7 @@ CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_change_makes_it_stale_says_which_and_undo_takes_that_back(ledger: Ledger, change: str) -> None:
+def test_a_change_makes_it_stale_with_the_reason_until_undone(ledger: Ledger, change: str) -> None:
     alter, why = CHANGES[change]
     alter(ledger)
     one = only(ledger)
@@ -96,13 +96,13 @@ def test_a_change_makes_it_stale_says_which_and_undo_takes_that_back(ledger: Led
     assert only(ledger).state == "open"
 
 
-def test_what_the_model_does_not_read_makes_nothing_stale(ledger: Ledger) -> None:
+def test_changes_that_the_model_does_not_use_make_nothing_stale(ledger: Ledger) -> None:
     ledger.edit("1", notes="drifted")
     ledger.tag("2", "my own mark")
     assert only(ledger).state == "open"
 
 
-def test_each_thing_that_a_prediction_is_made_from_gives_it_another_digest() -> None:
+def test_a_change_of_any_input_changes_the_digest() -> None:
     def made(plan: Flight, history: Sequence[Flight] = PAST, version: int = 0) -> str:
         return digest(plan_parts(plan, catalogue().resolve(plan.motor)) | model_parts(history, "field", version))
 
@@ -127,14 +127,14 @@ def test_extra_columns_that_change_the_climb_are_inputs_of_a_prediction(column: 
     assert model_parts(unrelated, "field", 0) == model_parts(PAST, "field", 0)
 
 
-def test_the_delay_of_a_plan_goes_before_that_in_the_name_of_its_motor() -> None:
+def test_the_delay_of_a_plan_takes_precedence_over_that_in_the_motors_name() -> None:
     found = catalogue().resolve("F24-4W")
     (shown,) = forecasts(Rocket((), (), None, 0), [(PLAN.with_changes(dry_mass=0.3, delay=7.0), found)], draws=20)
     assert np.median(shown.eject + shown.coast_time) == pytest.approx(7.0, abs=0.6)
     assert plan_parts(PLAN.with_changes(delay=7.0), found)["motor"]["delay_s"] == "7"
 
 
-def test_the_flight_is_paired_and_what_comes_later_is_no_fault_of_the_prediction(ledger: Ledger) -> None:
+def test_changes_after_the_flight_do_not_make_its_prediction_stale(ledger: Ledger) -> None:
     ledger.add([FLOWN])
     ledger.tag("1", "weak_launch")
     ledger.keep_version("Astra", {"effects": []})
@@ -145,14 +145,14 @@ def test_the_flight_is_paired_and_what_comes_later_is_no_fault_of_the_prediction
     assert any("flown 255.0 m" in line and "the interval" in line for line in in_words(one))
 
 
-def test_what_changed_before_the_flight_came_in_stays_said(ledger: Ledger) -> None:
+def test_changes_before_the_flight_remain_listed(ledger: Ledger) -> None:
     ledger.tag("1", "weak_launch")
     ledger.add([FLOWN])
     ledger.untag("1", "weak_launch")
     assert only(ledger).changes == ("flight 1 is tagged",)
 
 
-def test_a_change_taken_back_in_time_is_none(ledger: Ledger) -> None:
+def test_a_change_undone_in_time_does_not_count(ledger: Ledger) -> None:
     ledger.tag("1", "weak_launch")
     ledger.undo()
     ledger.redo()
@@ -161,19 +161,19 @@ def test_a_change_taken_back_in_time_is_none(ledger: Ledger) -> None:
     assert not only(ledger).stale
 
 
-def test_a_flight_on_another_mass_reports_it_and_weather_that_nobody_forecast_does_not(ledger: Ledger) -> None:
+def test_a_different_mass_is_reported_but_not_weather_missing_in_the_plan(ledger: Ledger) -> None:
     ledger.add([FLOWN.with_changes(dry_mass=0.34, temperature=300.0)])
     assert only(ledger).changes == ("dry mass was 320 g, now 340 g",)
 
 
-def test_a_prediction_made_of_a_flight_that_is_known_is_none_of_it(ledger: Ledger) -> None:
+def test_a_prediction_made_after_a_flight_is_not_paired_with_it(ledger: Ledger) -> None:
     ledger.add([FLOWN])
     predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=2.5)])
     one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "4"]
     assert one.made.number == 1
 
 
-def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledger) -> None:
+def test_of_several_unnamed_predictions_the_one_for_the_flown_mass_is_paired(ledger: Ledger) -> None:
     loose = PLAN.with_changes(flight_id="")
     predict_plans(ledger, catalogue(), [loose.with_changes(dry_mass=mass) for mass in (0.33, 0.34, 0.35)])
     ledger.add([FLOWN.with_changes(flight_id="7", dry_mass=0.34)])
@@ -183,7 +183,7 @@ def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledge
 
 
 @pytest.mark.parametrize("later", [0, 1], ids=["in order", "typed in reverse"])
-def test_a_forecast_without_a_name_is_of_the_next_flight_alone(ledger: Ledger, later: int) -> None:
+def test_an_unnamed_forecast_is_only_for_the_next_flight(ledger: Ledger, later: int) -> None:
     predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])
     first = FLOWN.with_changes(flight_id="7")
     second = FLOWN.with_changes(flight_id="5", date_time=datetime(2026, 6, 2, 14), apogee=262.0)
@@ -191,7 +191,7 @@ def test_a_forecast_without_a_name_is_of_the_next_flight_alone(ledger: Ledger, l
     assert {flight for _, flight in by_flight(list_forecasts(ledger, catalogue()))} == {"7"}
 
 
-def test_an_earlier_forecast_that_a_better_one_replaced_is_not_of_the_second_flight(ledger: Ledger) -> None:
+def test_a_replaced_forecast_is_not_paired_with_the_second_flight(ledger: Ledger) -> None:
     for mass in (0.32, 0.33):
         predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="", dry_mass=mass)])
     heavy = FLOWN.with_changes(flight_id="7", dry_mass=0.33)
@@ -211,14 +211,14 @@ def test_a_flight_on_a_drilled_delay_is_compared_with_the_forecast_for_the_delay
     assert one.changes == ("ejection delay was 17 s, now 8 s",)
 
 
-def test_a_date_without_a_time_is_the_whole_day_and_two_weeks_are_the_limit(ledger: Ledger) -> None:
+def test_a_date_without_a_time_means_the_whole_day_and_two_weeks_are_the_limit(ledger: Ledger) -> None:
     predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])
     dates = {"6": datetime(2026, 6, 1), "7": datetime(2026, 6, 1) + timedelta(days=16)}
     ledger.add([FLOWN.with_changes(flight_id=name, date_time=when) for name, when in dates.items()])
     assert set(by_flight(list_forecasts(ledger, catalogue()))) == {("Astra", "6")}
 
 
-def test_of_predictions_that_name_a_flight_the_last_stands(ledger: Ledger) -> None:
+def test_of_predictions_that_name_a_flight_the_last_is_used(ledger: Ledger) -> None:
     predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=5.0)])
     assert [one.state for one in list_forecasts(ledger, catalogue())] == ["replaced", "open"]
 
@@ -231,7 +231,7 @@ def test_predictions_of_an_older_fieldkit_are_paired_without_a_verdict(ledger: L
     assert (one.state, one.changes, one.miss) == ("flown", (), pytest.approx(5.0))
 
 
-def test_the_commands_show_forecast_against_flown(
+def test_the_commands_show_forecast_and_flown_apogees(
     ledger: Ledger, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")

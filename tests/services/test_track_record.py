@@ -19,7 +19,7 @@ from fieldkit.services.track_record import as_planned, record
 CHECK_SHAPES = False
 
 
-def test_a_kept_prediction_is_scored_against_what_was_known_then(
+def test_a_saved_prediction_is_scored_with_what_was_known_then(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     base = Flight("1", "Astra", "A", "F24-4W", datetime(2026, 5, 1), dry_mass=0.32, diameter=0.066, apogee=250.0)

@@ -45,14 +45,14 @@ def figures(found: TypedEstimate) -> list[float]:
         ({"rocket": "Other", "dry_mass": None}, ("mass", "a readout")),
     ],
 )
-def test_nothing_is_reported_if_something_is_missing(
+def test_nothing_is_estimated_if_an_input_is_missing(
     ledger: Ledger, lacks: dict[str, object], expected: object
 ) -> None:
     found = TypedFlight(ledger, catalogue()).estimate(TYPED.with_changes(**lacks))
     assert found == TypedEstimate(needs=expected)
 
 
-def test_each_readout_moves_the_estimate_and_is_taken_back_with_it(ledger: Ledger) -> None:
+def test_each_readout_changes_the_estimate_until_it_is_removed(ledger: Ledger) -> None:
     beside = TypedFlight(ledger, catalogue())
     before = beside.estimate(TYPED)
     usual = figures(before)[7]
@@ -64,14 +64,14 @@ def test_each_readout_moves_the_estimate_and_is_taken_back_with_it(ledger: Ledge
     assert figures(beside.estimate(TYPED)) == figures(before)
 
 
-def test_a_first_flight_is_estimated_from_itself(ledger: Ledger) -> None:
+def test_a_first_flight_is_estimated_from_its_own_readouts(ledger: Ledger) -> None:
     found = TypedFlight(ledger, catalogue()).estimate(TYPED.with_changes(rocket="Other", apogee=250.0))
     assert found.flights == 1
     low, middle, high = figures(found)[6:]
     assert low < middle < high
 
 
-def test_a_kept_preparation_gives_what_a_new_one_gives(ledger: Ledger) -> None:
+def test_a_cached_preparation_gives_the_same_result_as_a_new_one(ledger: Ledger) -> None:
     beside = TypedFlight(ledger, catalogue())
     for apogee in (250.0, 260.0):
         beside.estimate(TYPED.with_changes(apogee=apogee))
@@ -89,7 +89,7 @@ def test_the_next_apogee_is_that_of_the_quick_forecast_once_it_is_saved(ledger: 
 
 @pytest.mark.parametrize("apogee", [0.0, -5.0, 1.0, 9e4, 1e9, math.nan, math.inf])
 @pytest.mark.parametrize("speed", [None, 0.0, 1e6])
-def test_no_figure_is_ever_not_finite(ledger: Ledger, apogee: float, speed: float | None) -> None:
+def test_every_figure_is_finite(ledger: Ledger, apogee: float, speed: float | None) -> None:
     found = TypedFlight(ledger, catalogue()).estimate(TYPED.with_changes(apogee=apogee, top_speed=speed))
     if found.cd is None:
         assert found.implausible_because

@@ -36,7 +36,7 @@ def test_forecasts_of_drawn_ledgers_are_calibrated(found: list[Ranked], figure: 
         assert low <= coverage(own, level) <= high
 
 
-def test_the_table_has_a_line_for_every_group_that_there_is(found: list[Ranked]) -> None:
+def test_the_table_has_a_line_for_every_group(found: list[Ranked]) -> None:
     lines = table(found)
     assert lines[2].startswith("all ")
     assert f"{LEDGERS:5d}" in lines[2]
@@ -51,7 +51,7 @@ def test_a_distorted_posterior_is_noticed(shift: float, width: float) -> None:
     assert uniformity(own) < CHANCE
 
 
-def test_uniform_ranks_are_called_uniform_as_often_as_said() -> None:
+def test_uniform_ranks_are_rejected_at_the_stated_rate() -> None:
     rng = np.random.default_rng(6)
     found = np.array([uniformity(rng.uniform(size=40), seed) for seed in range(100)])
     assert 0 <= (found < 0.1).sum() <= 20

@@ -23,7 +23,7 @@ def made() -> tuple:
     return truth, measure(rng, truth), motors
 
 
-def test_normal_numbers_and_parameters_are_each_others_inverse(made: tuple) -> None:
+def test_normal_inputs_and_parameters_are_inverse_functions(made: tuple) -> None:
     truth, _, _ = made
     diameter = truth.declared[:, 1]
     numbers = np.zeros((len(truth), LATENTS))
@@ -31,7 +31,7 @@ def test_normal_numbers_and_parameters_are_each_others_inverse(made: tuple) -> N
     assert np.stack(parameters(numbers, diameter), axis=-1) == pytest.approx(truth.parameters)
 
 
-def test_what_stands_in_for_a_generator_draws_from_the_same_distributions() -> None:
+def test_the_substitute_for_a_generator_draws_from_the_same_distributions() -> None:
     normals = np.random.default_rng(1).normal(size=(20_000, 3))
     latent = Latent(normals)
     assert latent.normal(3.0, 2.0).std() == pytest.approx(2.0, rel=0.03)
@@ -39,7 +39,7 @@ def test_what_stands_in_for_a_generator_draws_from_the_same_distributions() -> N
     assert np.quantile(latent.standard_t(4.0), 0.95) == pytest.approx(2.132, rel=0.05)
 
 
-def test_a_flight_is_likelier_where_it_was_made_than_with_other_drag(made: tuple) -> None:
+def test_a_flight_is_more_likely_with_its_true_drag_than_with_another(made: tuple) -> None:
     truth, whole, motors = made
     one = problem(truth, whole.only(*SUBSETS["apogee, speed"]), motors)
     numbers = np.zeros((len(truth), 2, LATENTS))

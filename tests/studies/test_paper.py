@@ -56,29 +56,29 @@ def test_the_ensemble_is_as_good_as_the_published_one_on_simulated_flights(found
     assert found.synthetic["alpha_mae"] == pytest.approx(0.071, abs=0.003)
 
 
-def test_no_ensemble_beats_the_bayes_limit_but_by_chance(found: PaperReport) -> None:
+def test_no_ensemble_beats_the_bayes_limit_except_by_chance(found: PaperReport) -> None:
     for name in ("cd", "alpha"):
         slack = 4 * found.synthetic[f"{name}_standard_error"]
         assert found.synthetic[f"{name}_mae"] > found.bayes_limit[f"{name}_mae"] - slack
 
 
-def test_the_bayes_limit_is_where_the_published_errors_are() -> None:
+def test_the_bayes_limit_is_near_the_published_errors() -> None:
     limit = bayes_limit()
     assert limit["cd_mae"] == pytest.approx(0.0878, abs=2e-4)
     assert limit["alpha_mae"] == pytest.approx(0.0707, abs=2e-4)
 
 
-def test_the_bayes_limit_does_not_hang_on_its_grid() -> None:
+def test_the_bayes_limit_does_not_depend_on_its_grid() -> None:
     coarse, fine = bayes_limit(count=60, step=2.5), bayes_limit()
     assert coarse == pytest.approx(fine, abs=2e-4)
 
 
-def test_the_spread_of_the_ensemble_covers_next_to_nothing(found: PaperReport) -> None:
+def test_the_spread_of_the_ensemble_covers_almost_nothing(found: PaperReport) -> None:
     assert 0.01 < found.synthetic["cd_coverage_one_sd"] < 0.10
     assert 0.01 < found.synthetic["alpha_coverage_one_sd"] < 0.10
 
 
-def test_reconstructions_land_where_recipes_of_this_kind_land(found: PaperReport) -> None:
+def test_reconstructions_have_the_errors_typical_of_this_method(found: PaperReport) -> None:
     assert 3 < found.reconstruction["mae_m"] < 18
     assert found.reconstruction["bias_m"] == pytest.approx(found.reconstruction["mae_m"], abs=1)
     for one in found.flights:
@@ -86,18 +86,18 @@ def test_reconstructions_land_where_recipes_of_this_kind_land(found: PaperReport
         assert one["alpha"] == pytest.approx(one["published_alpha"], abs=0.05)
 
 
-def test_the_openrocket_column_misses_by_more_than_stated(found: PaperReport) -> None:
+def test_the_openrocket_column_has_larger_errors_than_stated(found: PaperReport) -> None:
     assert found.openrocket["mae_m"] == pytest.approx(43.6, abs=0.05)
     assert found.openrocket["rmse_m"] == pytest.approx(46.8, abs=0.05)
 
 
-def test_the_published_profile_delivers_too_much(found: PaperReport) -> None:
+def test_the_published_profile_delivers_too_much_impulse(found: PaperReport) -> None:
     motors = found.thrust_profile["motors"]
     assert [round(motor["delivered_ns"], 1) for motor in motors] == [41.3, 64.5, 61.0]
     assert [round(motor["certified_ns"], 1) for motor in motors] == [39.4, 47.3, 49.7]
 
 
-def test_the_profile_makes_the_bias(found: PaperReport) -> None:
+def test_the_profile_causes_the_bias(found: PaperReport) -> None:
     bias = found.thrust_profile["exact_posterior_bias_m"]
     assert bias["published"] == pytest.approx(14.3, abs=0.2)
     assert bias["impulse_normalised"] == pytest.approx(0.7, abs=0.1)
@@ -118,7 +118,7 @@ def test_quadrature_has_converged(flights: Reference) -> None:
         np.testing.assert_allclose(coarse, fine, atol=0.05)
 
 
-def test_the_exact_posterior_finds_an_apogee_that_the_prior_can_produce(flights: Reference) -> None:
+def test_the_exact_posterior_reproduces_an_apogee_within_the_priors_range(flights: Reference) -> None:
     curves = normalised()
     reachable = flights.part(flights.apogee > lowest(flights, curves) + 20)
     assert len(reachable) >= 5
@@ -145,7 +145,7 @@ MAE = {
 """Each rule's mean absolute error, and its tolerance for the choice of integrator and priors. [m]"""
 
 
-def test_every_rule_misses_by_what_is_known(found: PaperReport) -> None:
+def test_every_rule_has_its_known_error(found: PaperReport) -> None:
     assert {rule["rule"] for rule in found.rules} == set(MAE)
     for rule in found.rules:
         expected, tolerance = MAE[rule["rule"]]
@@ -154,7 +154,7 @@ def test_every_rule_misses_by_what_is_known(found: PaperReport) -> None:
     assert all(3.8 < rule["standard_error_m"] < 6.2 for rule in found.rules[:6])
 
 
-def test_no_rule_sees_the_flight_it_forecasts(flights: Reference) -> None:
+def test_no_rule_uses_the_flight_it_forecasts(flights: Reference) -> None:
     arrays = {name: getattr(flights, name).copy() for name in Reference.__slots__ if name != "flights"}
     for name in ("apogee", "published_cd", "published_alpha"):
         arrays[name][1] *= 0.8
@@ -254,13 +254,13 @@ def test_if_the_studies_are_missing_their_commands_say_what_to_install(
 SIMULATE = ("simulate", "--motor", "E35-5W", "--dry-mass-g", 448, "--diameter-mm", 66, "--cd", 0.659, "--alpha", 0.887)
 
 
-def test_simulate_flies_the_papers_first_flight(run: Run) -> None:
+def test_simulate_reproduces_the_papers_first_flight(run: Run) -> None:
     document = json.loads(run(*SIMULATE, "--physics", "paper", "--json"))
     assert document["apogee_m"] == pytest.approx(170.8, abs=0.7)
     assert set(document) >= {"top_speed_mps", "burn_time_s", "coast_to_apogee_s"}
 
 
-def test_simulate_flies_the_field_with_its_conditions(run: Run) -> None:
+def test_simulate_uses_the_conditions_of_the_field(run: Run) -> None:
     calm = json.loads(run(*SIMULATE, "--json"))
     windy = json.loads(run(*SIMULATE, "--wind", "15mph", "--json"))
     high = json.loads(run(*SIMULATE, "--site-elevation-m", 1500, "--json"))
@@ -279,11 +279,11 @@ def test_simulate_flies_the_field_with_its_conditions(run: Run) -> None:
         (("--cd", "nan"), 2, "--cd"),
     ],
 )
-def test_simulate_says_what_is_wrong(run: Run, more: tuple[str, ...], status: int, words: str) -> None:
+def test_simulate_reports_wrong_input(run: Run, more: tuple[str, ...], status: int, words: str) -> None:
     assert words in " ".join(run(*SIMULATE, *more, status=status).split())
 
 
-def test_the_papers_physics_knows_its_motors_only() -> None:
+def test_the_papers_physics_has_only_its_own_motors() -> None:
     plan = Flight(motor="C6-5", dry_mass=0.322, diameter=0.066)
     with pytest.raises(UnknownMotor, match="the paper's physics knows"):
         paper_flight(plan, 0.6, 1.0)
@@ -291,8 +291,8 @@ def test_the_papers_physics_knows_its_motors_only() -> None:
         paper_flight(plan.with_changes(diameter=None), 0.6, 1.0)
 
 
-def test_the_network_of_histories_forecasts_a_flight_that_it_was_not_shown(flights: Reference) -> None:
-    """Another apogee of a flight changes the others' forecasts, but not its own."""
+def test_the_history_network_forecasts_each_flight_without_its_own_apogee(flights: Reference) -> None:
+    """Changing a flight's apogee changes the others' forecasts, but not its own."""
     before = history_forecasts(flights)
     own = list(flights.flights)
     own[1] = own[1].with_changes(apogee=1.3 * float(flights.apogee[1]))

@@ -18,7 +18,7 @@ from studies.reference_posterior.summaries import excess_crps
 from studies.reference_posterior.target import Target, target
 
 
-def test_chains_find_a_normal_distribution_by_a_force_that_is_off() -> None:
+def test_chains_sample_a_normal_distribution_with_an_inexact_force() -> None:
     rng = np.random.default_rng(3)
     root = np.eye(5) + 0.2 * rng.normal(size=(5, 5))
     covariance, mean = root @ root.T, np.arange(5.0)
@@ -72,7 +72,7 @@ def test_the_sampler_agrees_with_the_closed_form_of_a_linear_model() -> None:
     by_scatter = [(read(means[None], {kind: every})[0] - at) * sd for kind, sd in scatter.items()]
     width = data.sd**2
     width[:, 0] += apogee_scatter(model) ** 2
-    # every flight has its own random effects, so that they are noise within a flight: y = A x + noise
+    # every flight has its own random effects, which act as noise within a flight: y = A x + noise
     noise = np.zeros((flights, width.shape[1], flights, width.shape[1]))
     for f in range(flights):
         noise[f, :, f] = sum(np.outer(one[f], one[f]) for one in by_scatter) + np.diag(width[f])
@@ -117,12 +117,12 @@ def test_the_force_of_a_linear_model_is_the_gradient(student: bool) -> None:
     np.testing.assert_allclose(density(place[None])[1][0], gradient, rtol=1e-4, atol=1e-4)
 
 
-def test_the_excess_crps_is_that_of_the_definition() -> None:
+def test_the_excess_crps_agrees_with_its_definition() -> None:
     rng = np.random.default_rng(2)
     exact, forecast = rng.normal(size=400), 0.3 + 1.5 * rng.normal(size=400)
 
     def crps(draws: Array) -> float:
-        """Expected over truths that are the exact draws."""
+        """Expected CRPS over truths that are the exact draws."""
         spread = np.abs(draws[:, None] - draws).mean() / 2
         return float(np.abs(draws[:, None] - exact).mean() - spread)
 

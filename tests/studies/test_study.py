@@ -49,7 +49,7 @@ def pair() -> TwoFlights:
 
 
 @pytest.mark.slow
-def test_the_page_is_what_the_command_writes(tmp_path: Path) -> None:
+def test_the_page_is_the_output_of_the_command(tmp_path: Path) -> None:
     """In a separate process, because it is the longest computation of all tests."""
     command = [sys.executable, "-m", "fieldkit.cli.main", "study", "reference", "--out", str(tmp_path / "page.md")]
     done = subprocess.run(
@@ -62,7 +62,7 @@ def test_the_page_is_what_the_command_writes(tmp_path: Path) -> None:
 
 
 def assert_alike(written: str, here: str) -> None:
-    """The same words, and figures as far as another machine's rounding may move them."""
+    """Check for the same words, and for figures that differ by no more than rounding on another machine."""
     assert NUMBER.sub("#", " ".join(written.split())) == NUMBER.sub("#", " ".join(here.split()))
     for stated, computed in zip(NUMBER.findall(written), NUMBER.findall(here), strict=True):
         assert float(computed) == pytest.approx(float(stated), rel=0.03, abs=0.11)
@@ -72,7 +72,7 @@ def test_the_parts_add_up_to_the_published_bias(flights: Reference, steps: tuple
     assert sum(part.share for part in parts_of(flights, steps)) == pytest.approx(12.3, abs=0.05)
 
 
-def test_the_profile_is_the_bulk_of_it_and_the_shrinkage_less_than_a_meter(
+def test_the_profile_causes_most_of_the_bias_and_shrinkage_less_than_a_meter(
     flights: Reference, steps: tuple[Step, ...]
 ) -> None:
     shares = [part.share for part in parts_of(flights, steps)]
@@ -80,14 +80,14 @@ def test_the_profile_is_the_bulk_of_it_and_the_shrinkage_less_than_a_meter(
     assert 0 < shares[-2] < 1
 
 
-def test_each_motor_s_profile_only_moves_flights_on_it(flights: Reference, steps: tuple[Step, ...]) -> None:
+def test_the_profile_of_a_motor_changes_only_flights_on_it(flights: Reference, steps: tuple[Step, ...]) -> None:
     for motor, (before, after) in enumerate(pairwise(steps[:4])):
         moved = np.abs(after.rebuilt - before.rebuilt) > 1e-6
         assert moved.any()
         assert not moved[flights.motor != motor].any()
 
 
-def test_five_flights_lie_below_the_reach_of_the_prior_and_then_none(steps: tuple[Step, ...]) -> None:
+def test_five_flights_are_below_the_range_of_the_prior_at_first_and_none_later(steps: tuple[Step, ...]) -> None:
     assert [step.below for step in steps] == [5, 5, 3, 0, 0, 0, 0, 0]
 
 
@@ -98,7 +98,7 @@ def test_the_lighter_rocket_should_have_flown_much_higher(pair: TwoFlights) -> N
     assert pair.expected_gain[0.8] > pair.expected_gain[1.0] > pair.expected_gain[1.2] > pair.flown_gain
 
 
-def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -> None:
+def test_every_cause_reproduces_the_apogee_of_the_lighter_flight(pair: TwoFlights) -> None:
     possible = [cause for cause in pair.causes if cause.possible]
     assert {"early_ejection", "motor_thrust", "wind"} <= {
         cause.effect for cause in possible if cause.away < MAX_PRIOR_SDS
@@ -107,14 +107,14 @@ def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -
         assert cause.shows["apogee"] == pytest.approx(174.7, abs=3.0)
 
 
-def test_the_apogee_shows_no_cause_from_another_and_other_readouts_do(pair: TwoFlights) -> None:
+def test_the_apogee_does_not_distinguish_the_causes_but_other_readouts_do(pair: TwoFlights) -> None:
     by_readout = {one.readout: one for one in pair.discriminations}
     assert by_readout["apogee"].distinguished == 0
     assert by_readout["top_speed"].distinguished > 0
     assert by_readout["all five"].distinguished >= max(one.distinguished for one in pair.discriminations)
 
 
-def test_histories_too_short_are_left_out() -> None:
+def test_short_histories_are_left_out() -> None:
     motor = catalogue().resolve("F24")
     flights = [(Flight(str(n), "Kestrel", motor="F24", dry_mass=0.3, apogee=250.0 + n), motor) for n in range(3)]
     assert histories({"Kestrel": flights}) == []
@@ -136,7 +136,7 @@ def test_a_history_is_forecast_forward_in_time() -> None:
 
 
 @pytest.mark.thorough
-def test_the_shortfall_is_traced_to_what_the_flights_were_made_with() -> None:
+def test_the_shortfall_is_traced_to_its_true_cause() -> None:
     """Flights 20% lower than simulated with Cd 0.6: the bias is present at first and gone with all causes."""
     plans = [
         Flight(str(n), rocket=f"R{n % 3}", motor="F24", dry_mass=0.3 + 0.03 * (n % 3), diameter=0.066, date_time=DAY)
@@ -169,14 +169,16 @@ def test_rockets_of_the_shortfall_may_have_readouts_from_logs_beside_displayed_o
     assert np.isfinite(found.worth).all()
 
 
-def test_only_what_is_put_in_is_free_and_no_mean_is_learned() -> None:
+def test_only_added_causes_are_free_and_no_mean_is_learned() -> None:
     bare, whole = restricted(()), restricted(("drag", "mass", "apogee"))
     assert dict(bare.means) == dict(whole.means) == {"drag": pytest.approx(np.log(0.6))}
     assert bare.sd("drag", "rocket") < 0.01 < 0.1 < whole.sd("drag", "rocket")
     assert bare.sd("mass", "fleet") == 0 < whole.sd("mass", "fleet")
 
 
-def test_a_page_goes_where_it_is_reported_or_says_why_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_page_is_written_to_the_given_file_or_the_reason_is_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     ledger = str(tmp_path / "ledger.db")
     assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "page.md")]) == 0
     assert "No rocket has enough flights." in (tmp_path / "page.md").read_text()
@@ -190,7 +192,7 @@ LOGS = ROOT.parent / "shared" / "logs"
 
 @pytest.mark.slow
 @pytest.mark.skipif(not LOGS.is_dir(), reason="the published logs are not beside the checkout")
-def test_the_page_on_the_journal_is_what_the_command_writes(tmp_path: Path) -> None:
+def test_the_page_on_the_journal_is_the_output_of_the_command(tmp_path: Path) -> None:
     ledger = str(tmp_path / "ledger.db")
     tables = [str(LOGS / f"altimetertwo__rocketlaunchjournal_{name}.csv") for name in ("rockets", "launches")]
     assert main(["--ledger", ledger, "import", *tables]) == 0
