@@ -32,7 +32,7 @@ OTHER = ("home", "end", "ctrl+p", "ctrl+s", "ctrl+n", "ctrl+z", "ctrl+c", "f1", 
 KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
 """The keys; those that change the page are more frequent, and none leaves the app."""
 REST = 5.0
-"""After the last key. [s]"""
+"""Time at rest after the last key. [s]"""
 
 
 def resident() -> float:

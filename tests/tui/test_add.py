@@ -49,7 +49,7 @@ async def test_ten_readouts_take_fewer_than_45_keys_besides_their_digits(file: P
     assert flight.dry_mass == pytest.approx(0.448)
 
 
-async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is_undone(
+async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_can_be_undone(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
@@ -72,14 +72,14 @@ async def test_the_whole_cycle_on_a_known_rocket_takes_45_keys_and_every_step_is
         assert len(ledger.flights()) == 12
 
 
-async def test_the_fields_stand_in_the_order_of_the_altimeter(file: Path) -> None:
+async def test_the_fields_are_in_the_order_of_the_altimeter(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "2")
         places = [shown(pilot).index(f"{column.title} ") for column in READOUTS]
         assert places == sorted(places)
 
 
-async def test_a_typo_in_the_third_field_is_a_note_and_no_wall(file: Path) -> None:
+async def test_a_typo_in_the_third_field_gives_a_note_and_does_not_block(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", *typed("2.x"), "enter")
         assert "✗ found" in shown(pilot)
@@ -93,7 +93,7 @@ async def test_a_typo_in_the_third_field_is_a_note_and_no_wall(file: Path) -> No
         assert ledger.flight("13").burn_time == 2.14
 
 
-async def test_figures_at_odds_are_noted_and_taken(file: Path) -> None:
+async def test_contradictory_figures_are_noted_and_accepted(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("100m"), "enter", *typed("100"), "enter", *typed("2"), "enter", "enter")
         await press(pilot, *typed("2"))
@@ -104,7 +104,7 @@ async def test_figures_at_odds_are_noted_and_taken(file: Path) -> None:
         assert "Saved flight 13" in words(pilot)
 
 
-async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) -> None:
+async def test_every_key_is_saved_and_a_dead_battery_loses_nothing(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("923ft"), "enter", *typed("14"))
         with Ledger.open(file) as ledger:
@@ -125,7 +125,7 @@ async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) ->
         assert screen.field("apogee").line.value == "923ft", "started over by a slip"
 
 
-async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_undo(file: Path) -> None:
+async def test_enter_begins_the_next_flight_and_undo_corrects_the_last_one(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
         assert "Saved flight 13" in words(pilot)
@@ -146,7 +146,7 @@ async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_un
         assert [flight.apogee for flight in ledger.flights()[12:]] == [pytest.approx(281.33, abs=0.01)]
 
 
-async def test_what_is_typed_before_the_ledger_was_read_joins_the_draft(file: Path) -> None:
+async def test_input_typed_before_the_ledger_is_read_is_added_to_the_draft(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.keep_draft(DRAFT, {"top_speed": "140mph"})
     held, begin = Event(), Draft.begin
@@ -167,7 +167,7 @@ async def test_what_is_typed_before_the_ledger_was_read_joins_the_draft(file: Pa
         assert ledger.draft(DRAFT) == {"top_speed": "140mph", "apogee": "923ft"}
 
 
-async def test_another_rocket_suggests_other_answers(file: Path) -> None:
+async def test_another_rocket_has_other_suggestions(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a")
         screen = pilot.app.screen
@@ -177,7 +177,7 @@ async def test_another_rocket_suggests_other_answers(file: Path) -> None:
         assert screen.field("dry_mass").line.value == "322 g"
 
 
-async def test_a_digit_too_many_is_noted_by_the_flights_before_on_this_motor(file: Path) -> None:
+async def test_an_extra_digit_is_noted_from_earlier_flights_on_this_motor(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("1940"))
         assert "apogee 1940 m is 9.9 times the usual 196.3 m of this rocket and motor" in text_of(pilot, "#says")
@@ -194,7 +194,7 @@ async def test_a_digit_too_many_is_noted_by_the_flights_before_on_this_motor(fil
         assert "times the usual" not in text_of(pilot, "#says")
 
 
-async def test_an_unknown_motor_is_reported_with_the_nearest(file: Path) -> None:
+async def test_an_unknown_motor_is_reported_with_similar_names(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a")
         screen = pilot.app.screen
@@ -204,7 +204,7 @@ async def test_an_unknown_motor_is_reported_with_the_nearest(file: Path) -> None
         assert "found no such motor; nearest" in words(pilot)
 
 
-async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_reported(tmp_path: Path) -> None:
+async def test_a_flight_without_a_dry_mass_is_saved_with_a_note(tmp_path: Path) -> None:
     async with opened(tmp_path / "new.db") as pilot:
         await press(
             pilot, "a", *typed("Comet"), "enter", "enter", *typed("C6-5"), "enter", "enter", *typed("104"), "ctrl+s"
@@ -214,7 +214,7 @@ async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_reporte
         assert "Saved flight 1. u to undo." in words(pilot)
 
 
-async def test_a_rocket_weighed_with_its_motor_has_the_dry_mass_that_is_left(tmp_path: Path) -> None:
+async def test_the_dry_mass_follows_from_the_mass_weighed_with_the_motor(tmp_path: Path) -> None:
     async with opened(tmp_path / "new.db") as pilot:
         await press(
             pilot, "a", *typed("Comet"), "enter", "enter", *typed("F24-4W"), "enter", "enter", *typed("250"), "enter"
@@ -232,7 +232,7 @@ async def test_a_rocket_weighed_with_its_motor_has_the_dry_mass_that_is_left(tmp
         assert ledger.flight("1").dry_mass == pytest.approx(18 * 0.028349523 - 0.0629, abs=1e-4)
 
 
-async def test_nothing_typed_is_not_saved(file: Path) -> None:
+async def test_an_empty_form_is_not_saved(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", "ctrl+s")
         assert "expected at least one; nothing was saved" in words(pilot)
@@ -252,7 +252,7 @@ async def test_help_explains_a_field_and_a_question_mark_is_a_letter_in_the_note
         assert screen.field("notes").line.value == "?"
 
 
-async def test_an_apogee_far_from_all_that_was_expected_is_questioned_before_it_is_saved(file: Path) -> None:
+async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("65ft"), "ctrl+s")
         assert "The apogee is 19.8 m" in words(pilot)
@@ -269,7 +269,7 @@ async def test_an_apogee_far_from_all_that_was_expected_is_questioned_before_it_
         assert ledger.flight("13").apogee == pytest.approx(19.812)
 
 
-async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_did(
+async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
@@ -293,7 +293,7 @@ async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_d
         assert pilot.app.focused is screen.field("apogee").line
 
 
-async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
+async def test_saving_a_forecast_can_be_undone_separately(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter", "u", "_")
         assert "Undone: forecast Astra" in words(pilot)
@@ -302,7 +302,7 @@ async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
         assert len(ledger.flights()) == 12
 
 
-async def test_a_unit_typed_in_one_field_leaves_numbers_typed_before_as_they_were(file: Path) -> None:
+async def test_a_unit_typed_in_one_field_does_not_change_numbers_typed_earlier(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("281"), *["enter"] * 7, *typed("900ft"), "enter", "ctrl+s", "_")
         assert "Saved flight 13" in words(pilot)

@@ -12,10 +12,10 @@ from fieldkit.tui.loop import loop_page
 from tests.pressing import opened, press, season
 
 PATIENCE = 20.0
-"""How long a look may take to be given up on a machine that does ten other things. [s]"""
+"""Time limit for canceling a request, on a busy machine. [s]"""
 
 
-async def test_a_look_at_the_ledger_that_is_due_while_the_app_closes_is_left_out(tmp_path: Path) -> None:
+async def test_a_reload_due_while_the_app_closes_is_skipped(tmp_path: Path) -> None:
     app = FieldkitApp(tmp_path / "ledger.db", tmp_path / "settings.json")
     async with app.run_test():
         pass
@@ -23,7 +23,7 @@ async def test_a_look_at_the_ledger_that_is_due_while_the_app_closes_is_left_out
     app.look_round()
 
 
-async def test_a_look_is_given_up_for_the_next_and_when_the_app_is_left(
+async def test_a_request_is_canceled_by_the_next_and_when_the_app_closes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun: list[int] = []

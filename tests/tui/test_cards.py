@@ -34,7 +34,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "ledger.db"
 
 
-def test_a_readout_measured_in_a_log_says_how_sure_it_is_in_the_units_shown() -> None:
+def test_a_readout_measured_in_a_log_has_its_uncertainty_in_the_displayed_units() -> None:
     flight = Flight(apogee=162.8, sd={"apogee": 1.0})
     assert logged.readout(flight, BY_NAME["apogee"], "SI") == "162.8 ± 1 m"
     assert logged.readout(flight, BY_NAME["apogee"], "US") == "534 ± 3.3 ft"
@@ -42,7 +42,7 @@ def test_a_readout_measured_in_a_log_says_how_sure_it_is_in_the_units_shown() ->
     assert logged.readout(Flight(sd={"apogee": 1.0}), BY_NAME["apogee"], "SI") == ""
 
 
-def test_what_a_log_brought_is_reported_in_words_with_units_behind_the_figures() -> None:
+def test_values_from_a_log_are_described_in_words_with_units() -> None:
     assert logged.beside(LOGGED | KEPT, "SI") == [
         ("Apogee, stated", "161.5 m"),
         ("Time to apogee", "5.707 ± 0.12 s"),
@@ -54,7 +54,7 @@ def test_what_a_log_brought_is_reported_in_words_with_units_behind_the_figures()
     assert logged.beside({"stated_apogee_m": "high"}, "SI") == [("Apogee, stated", "high")]
 
 
-def test_names_in_wide_characters_move_no_value_out_of_its_column() -> None:
+def test_names_in_wide_characters_do_not_shift_columns() -> None:
     rows = (Interval("飛行機雲 F39", 1.0, 2.0, 3.0), Interval("12 F39", 1.0, 2.0, 3.0))
     drawn = str(Intervals(rows, str, {})).splitlines()
     assert cell_len(drawn[0]) == cell_len(drawn[1]) <= 76
@@ -63,7 +63,7 @@ def test_names_in_wide_characters_move_no_value_out_of_its_column() -> None:
 
 
 @given(st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3), st.integers(10, 200))
-def test_an_interval_on_its_own_scale_reaches_from_edge_to_edge(ends: list[float], width: int) -> None:
+def test_an_interval_on_its_own_scale_spans_the_full_width(ends: list[float], width: int) -> None:
     low, middle, high = sorted(ends)
     line = bar(Interval("", low, middle, high), low, high, width)
     assert len(line) == width
@@ -72,7 +72,7 @@ def test_an_interval_on_its_own_scale_reaches_from_edge_to_edge(ends: list[float
         assert set(line) <= set("├─●┤")
 
 
-def test_intervals_stand_below_each_other_on_one_scale_with_its_ends_and_marks_below() -> None:
+def test_intervals_share_one_scale_with_ends_and_ticks_below() -> None:
     rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
     lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()
     assert lines[0].index("●") < lines[0].index("◎")
@@ -89,7 +89,7 @@ def test_a_motor_is_described_in_words_with_its_units() -> None:
     assert facts["loaded mass"].endswith(" oz")
 
 
-def test_a_site_shows_its_air_and_what_its_safety_lines_lack() -> None:
+def test_a_site_shows_its_air_and_what_its_safety_checks_lack() -> None:
     flights = [Flight(flight_id="1", rocket="Comet", site="Hill", apogee=200.0, site_elevation=1000.0)]
     (place,) = placed(grouped(["1"], flights, "site"), [Site("Hill", ceiling=300.0)])
     shown = "\n".join(map(str, setup_card.of_site(place, "SI").blocks))
@@ -98,13 +98,13 @@ def test_a_site_shows_its_air_and_what_its_safety_lines_lack() -> None:
     assert "field size  not known" in shown
 
 
-def test_what_is_too_long_shows_its_beginning_or_its_tail() -> None:
+def test_overlong_text_shows_its_beginning_or_its_end() -> None:
     assert fitted("flight-dd2afbb08f", 8, False) == "flight-…"
     assert fitted("flight-dd2afbb08f", 8, False, True) == "…afbb08f"
     assert fitted("12", 4, True, True) == "  12"
 
 
-async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_row(file: Path) -> None:
+async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path) -> None:
     with Ledger.open(file) as ledger:
         assert ledger.names("rocket") == ["Astra"]
     async with opened(file, (160, 50)) as pilot:
@@ -115,7 +115,7 @@ async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_ro
         assert "E35-5W 4 times, to between 131.1 and 174.7 m" in words(pilot)
         await press(pilot, "right")
         assert "281.3 m Astra F24-4W" in words(pilot)
-        await press(pilot, "right", "right")  # past the kits
+        await press(pilot, "right", "right")  # after the kits
         assert "Enter switches to the next; so does N" in words(pilot)
 
 
@@ -132,7 +132,7 @@ async def test_a_rocket_with_a_design_shows_its_centers_and_its_stability(file: 
         assert "stability 0.8 calibers off the rod, as simulated ⊘ below 1" in words(pilot)
 
 
-async def test_a_filter_that_nothing_holds_reports_it(file: Path) -> None:
+async def test_a_filter_without_matches_reports_it(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "slash", *typed("zzz"))
         assert "no flight matches all of these words" in words(pilot)

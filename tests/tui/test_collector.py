@@ -16,7 +16,9 @@ def as_it_was() -> Iterator[None]:
     gc.unfreeze()
 
 
-async def test_what_an_app_that_stays_has_read_is_passed_by(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_collector_skips_data_that_the_running_app_has_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     frozen(monkeypatch)
     season(tmp_path / "ledger.db")
     async with opened(tmp_path / "ledger.db", stays=True):
@@ -35,17 +37,17 @@ def rings() -> int:
     return sum(type(one) is Ring for one in gc.get_objects())
 
 
-def test_garbage_is_not_kept_by_what_is_passed_by() -> None:
+def test_skipping_permanent_data_does_not_keep_garbage_alive() -> None:
     passed_by = PassedBy()
     passed_by.extend()
     for _ in range(100):
         Ring()
-    gc.collect(1)  # what is left of them is old
+    gc.collect(1)  # the remaining ones are old
     passed_by.extend()
     assert rings() == 0
 
 
-def test_what_became_garbage_later_goes_when_there_is_much_more() -> None:
+def test_later_garbage_is_collected_once_there_is_much_more() -> None:
     passed_by, held = PassedBy(), [Ring() for _ in range(100)]
     passed_by.extend()
     held.clear()

@@ -33,7 +33,7 @@ def fails(*_: object) -> None:
     raise ValueError("flight 12 of Astra reached 281.3 m")
 
 
-def test_a_crash_file_holds_nothing_of_the_flyer(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_crash_file_contains_no_private_data(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(Path(__file__).parents[2]))
     try:
         secret = "Astra"
@@ -58,12 +58,12 @@ def test_only_the_newest_crash_files_are_kept(file: Path) -> None:
     assert len(crash_files(file)) == MAX_CRASH_FILES
 
 
-def test_if_no_file_can_be_kept_the_line_reports_it(file: Path) -> None:
+def test_if_no_crash_file_can_be_saved_the_line_reports_it(file: Path) -> None:
     (file.parent / "home").write_text("in the way", encoding="ascii")
     assert "no report could be saved" in record(ValueError()).line()
 
 
-async def test_a_key_that_fails_leaves_everything_where_it_is(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_failing_key_changes_nothing_on_the_screen(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FlightsScreen, "action_sort", fails)
     async with opened(file) as pilot:
         await press(pilot, "down", "down", "s", "s")
@@ -76,7 +76,9 @@ async def test_a_key_that_fails_leaves_everything_where_it_is(file: Path, monkey
     assert len(crash_files(file)) == 1  # the same place twice
 
 
-async def test_work_that_fails_leaves_everything_where_it_is(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_failing_background_work_changes_nothing_on_the_screen(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(file) as pilot:
         monkeypatch.setattr(pilot.app.resources.ledger.__class__, "undo", fails)
         await press(pilot, "ctrl+z")
@@ -88,7 +90,7 @@ async def test_work_that_fails_leaves_everything_where_it_is(file: Path, monkeyp
 
 
 @pytest.mark.parametrize("key", ["pagedown", "pageup", "ctrl+end", "down", "up"])
-async def test_the_palette_takes_keys_before_it_is_there(file: Path, key: str) -> None:
+async def test_keys_pressed_before_the_palette_opens_go_to_it(file: Path, key: str) -> None:
     async with opened(file) as pilot:
         await hurry(pilot, "ctrl+p", key, key)
         await press(pilot, "escape")
@@ -103,7 +105,7 @@ async def started(pilot: Pilot[None]) -> None:
 
 
 def wider(pilot: Pilot[None]) -> None:
-    """Make the terminal wider, and wait for nothing: what lays the table out fails."""
+    """Make the terminal wider without waiting: laying out the table fails."""
     pilot.app.screen.post_message(events.Resize(Size(90, 30), Size(90, 30)))
 
 
@@ -117,7 +119,7 @@ def run_with(scripts: list[Keys], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FieldkitApp, "run", without_terminal)
 
 
-def test_an_error_in_a_widget_opens_the_app_again_where_one_was(
+def test_after_an_error_in_a_widget_the_app_reopens_in_the_same_place(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     seen: list[str] = []
@@ -163,7 +165,7 @@ def test_an_app_that_fails_again_and_again_gives_up_in_a_line(file: Path, monkey
 
 
 async def test_an_app_whose_terminal_is_gone_leaves_no_crash_file(file: Path) -> None:
-    """Drawing on a closed terminal is no error in fieldkit: the app ends."""
+    """Drawing on a closed terminal is not an error in fieldkit: the app ends."""
     async with opened(file) as pilot:
         pilot.app.survive(BrokenPipeError())  # type: ignore[attr-defined]
         assert pilot.app._exit

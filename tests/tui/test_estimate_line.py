@@ -26,7 +26,7 @@ def figures(line: str) -> tuple[float, float]:
     return float(found[1]), float(found[2])
 
 
-async def test_figures_move_with_each_readout_that_is_typed(file: Path) -> None:
+async def test_figures_change_with_each_typed_readout(file: Path) -> None:
     async with opened(file, (120, 40)) as pilot:
         await press(pilot, "a")
         before = figures(text_of(pilot, "#estimate"))
@@ -46,7 +46,7 @@ async def test_a_wide_screen_draws_the_intervals(file: Path, width: int, bars: i
     assert all(figures(line))
 
 
-async def test_what_is_missing_is_named_and_figures_come_with_it(file: Path) -> None:
+async def test_missing_input_is_named_and_figures_appear_once_it_is_entered(file: Path) -> None:
     async with opened(file, (120, 40)) as pilot:
         await press(pilot, "a")
         page = pilot.app.screen
@@ -58,7 +58,7 @@ async def test_what_is_missing_is_named_and_figures_come_with_it(file: Path) -> 
         assert figures(text_of(pilot, "#estimate"))
 
 
-async def test_keys_in_a_row_ask_for_the_last_flight_alone(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_of_keys_in_a_row_only_the_last_requests_an_estimate(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
     estimate = TypedFlight.estimate
     monkeypatch.setattr(TypedFlight, "estimate", lambda self, flight: asked.append(flight) or estimate(self, flight))

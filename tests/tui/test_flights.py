@@ -35,7 +35,7 @@ def table_keys(pilot: Pilot[None]) -> list[str]:
     return list(pilot.app.screen.query_one(Table).keys)
 
 
-async def test_flights_are_listed_newest_first_with_what_each_says(file: Path) -> None:
+async def test_flights_are_listed_newest_first_with_their_figures(file: Path) -> None:
     async with opened(file) as pilot:
         assert table_keys(pilot) == [str(number) for number in range(12, 0, -1)]
         line = next(line for line in shown(pilot).splitlines() if line.startswith("▸12"))
@@ -62,7 +62,7 @@ async def test_forecast_flown_and_target_are_drawn_from_100_columns(file: Path) 
             )
 
 
-async def test_a_filter_narrows_while_it_is_typed_and_takes_any_words(file: Path) -> None:
+async def test_a_filter_narrows_while_typed_and_accepts_any_words(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "slash", *typed("weak"))
         assert table_keys(pilot) == ["6", "5"]
@@ -73,7 +73,7 @@ async def test_a_filter_narrows_while_it_is_typed_and_takes_any_words(file: Path
         assert "0 of 12" in shown(pilot)
 
 
-async def test_in_a_filter_letters_and_the_slash_are_letters(file: Path) -> None:
+async def test_in_a_filter_letters_and_the_slash_are_text(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "slash", *typed("a/b"), "left", "backspace", "slash")
         assert pilot.app.screen.query_one(Input).value == "a/b"
@@ -89,7 +89,7 @@ async def test_the_line_of_keys_keeps_its_height_when_a_search_is_typed(file: Pa
         assert "Enter Done" in str(keys.content)
 
 
-async def test_any_column_sorts_by_key_and_by_mouse(file: Path) -> None:
+async def test_any_column_can_be_sorted_by_key_and_by_mouse(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "s", "s", "s", "s")
         assert "apogee▼" in shown(pilot)
@@ -134,7 +134,7 @@ async def test_a_tall_terminal_shows_the_rocket_below_a_flight_without_a_log(fil
         assert not pilot.app.screen.query_one(RocketStrip).display
 
 
-async def test_a_plot_fills_its_place_in_a_terminal_that_has_grown(file: Path) -> None:
+async def test_a_plot_fills_its_area_after_the_terminal_has_grown(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "enter")
         plot = pilot.app.screen.query_one("#drag", Plot)
@@ -172,14 +172,14 @@ async def test_enter_typed_twice_opens_a_flight_once(file: Path) -> None:
         assert table_keys(pilot)
 
 
-async def test_a_flight_opens_in_the_colours_chosen_since_the_last_one(file: Path) -> None:
+async def test_a_flight_opens_in_the_newly_chosen_colors(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "enter", "escape", "T", "enter")
         assert pilot.app.theme == "sun"
         assert pilot.app.screen.styles.background.rgb == (255, 255, 255)
 
 
-async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
+async def test_a_log_is_plotted_with_its_events(tmp_path: Path) -> None:
     from fieldkit.services.imports import bring_in
     from tests.pressing import ROOT
 
@@ -200,7 +200,7 @@ async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
         assert "PerfectFlite" in words(pilot)
 
 
-async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Path) -> None:
+async def test_the_effect_of_a_tag_is_shown_at_once_and_can_be_undone(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "t")
         assert "2 · Astra A" in shown(pilot)
@@ -219,7 +219,7 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
 
 
 @pytest.mark.parametrize("keys", [("x",), ("enter", "delete")], ids=["table", "flight"])
-async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str, ...]) -> None:
+async def test_a_flight_is_removed_and_restored(file: Path, keys: tuple[str, ...]) -> None:
     async with opened(file) as pilot:
         await press(pilot, *keys, "_")
         assert "Removed flight 12. u to undo" in words(pilot)
@@ -228,7 +228,7 @@ async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str,
         assert "12 of 12" in shown(pilot)
 
 
-async def test_what_another_program_does_to_the_ledger_is_seen(file: Path) -> None:
+async def test_changes_of_the_ledger_by_another_program_are_shown(file: Path) -> None:
     async with opened(file) as pilot:
         with Ledger.open(file) as ledger:
             ledger.remove("12")
@@ -241,13 +241,13 @@ async def test_what_another_program_does_to_the_ledger_is_seen(file: Path) -> No
         assert "12 of 12" in shown(pilot)
 
 
-async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
+async def test_a_user_can_type_a_new_tag(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "t", "end", "enter", *typed("windy"), "enter")
         assert "[x] windy" in shown(pilot)
 
 
-async def test_a_flight_is_edited_in_the_form_of_add_and_slips_are_questioned(file: Path) -> None:
+async def test_a_flight_is_edited_in_the_form_of_the_add_page_and_typos_are_questioned(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "enter", "e", *["down"] * 4, *typed("2o2"), "ctrl+s")
         assert "✗ found the unit 'o2'" in words(pilot)
@@ -291,7 +291,7 @@ async def test_text_from_files_is_shown_without_markup_and_escapes(tmp_path: Pat
                 assert "[red]N" in shown(pilot), keys
 
 
-async def test_a_damaged_ledger_is_a_notice_and_not_a_crash(tmp_path: Path) -> None:
+async def test_a_damaged_ledger_gives_a_notice_and_not_a_crash(tmp_path: Path) -> None:
     (tmp_path / "ledger.db").write_bytes(b"not a ledger at all, " * 100)
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "this file is not a ledger" in words(pilot)
@@ -299,7 +299,7 @@ async def test_a_damaged_ledger_is_a_notice_and_not_a_crash(tmp_path: Path) -> N
         assert "error" in words(pilot)
 
 
-async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_log(file: Path) -> None:
+async def test_beside_the_table_are_the_cd_of_the_configuration_and_the_climb_from_the_log(file: Path) -> None:
     with Ledger.open(file) as ledger:
         bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
     async with opened(file) as pilot:
@@ -321,7 +321,7 @@ async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_l
         assert sum(line[beside:].count("●") for line in shown(pilot).splitlines()) == 4
 
 
-async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
+async def test_an_empty_ledger_shows_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "No flights yet" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
@@ -336,7 +336,7 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         assert "no flights of it, only other rockets" in text_of(pilot, "#more")
 
 
-async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_seconds(file: Path) -> None:
+async def test_editing_a_flight_keeps_hidden_decimals_and_seconds(file: Path) -> None:
     when = datetime(2026, 5, 1, 10, 30, 15)
     with Ledger.open(file) as ledger:
         ledger.edit("2", date_time=when)
@@ -352,7 +352,7 @@ async def test_a_flight_is_edited_in_decimals_that_are_not_shown_and_keeps_its_s
     assert (flight.date_time, flight.apogee) == (when, 281.34)
 
 
-async def test_a_log_that_is_read_while_the_page_closes_is_dropped(file: Path) -> None:
+async def test_a_log_read_while_the_page_closes_is_discarded(file: Path) -> None:
     async with opened(file, (160, 60)) as pilot:
         page = pilot.app.screen
         assert isinstance(page, FlightsScreen)

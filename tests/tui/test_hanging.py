@@ -23,18 +23,18 @@ def drawn(block: Hanging, width: int = WIDTH) -> list[str]:
     return [strip.text.rstrip() for strip in strips]
 
 
-def test_a_value_continues_below_where_it_begins() -> None:
+def test_a_wrapped_value_continues_below_its_beginning() -> None:
     card = cards.lines("Air", [("air", "1.2 kg/m³ at the pad, as it is on a standard day")], 6)
     assert drawn(card) == ["Air", "air     1.2 kg/m³ at the pad, as it is", "        on a standard day"]
 
 
-def test_a_line_hangs_behind_its_name_below_its_blanks_or_a_little_to_the_right() -> None:
+def test_a_wrapped_line_is_indented_to_its_name_its_spaces_or_slightly_right() -> None:
     words = "what runs on and on until it has to be broken"
     named, blank, bare = (drawn(hanging([lead + words]))[1] for lead in ("  air    ", "    ", ""))
     assert [len(line) - len(line.lstrip()) for line in (named, blank, bare)] == [9, 4, 2]
 
 
-def test_a_narrow_place_is_not_spent_on_blanks() -> None:
+def test_a_narrow_column_is_not_wasted_on_spaces() -> None:
     card = cards.lines("", [("Average acceleration", "a figure of which there is much to say")], 20)
     assert drawn(card, 30)[1].startswith("  ")
     assert not drawn(card, 30)[1].startswith("   ")
@@ -45,6 +45,6 @@ def test_blocks_are_separate() -> None:
 
 
 @given(st.text(), st.integers(8, 60))
-def test_no_letter_is_lost_and_none_stands_outside(text: str, width: int) -> None:
+def test_no_letter_is_lost_or_outside_of_the_column(text: str, width: int) -> None:
     letters = "".join("".join(drawn(hanging([text]), width)).split())
     assert letters == "".join(printable(text).split())

@@ -25,7 +25,9 @@ CHECK_SHAPES = False
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)  # signed in a frozen past
+    monkeypatch.setattr(
+        "fieldkit.services.saved_forecasts._lapsed", lambda _: False
+    )  # created at a frozen time in the past
     return at_home(tmp_path, monkeypatch)
 
 
@@ -35,7 +37,7 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "new.db"
 
 
-async def test_the_app_opens_on_what_is_next(file: Path) -> None:
+async def test_the_app_opens_on_the_next_flight(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         assert isinstance(pilot.app.screen, HomeScreen)
         seen = words(pilot)
@@ -50,7 +52,7 @@ async def test_the_app_opens_on_what_is_next(file: Path) -> None:
 
 
 async def resized(pilot: Pilot[None], width: int, height: int) -> None:
-    """Another size of the terminal, once the screen has taken it up."""
+    """Change the size of the terminal, and wait until the screen has it."""
     was = pilot.app.screen.classes
     await pilot.resize_terminal(width, height)
     while pilot.app.screen.classes == was:
@@ -85,7 +87,7 @@ async def test_a_choice_is_one_key_or_one_click(file: Path, key: str, page: str)
         assert pilot.app.current_mode == page
 
 
-async def test_a_saved_forecast_waits_on_the_first_page_until_it_is_flown(file: Path) -> None:
+async def test_a_saved_forecast_is_on_the_first_page_until_it_is_flown(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await press(pilot, "f", "_", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "escape", "0")
         assert "Astra B on AeroTech F39T" in text_of(pilot, "#next .heading")
@@ -119,7 +121,7 @@ async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty
         assert not ledger.draft("plan")
 
 
-async def test_the_demo_rocket_is_loaded_and_taken_out_again(empty: Path) -> None:
+async def test_the_demo_rocket_is_loaded_and_removed_again(empty: Path) -> None:
     async with opened(empty, page="home") as pilot:
         await press(pilot, "down", "enter", "_")
         assert "Loaded 12 flights of the demo rocket. u to undo" in words(pilot)
@@ -129,14 +131,14 @@ async def test_the_demo_rocket_is_loaded_and_taken_out_again(empty: Path) -> Non
 
 
 @pytest.mark.parametrize("page", ["flights", "next_flight", "loop"])
-async def test_no_page_is_a_black_screen_with_a_line(empty: Path, page: str) -> None:
+async def test_no_page_is_empty_except_for_one_line(empty: Path, page: str) -> None:
     async with opened(empty, page=page) as pilot:
         seen = words(pilot)
         for text in ("No flights yet", "0 Home", "describe a rocket or load the demo rocket", "3 Import"):
             assert text in seen
 
 
-async def test_weather_typed_once_is_in_every_plan_and_flight_of_the_day(file: Path) -> None:
+async def test_weather_entered_once_is_in_every_plan_and_flight_of_the_day(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await press(pilot, "e", *typed("8mph"), "enter", *typed("72f"), "ctrl+s", "_")
         assert "Weather saved for today. u to undo" in words(pilot)
@@ -165,7 +167,7 @@ async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
         assert ledger.flight("13").date_time == datetime(2026, 5, 2)
 
 
-async def test_a_rocket_that_nobody_knows_is_questioned_before_it_is_saved(file: Path) -> None:
+async def test_an_unknown_rocket_is_questioned_before_it_is_saved(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a")
         screen = pilot.app.screen
@@ -183,7 +185,7 @@ async def test_a_rocket_that_nobody_knows_is_questioned_before_it_is_saved(file:
         assert "Saved flight 13" in words(pilot)
 
 
-async def test_a_motor_is_picked_as_it_is_typed(file: Path) -> None:
+async def test_a_motor_can_be_picked_while_typing(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a")
         screen = pilot.app.screen
@@ -260,7 +262,7 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         assert not ledger.flights()
 
 
-async def test_the_profile_of_a_flight_is_not_that_of_another_that_had_its_id(tmp_path: Path) -> None:
+async def test_the_profile_of_a_flight_is_not_that_of_another_with_its_former_id(tmp_path: Path) -> None:
     log = "perfectflite__drogue_and_main.pf2"
     shutil.copy(ROOT / "sample_logs" / log, tmp_path)
     (tmp_path / "table.csv").write_text(f"flight_id,rocket,apogee_m,log\n1,Comet,,{log}\n")

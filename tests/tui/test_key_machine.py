@@ -60,12 +60,12 @@ class Keys(RuleBasedStateMachine):
 
     @rule(keys=st.lists(st.sampled_from((*LETTERS, *NAMED)), min_size=1, max_size=8))
     def press(self, keys: list[str]) -> None:
-        """Keys of a page, a table or a line."""
+        """Press a key of a page, a table or an input line."""
         self.runner.run(self._pressed(keys))
 
     @rule(key=st.sampled_from(OTHER), then=st.sampled_from(NAMED))
     def press_beside(self, key: str, then: str) -> None:
-        """A key of the app itself, and another at once."""
+        """Press a key of the app itself, and another at once."""
         self.runner.run(self._pressed([key, then]))
 
     @rule(id=st.integers(1, 12), label=st.sampled_from(("mine", "off_axis")))
@@ -117,11 +117,11 @@ def run(number: int, examples: int, steps: int) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a file that is open cannot be removed")
-def test_a_few_steps_of_the_app_leave_all_as_it_should_be() -> None:
+def test_a_few_steps_leave_the_app_in_a_valid_state() -> None:
     run(1, examples=1, steps=8)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", SEEDS)
-def test_any_steps_of_the_app_leave_all_as_it_should_be(number: int) -> None:
+def test_any_steps_leave_the_app_in_a_valid_state(number: int) -> None:
     run(number, examples=15, steps=40)

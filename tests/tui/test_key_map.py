@@ -14,7 +14,7 @@ from fieldkit.tui.page import PageScreen
 pytestmark = pytest.mark.fast
 
 KINDS = ("b", "e", "r", "x")
-"""Keys with one word for different kinds of things: the next rocket, edit, reload, or remove what the page shows."""
+"""Keys with one label for different kinds of objects: select the next, edit, reload, or remove what the page shows."""
 
 
 def bindings() -> list[Binding]:
@@ -34,7 +34,7 @@ def _single(binding: Binding) -> list[Binding]:
 
 
 def test_a_key_has_one_meaning() -> None:
-    """The same word and the same function: `p` plans the next flight, it does not also edit a contest day."""
+    """The same label and the same function: `p` plans the next flight and does not also edit a contest day."""
     meanings = defaultdict(set)
     for binding in bindings():
         if binding.key == "space" or (len(binding.key) == 1 and binding.key.isalpha()):
@@ -45,7 +45,7 @@ def test_a_key_has_one_meaning() -> None:
     assert len(meanings) > 20
 
 
-def test_what_changes_the_model_takes_a_capital_letter() -> None:
+def test_keys_that_change_the_model_are_capital_letters() -> None:
     keys = {binding.action: binding.key for binding in bindings()}
     assert keys["accept"] == "A"
     assert keys["decline"] == "D"

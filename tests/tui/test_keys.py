@@ -21,21 +21,21 @@ def keys(sent: str, *, typed: bool = False) -> list[str]:
 
 @pytest.mark.parametrize("first", NAMES)
 @pytest.mark.parametrize("second", NAMES)
-def test_two_keys_that_come_together_are_the_keys_that_were_pressed(first: str, second: str) -> None:
+def test_two_keys_that_arrive_together_are_read_as_pressed(first: str, second: str) -> None:
     assert keys(first + second) == [NAMES[first], NAMES[second]]
 
 
 @pytest.mark.parametrize("sent", ["\r", "\n", "a\r1", "\x1b[A\n"])
-def test_enter_counts_behind_any_key(sent: str) -> None:
+def test_enter_is_read_after_any_key(sent: str) -> None:
     assert "enter" in keys(sent)
 
 
 @pytest.mark.parametrize(("sent", "key"), [("\x1b[1;3D", "alt+left"), ("\x1bOP", "f1"), ("\x1b[Z", "shift+tab")])
-def test_longer_sequences_stay_whole(sent: str, key: str) -> None:
+def test_longer_sequences_are_not_split(sent: str, key: str) -> None:
     assert keys(sent) == [key]
 
 
 @pytest.mark.parametrize("letter", "£§ºª")
-def test_a_letter_that_a_line_takes_is_no_digit(letter: str) -> None:
+def test_a_letter_typed_into_an_input_is_not_a_digit(letter: str) -> None:
     (key,) = keys(letter, typed=True)
     assert key not in ("escape", *"0123456789")

@@ -1,4 +1,4 @@
-"""Kits in the app: listed, added, changed, deleted, and offered as rockets, by keys alone."""
+"""Kits in the app: listed, added, changed, deleted, and offered as rockets, using only keys."""
 
 from pathlib import Path
 
@@ -38,7 +38,7 @@ async def test_a_kit_is_added_changed_and_deleted(file: Path) -> None:
     assert read_kits(own) == {}
 
 
-async def test_a_plan_and_a_flight_take_the_figures_of_the_kit_that_is_picked(file: Path) -> None:
+async def test_a_plan_and_a_flight_use_the_figures_of_the_picked_kit(file: Path) -> None:
     own = file.parent / "home" / "kits.toml"
     own.parent.mkdir(exist_ok=True)
     own.write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n')
@@ -53,7 +53,7 @@ async def test_a_plan_and_a_flight_take_the_figures_of_the_kit_that_is_picked(fi
         assert "and the mount of the kit has 18 mm" in text_of(pilot, "#more")
 
 
-async def test_a_damaged_file_of_kits_is_a_notice_and_the_other_lists_are_there(file: Path) -> None:
+async def test_a_damaged_file_of_kits_gives_a_notice_and_the_other_lists_are_shown(file: Path) -> None:
     own = file.parent / "home" / "kits.toml"
     own.parent.mkdir(exist_ok=True)
     own.write_text("[Alpha\n")

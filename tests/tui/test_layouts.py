@@ -1,5 +1,5 @@
-"""What a flyer sees without scrolling: the line above its list of answers, bars, large figures, the picture of an
-answer, and labels that are complete."""
+"""What a flyer sees without scrolling: the input above its list of answers, bars, large figures, the picture of an
+answer, and complete labels."""
 
 import gc
 import os
@@ -70,7 +70,7 @@ async def test_the_flights_page_draws_forecast_flown_and_target_beside_the_card(
         assert "◎▲" in shown(pilot).splitlines()[2]
 
 
-async def test_motors_show_the_interval_in_place_of_the_distance_from_no_target(file: Path) -> None:
+async def test_without_a_target_motors_show_their_interval_instead_of_a_distance(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "_")
         assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject"]
@@ -78,7 +78,7 @@ async def test_motors_show_the_interval_in_place_of_the_distance_from_no_target(
         assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject"]
 
 
-async def test_a_decision_shows_its_figure_its_picture_and_what_fails_first(file: Path) -> None:
+async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_check(file: Path) -> None:
     change_settings({"target": 243.84}, file.with_name("settings.json"))
     async with opened(file, (160, 50)) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "right", "_")
@@ -96,7 +96,7 @@ async def test_a_decision_shows_its_figure_its_picture_and_what_fails_first(file
         assert not screen.query_one(Big).value
 
 
-async def test_a_motor_on_a_short_line_is_named_without_its_maker_and_saved_with_it(
+async def test_a_motor_in_little_space_is_shown_without_its_manufacturer_and_saved_with_it(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
@@ -155,7 +155,7 @@ def test_a_scale_shows_its_ends_if_there_is_room() -> None:
         (5.0, 5.0, 4, [5]),
     ],
 )
-def test_ticks_are_round_and_few(low: float, high: float, most: int, ticks: list[float]) -> None:
+def test_ticks_are_few_round_numbers(low: float, high: float, most: int, ticks: list[float]) -> None:
     assert round_ticks(low, high, most) == ticks
 
 
@@ -187,7 +187,7 @@ async def opened():
         await asyncio.sleep(60)
 asyncio.run(opened())
 """
-"""The app until it has its first rows, and the modules imported by then."""
+"""Runs the app until it has its first rows, and prints the modules imported by then."""
 
 
 def test_first_rows_are_listed_before_other_pages_and_libraries_are_imported(file: Path) -> None:

@@ -1,4 +1,4 @@
-"""The next flight, importing, the loop, the setup and capturing, by keys alone, with errors along the way."""
+"""The next flight, importing, the loop, the setup and capturing, using only keys, with some errors."""
 
 import gc
 import re
@@ -55,7 +55,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 # Import
 
 
-async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None:
+async def test_a_file_is_shown_before_anything_is_stored(file: Path) -> None:
     table = "flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,1o4\n2,Comet,ZZ99,100\n3,Comet,C6-5,210\n"
     (file.parent / "field" / "season.csv").write_text(table)
     async with opened(file) as pilot:
@@ -77,7 +77,7 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         assert len(ledger.flights()) == 12
 
 
-async def test_a_file_that_nobody_recognises_reports_it_and_changes_nothing(file: Path) -> None:
+async def test_an_unrecognized_file_is_reported_and_changes_nothing(file: Path) -> None:
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
@@ -90,7 +90,7 @@ async def test_a_file_that_nobody_recognises_reports_it_and_changes_nothing(file
         assert "no parser is called 'nonsense'" in text_of(pilot, "#said")
 
 
-async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Path) -> None:
+async def test_a_rocket_uses_its_design_until_it_has_flown(file: Path) -> None:
     (file.parent / "field" / "a.ork").write_text(design(rest=SIMULATION.format(status="uptodate")))
     (file.parent / "field" / "b.ork").write_text("<openrocket>")
     async with opened(file) as pilot:
@@ -112,7 +112,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         assert not ledger.starts("Lark")
 
 
-async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path) -> None:
+async def test_values_that_a_file_lacks_can_be_set_and_folders_browsed(file: Path) -> None:
     log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
     inner = file.parent / "field" / "logs"
     inner.mkdir()
@@ -145,7 +145,7 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert ledger.names("rocket")[0] == "Comet"
 
 
-async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Path) -> None:
+async def test_several_logs_of_one_flight_can_be_marked_and_read_together(file: Path) -> None:
     folder = file.parent / "field"
     for name, scale in (("a.csv", 1.0), ("b.csv", 1.02)):
         rows = "".join(f"{n / 10:.1f},{scale * max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
@@ -164,7 +164,7 @@ async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Pat
         assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
 
 
-async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file: Path) -> None:
+async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
     for name in ("one.csv", "two.csv"):
         (file.parent / "field" / name).write_text("quux;frob\n" + rows)
@@ -204,7 +204,7 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
         assert "would add 2 flights" in text_of(pilot, "#said")
 
 
-async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
+async def test_a_log_is_plotted_before_it_is_stored(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f},{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
     (file.parent / "field" / "one.csv").write_text("time (s),altitude (m)\n" + rows)
     async with opened(file, (100, 40)) as pilot:
@@ -228,7 +228,7 @@ async def test_a_log_is_looked_into_before_it_is_stored(file: Path) -> None:
 # Next flight
 
 
-async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file: Path) -> None:
+async def test_the_forecast_follows_the_cursor_through_motors_that_fit(file: Path) -> None:
     async with opened(file, (100, 42)) as pilot:
         await press(pilot, "4")
         assert "Astra B on AeroTech" in shown(pilot)
@@ -244,7 +244,7 @@ async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file:
         assert "Astra A on" in shown(pilot)
 
 
-async def test_motors_that_are_not_safe_and_sensible_come_last_and_say_why(file: Path) -> None:
+async def test_motors_that_are_not_safe_and_sensible_are_last_with_the_reason(file: Path) -> None:
     async with opened(file, (100, 60)) as pilot:
         await press(pilot, "4", "p", *["down"] * 9, *typed("0.5m"), "ctrl+s", "slash", *typed("e12"), "enter", "_")
         assert "rail exit speed" in text_of(pilot, "#more").partition("ejection")[0]
@@ -271,7 +271,7 @@ async def test_without_a_target_the_motor_of_the_open_forecast_is_first_and_weak
         assert any(weak)
 
 
-async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path) -> None:
+async def test_motors_are_sorted_by_their_distance_from_the_target(file: Path) -> None:
     async with opened(file, (160, 40)) as pilot:
         await press(pilot, "4", "g", *typed("800ft"), "enter")
         table = pilot.app.screen.query_one(Table)
@@ -282,7 +282,7 @@ async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path)
     assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
 
 
-async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Path) -> None:
+async def test_a_forecast_is_saved_and_its_flight_compared_with_it(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
         assert "Saved forecast: AeroTech F24W to" in words(pilot)
@@ -292,7 +292,7 @@ async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Pa
     assert prediction.payload["flights"] == 8
 
 
-async def test_a_plan_is_changed_and_kept_and_a_slip_in_it_is_not_taken(file: Path) -> None:
+async def test_a_plan_is_changed_and_saved_and_a_typo_in_it_is_refused(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "p", "down", "down", *typed("4oo"), "ctrl+s")
         assert "✗ found" in shown(pilot)
@@ -305,7 +305,7 @@ async def test_a_plan_is_changed_and_kept_and_a_slip_in_it_is_not_taken(file: Pa
         assert "wind 8.9 m/s" in words(pilot)
 
 
-async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(file: Path) -> None:
+async def test_a_search_covers_the_whole_catalog_and_marks_motors_that_do_not_fit(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
@@ -321,7 +321,7 @@ async def test_a_search_takes_in_the_whole_catalog_and_says_what_does_not_fit(fi
 # Notices
 
 
-async def test_a_cluster_is_searched_for_forecast_and_saved_with_what_is_not_modeled(file: Path) -> None:
+async def test_a_cluster_is_found_forecast_and_saved_with_a_note_on_what_is_not_modeled(file: Path) -> None:
     async with opened(file, (100, 40)) as pilot:
         await press(pilot, "4", "slash", *typed("2 x Estes E12"), "enter", "_")
         assert "on Estes 2 x E12" in text_of(pilot, "#title")
@@ -345,7 +345,7 @@ def test_a_notice_names_files_by_their_names_and_ports_in_full() -> None:
         assert shortened(text) == text
 
 
-async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
+async def test_one_key_shows_the_whole_path_in_a_notice(file: Path) -> None:
     async with opened(file, (160, 40)) as pilot:
         cast(FieldkitApp, pilot.app).show_notice(f"{file.parent}/none.eng: cannot be read", error=True)
         await press(pilot, "6")
@@ -360,7 +360,7 @@ async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
 # Loop
 
 
-async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
+async def test_the_loop_is_shown_and_earlier_versions_can_be_restored(file: Path) -> None:
     found = looked_at()
     from fieldkit.presentation.loop_text import how_sure, in_next_flight, miss_bars, what_forecasts_become
     from fieldkit.services.close_loop import version_payload
@@ -414,7 +414,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             ]
 
 
-async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_too_few_flights_for_the_loop_give_a_notice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fieldkit.flight import Flight
 
     with Ledger.open(tmp_path / "ledger.db") as ledger:
@@ -432,7 +432,7 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
 # Setup
 
 
-async def test_a_build_is_changed_in_all_its_flights_and_undone(file: Path) -> None:
+async def test_a_configuration_is_changed_in_all_its_flights_and_undone(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "6", "right", "enter", "ctrl+u", *typed("Comet"), "enter", "enter", *typed("450g"), "ctrl+s")
         assert "4 flights. u to undo" in words(pilot)
@@ -443,7 +443,7 @@ async def test_a_build_is_changed_in_all_its_flights_and_undone(file: Path) -> N
         assert ledger.names("rocket") == ["Astra"]
 
 
-async def test_what_is_chosen_is_remembered(file: Path) -> None:
+async def test_settings_are_remembered(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "6", "left", "enter", "down", "enter")
         assert pilot.app.theme == "sun"
@@ -456,7 +456,7 @@ async def test_what_is_chosen_is_remembered(file: Path) -> None:
     assert (kept.theme, kept.units) == ("sun", "mixed")
 
 
-async def test_a_damaged_motor_file_is_a_notice(file: Path) -> None:
+async def test_a_damaged_motor_file_gives_a_notice(file: Path) -> None:
     (file.parent / "field" / "mine.eng").write_text("; nothing\n")
     async with opened(file) as pilot:
         await press(pilot, "6", "i", *typed("mine.eng"), "enter")
@@ -466,7 +466,7 @@ async def test_a_damaged_motor_file_is_a_notice(file: Path) -> None:
 # Capture
 
 
-async def test_a_capture_shows_what_comes_and_takes_it_into_the_ledger(file: Path) -> None:
+async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
     log = file.parent / "flight.pf2"
     log.write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
     end = capture.Ended(log, "stratologger", 4000, 200, 0, "complete", True)
@@ -504,7 +504,7 @@ async def test_a_capture_shows_what_comes_and_takes_it_into_the_ledger(file: Pat
             assert "highest" not in seen, "of the capture before"
 
 
-async def test_a_port_that_cannot_be_opened_is_a_notice(file: Path) -> None:
+async def test_a_port_that_cannot_be_opened_gives_a_notice(file: Path) -> None:
     here = [capture.Port("/dev/nowhere", 0x0403, 0x6001, "", "")]
     with patch("fieldkit.capture.ports", lambda: here):
         async with opened(file) as pilot:
@@ -518,7 +518,7 @@ async def test_a_port_that_cannot_be_opened_is_a_notice(file: Path) -> None:
 # Everywhere
 
 
-async def test_every_page_has_help_in_words_keys_and_a_command_that_exists(file: Path) -> None:
+async def test_every_pages_help_has_text_keys_and_an_existing_command(file: Path) -> None:
     from typer.main import get_command
 
     from fieldkit.cli.main import app
@@ -561,7 +561,7 @@ async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [(60, 20), (250, 70)], ids=str)
-async def test_no_page_loses_a_column_or_a_key_in_small_and_large_terminals(file: Path, size: tuple[int, int]) -> None:
+async def test_no_column_or_key_is_lost_in_small_and_large_terminals(file: Path, size: tuple[int, int]) -> None:
     with patch("fieldkit.capture.ports", list):
         async with opened(file, size) as pilot:
             for page in pages().values():
@@ -573,7 +573,7 @@ async def test_no_page_loses_a_column_or_a_key_in_small_and_large_terminals(file
                 assert "7" in shown(pilot).splitlines()[0]
 
 
-async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
+async def test_keys_typed_ahead_are_not_lost(file: Path) -> None:
     async with opened(file) as pilot:
         await hurry(pilot, "slash", "f", "2", "4", "enter", "down")
         assert "4 of 12" in shown(pilot)
@@ -583,14 +583,14 @@ async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
         assert pilot.app.screen.query_one("#in-apogee", Input).value == "923"
 
 
-async def test_keys_that_are_ahead_of_the_plan_are_about_the_plan(file: Path) -> None:
+async def test_keys_typed_before_the_plan_is_ready_apply_to_it(file: Path) -> None:
     async with opened(file) as pilot:
         await hurry(pilot, "4", "b", "p")
         assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
         assert pilot.app.screen.query_one("#in-config", Input).value == "A", "b has gone on from B"
 
 
-async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file: Path) -> None:
+async def test_keys_typed_before_the_add_page_first_opens_are_not_lost(file: Path) -> None:
     async with opened(file) as pilot:
         await hurry(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", "2")
         lines = [pilot.app.screen.query_one(f"#in-{name}", Input) for name in ("apogee", "top_speed", "burn_time")]
@@ -600,7 +600,7 @@ async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file:
 
 
 @pytest.mark.thorough
-async def test_pages_are_made_ready_out_of_sight_and_are_as_they_would_be(file: Path) -> None:
+async def test_pages_prepared_in_the_background_are_the_same_as_others(file: Path) -> None:
     async with opened(file, stays=True) as pilot:
         made = {stack[0] for stack in pilot.app._screen_stacks.values()}
         assert {page.screen for page in pages().values()} <= {type(screen) for screen in made}
@@ -621,7 +621,7 @@ async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:
             assert "▸10" in shown(pilot)
 
 
-async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
+async def test_the_palette_finds_pages_colors_and_actions(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "ctrl+p", *typed("colors: night"), "_", "enter")
         await pilot.pause(0.3)
@@ -631,7 +631,7 @@ async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
         assert len(set(listed)) == len(listed), "an action with two keys is listed once"
 
 
-async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
+async def test_the_mouse_reaches_everything_that_keys_reach(file: Path) -> None:
     async with opened(file) as pilot:
         await pilot.click("TopBar", offset=(32, 0))
         await calm(pilot)
@@ -647,7 +647,7 @@ async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
         assert "Help: Import" in shown(pilot)
 
 
-async def test_what_is_shown_of_a_motor_is_what_is_saved(file: Path) -> None:
+async def test_the_displayed_forecast_of_a_motor_is_the_saved_one(file: Path) -> None:
     async with opened(file) as pilot:
         with patch("fieldkit.tui.next.next_page.REST", 0.01):
             await press(pilot, "4", "_", "down", "_")
@@ -667,7 +667,7 @@ async def test_what_is_shown_of_a_motor_is_what_is_saved(file: Path) -> None:
     assert middle in row
 
 
-async def test_a_captured_flight_and_an_imported_log_are_of_the_forecast_that_waits(
+async def test_a_captured_flight_and_an_imported_log_are_paired_with_the_saved_forecast(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
@@ -699,7 +699,7 @@ async def test_a_captured_flight_and_an_imported_log_are_of_the_forecast_that_wa
     assert flight.dry_mass == pytest.approx(0.322)
 
 
-def test_forecasts_of_a_plan_that_was_replaced_are_not_shown_for_the_next() -> None:
+def test_forecasts_of_a_replaced_plan_are_not_shown_for_the_next_plan() -> None:
     old, new, choice = Mock(), Mock(), Mock()
     motors = MotorList(old)
     motors.put(old, [choice])

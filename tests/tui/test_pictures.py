@@ -1,4 +1,4 @@
-"""How every page looks after keys were pressed, in one theme and three sizes, and that all themes can be read."""
+"""How every page looks after some keys, in one theme and three sizes, and whether all themes are readable."""
 
 import re
 from collections.abc import Iterator
@@ -54,7 +54,7 @@ IN_EVERY_THEME = ("home", "flight", "add", "settings")
 LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
 ESTIMATE = TypedEstimate(cd=(0.39, 0.61, 0.93), alpha=(0.82, 0.92, 1.03), next_apogee=(156.2, 204.1, 262.3), flights=1)
 LEAST = {"sun": 7.0, "night": 6.0, "field": 4.5}
-"""Contrast of every letter against what is behind it, as WCAG 2.2 counts it."""
+"""Minimum contrast of every letter with its background, as defined in WCAG 2.2."""
 
 
 @pytest.fixture
@@ -106,7 +106,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
 
 
 @pytest.mark.parametrize("scene", IN_EVERY_THEME)
-async def test_a_page_can_be_read_in_every_other_theme(scene: str, file: Path) -> None:
+async def test_a_page_is_readable_in_every_other_theme(scene: str, file: Path) -> None:
     async with opened(file, SIZES[-1]) as pilot:
         await press(pilot, *SCENES[scene])
         for theme in set(LEAST) - {THEME}:
@@ -115,7 +115,7 @@ async def test_a_page_can_be_read_in_every_other_theme(scene: str, file: Path) -
             assert not list(unreadable(pilot, theme)), theme
 
 
-async def test_the_palette_can_be_read_in_the_sun(file: Path) -> None:
+async def test_the_palette_is_readable_in_the_sun_theme(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "T", "escape", "ctrl+p")
         assert "Search for commands" in shown(pilot)
@@ -170,7 +170,7 @@ PAIRS = (
     ("block-cursor-blurred-foreground", "block-cursor-blurred-background"),
     ("input-cursor-foreground", "input-cursor-background"),
 )
-"""Variables of a theme: ink, and the paper that the app's style sheets lay behind it."""
+"""Variables of a theme: a text color, and the backgrounds that the app's style sheets put behind it."""
 
 
 def variables(theme: str) -> dict[str, str]:
@@ -179,30 +179,30 @@ def variables(theme: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("theme", LEAST)
-def test_every_ink_of_a_theme_has_contrast_with_the_paper_behind_it(theme: str) -> None:
+def test_every_text_color_of_a_theme_has_contrast_with_its_background(theme: str) -> None:
     named = variables(theme)
     for ink, paper in PAIRS:
         behind = TextualColor.parse(named[paper])
-        letters = behind + TextualColor.parse(named[ink])  # laid over it, if it is translucent
+        letters = behind + TextualColor.parse(named[ink])  # blended with the background, if it is translucent
         ratio = contrast(Color.from_rgb(*letters.rgb), Color.from_rgb(*behind.rgb))
         assert ratio >= LEAST[theme], f"{ink} on {paper}: {ratio:.2f}"
 
 
-def test_the_sun_is_opaque_ink_on_white() -> None:
+def test_the_sun_theme_is_opaque_text_on_white() -> None:
     named = variables("sun")
     assert TextualColor.parse(named["background"]).rgb == (255, 255, 255)
     for name in ("foreground", "primary", "accent", "error", "success", "text-muted", "text-disabled", "border"):
         assert TextualColor.parse(named[name]).a == 1, name
 
 
-def test_the_terminals_theme_has_the_terminals_own_colors_alone() -> None:
+def test_the_terminal_theme_has_only_the_terminals_own_colors() -> None:
     named = variables("terminal")
     for name in {name for pair in PAIRS for name in pair}:
         assert named[name] in {"ansi_default", "transparent"}, name
 
 
-def test_style_sheets_name_no_color_of_their_own() -> None:
-    """So that a theme decides every color, and its definition determines whether a page is readable."""
+def test_style_sheets_name_no_colors() -> None:
+    """All colors come from the theme, so its definition alone determines whether a page is readable."""
     values = []
     for path in sorted((ROOT / "fieldkit" / "tui").rglob("*.py")):
         values += re.findall(r"\b(?:color|background|border[\w-]*|tint): ([^;\n]+);", path.read_text(encoding="utf-8"))
@@ -214,7 +214,7 @@ ALLOWED = (
     r"\$[\w-]+|\d+%|none|transparent|auto|round|solid|heavy|tall|wide|blank|thick|dashed|inner|outer|vkey|hkey"
     r"|left|center|right"
 )
-"""Words of a style sheet that are no color."""
+"""Words of a style sheet that are not colors."""
 
 
 def test_the_contrast_of_black_on_white_is_21() -> None:

@@ -55,7 +55,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "the range safety officer decides" in screen_text(pilot)
 
 
-async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_decide(file: Path) -> None:
+async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
         assert "flights of Astra, each forecast from the earlier ones" in screen_text(pilot)
@@ -65,7 +65,7 @@ async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_deci
         assert "90% interval: " in screen_text(pilot)
 
 
-async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(file: Path) -> None:
+async def test_ballast_has_three_goals_and_the_parachute_is_part_of_the_plan(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
         assert "No target yet" in screen_text(pilot)
@@ -77,10 +77,10 @@ async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(fi
         assert "by this rule: " in screen_text(pilot)
 
 
-async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_are_used(file: Path) -> None:
+async def test_the_contest_day_its_cut_and_its_field_are_entered_where_they_are_used(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
-        await press(pilot, *typed("640ft"), "enter", *typed("40-37"), "enter", "ctrl+s")  # to the slip
+        await press(pilot, *typed("640ft"), "enter", *typed("40-37"), "enter", "ctrl+s")  # to the typo
         assert "expected seconds" in words(pilot)
         await press(pilot, "ctrl+u", *typed("30-50"), "enter", *typed("60"), "enter", *typed("1,9,12"), "enter")
         await press(pilot, *typed("700mm"), "enter", *typed("400m"), "enter", *typed("300"), "ctrl+s")
@@ -90,7 +90,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "sum to 60 or less" in seen
         assert "best 2 of 1, 9, 12" in seen
         assert "contest length: ok" in seen
-        assert "wind not given; drifts" in seen  # what it asks for beside
+        assert "wind not given; drifts" in seen  # what it requires, beside it
         assert "ceiling: ok" in seen
         await press(pilot, "e", "ctrl+u", "ctrl+s")
         assert "target 800 ft" in screen_text(pilot)  # the season's own again
@@ -100,7 +100,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
 
-async def test_flights_timed_by_a_stopwatch_or_without_a_score_are_named_as_such(file: Path) -> None:
+async def test_flights_timed_by_stopwatch_or_without_a_score_are_marked(file: Path) -> None:
     with Ledger.open(file) as ledger:
         flown = ledger.flight("12")
         timed = flown.with_changes(flight_id="13", extra={"timer_1_s": "38.21"})
@@ -116,7 +116,7 @@ async def test_flights_timed_by_a_stopwatch_or_without_a_score_are_named_as_such
         assert "13" not in alone
 
 
-async def test_a_rocket_is_entered_as_weighed_with_its_motor(file: Path) -> None:
+async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
         await press(pilot, *["down"] * 7, *typed("50g"))
@@ -132,7 +132,7 @@ async def test_a_rocket_is_entered_as_weighed_with_its_motor(file: Path) -> None
         assert "contest mass: ok: 508.6 g" in screen_text(pilot)
 
 
-async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file: Path) -> None:
+async def test_a_site_is_edited_in_place_with_the_fields_of_its_safety_checks(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "6", "right", "right", "enter", "ctrl+u", *typed("South field"), "enter", "down")
         await press(pilot, *typed("400 m"), "enter", *typed("-3"), "ctrl+s")
@@ -148,7 +148,9 @@ async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file
         assert "South field 210.0 m 400.0 m 914.4 m 12" in words(pilot)
 
 
-async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_saved_forecasts_are_listed_and_stale_ones_have_a_reason(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
@@ -165,7 +167,7 @@ async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monk
 
 
 @pytest.mark.parametrize("keys", [(), ("enter", "_")], ids=["day", "flight"])
-async def test_a_report_is_written_where_the_flyer_says(
+async def test_a_report_is_written_to_the_flyers_file(
     file: Path, keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(file.parent)
@@ -181,7 +183,7 @@ async def test_a_report_is_written_where_the_flyer_says(
     )
 
 
-async def test_safety_stands_on_the_page_next_whatever_its_size(file: Path) -> None:
+async def test_safety_is_shown_on_the_next_page_at_any_size(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter")
         seen = words(pilot)
@@ -191,7 +193,7 @@ async def test_safety_stands_on_the_page_next_whatever_its_size(file: Path) -> N
         assert "motor_temperature_c: found 'warm'" in words(pilot)
 
 
-async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(file: Path) -> None:
+async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> None:
     with Ledger.open(file) as ledger:
         put_site(ledger, Site("North field", size=400.0))
     async with opened(file, (160, 50), page="home") as pilot:
@@ -211,7 +213,7 @@ async def test_where_a_plan_lands_is_drawn_from_the_side_and_against_the_field(f
             assert len(set(drawn)) > 20, "lines of Braille"
 
 
-def test_lengths_of_a_site_that_were_not_typed_stay_as_precise_as_they_were() -> None:
+def test_unedited_lengths_of_a_site_keep_their_precision() -> None:
     site = Site("North field", elevation=210.44, size=400.44)
     texts = {"site": site.name, "site_elevation": "210.4 m"} | site_form.room(site, "SI")
     values = {name: site_form.read(name, text, site_form.units("SI").get(name, "")) for name, text in texts.items()}
@@ -219,7 +221,7 @@ def test_lengths_of_a_site_that_were_not_typed_stay_as_precise_as_they_were() ->
     assert site_form.answered(site, values | {"size": 400.41}, texts, "SI").size == 400.41
 
 
-async def test_a_mass_typed_for_one_configuration_is_not_that_of_another(file: Path) -> None:
+async def test_a_mass_typed_for_one_configuration_is_not_used_for_another(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "p", "down", "down", "ctrl+u", *typed("450.4g"), "ctrl+s", "_")
         with Ledger.open(file) as ledger:
@@ -232,7 +234,7 @@ async def test_a_mass_typed_for_one_configuration_is_not_that_of_another(file: P
             assert planned_mass(ledger) is None
 
 
-async def test_a_flight_added_by_another_program_counts_in_an_open_decision(
+async def test_a_flight_added_by_another_program_is_used_in_an_open_decision(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fieldkit.tui.app.LOOK_INTERVAL", 0.05)

@@ -1,4 +1,4 @@
-"""Keys that come before an answer, and answers that come after the page has changed."""
+"""Keys that arrive before an answer, and answers that arrive after the page has changed."""
 
 import asyncio
 from datetime import datetime
@@ -34,7 +34,9 @@ def flown(file: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("save", [("ctrl+s", "ctrl+s"), ("ctrl+s", "ctrl+s", "ctrl+s", "8")])
-async def test_saving_twice_in_a_hurry_saves_one_flight_and_shows_its_card(file: Path, save: tuple[str, ...]) -> None:
+async def test_pressing_save_twice_quickly_saves_one_flight_and_shows_its_card(
+    file: Path, save: tuple[str, ...]
+) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("200"), "enter")
         await hurry(pilot, *save)
@@ -54,7 +56,7 @@ async def test_a_double_click_on_save_saves_one_flight(file: Path) -> None:
         assert "error" not in words(pilot)
 
 
-async def test_other_units_reach_a_form_in_which_something_was_typed_and_the_card_after_it(file: Path) -> None:
+async def test_a_change_of_units_reaches_a_partly_filled_form_and_the_following_card(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("200"), "enter", "escape", "N")
         screen = pilot.app.screen
@@ -68,9 +70,7 @@ async def test_other_units_reach_a_form_in_which_something_was_typed_and_the_car
 
 
 @pytest.mark.parametrize("interrupted_by", ["a removed flight", "another rocket"])
-async def test_a_search_is_dropped_when_its_flights_are_no_longer_those_of_the_page(
-    file: Path, interrupted_by: str
-) -> None:
+async def test_a_search_is_canceled_when_the_page_has_other_flights(file: Path, interrupted_by: str) -> None:
     with Ledger.open(file) as ledger:
         made = datetime(2026, 3, 1)
         ledger.add([Flight("b", "Bee", motor="F39", dry_mass=0.4, apogee=100.0, date_time=made)])
@@ -117,14 +117,14 @@ async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path)
 
 
 @pytest.mark.parametrize("key", ["question_mark", "e", "ctrl+p"])
-async def test_a_dialog_above_a_flight_that_goes_stays_open(file: Path, key: str) -> None:
+async def test_a_dialog_above_a_removed_flight_stays_open(file: Path, key: str) -> None:
     async with opened(file) as pilot:
         await press(pilot, "enter", key)
         flight, dialog = pilot.app.screen_stack[-2:]
         assert isinstance(flight, FlightScreen)
         with Ledger.open(file) as ledger:
             ledger.remove(flight._flight_id)
-        flight.reload()  # its answer comes when the dialog is open
+        flight.reload()  # its answer arrives while the dialog is open
         await press(pilot, "_")
         assert pilot.app.screen is dialog
         await press(pilot, *["escape"] * 3)
@@ -142,7 +142,7 @@ async def test_keys_after_a_key_that_opens_a_form_are_typed_into_it(file: Path) 
             assert day_of(ledger, 2027).target == pytest.approx(239.268)
 
 
-async def test_a_capture_that_ends_behind_another_page_does_not_take_its_keys(file: Path) -> None:
+async def test_a_capture_that_ends_in_the_background_does_not_take_keys_of_another_page(file: Path) -> None:
     log, go = file.parent / "flight.pf2", Event()
     log.write_bytes(b"kept")
 
@@ -183,13 +183,13 @@ async def test_after_an_unexpected_error_the_next_capture_can_start(file: Path) 
 
 
 @pytest.mark.parametrize(("page", "key"), [("import_files", "o"), ("flights", "w")])
-async def test_a_name_that_no_file_can_have_is_a_notice(file: Path, page: str, key: str) -> None:
+async def test_an_impossible_file_name_gives_a_notice(file: Path, page: str, key: str) -> None:
     async with opened(file, page=page) as pilot:
         await press(pilot, key, "ctrl+u", *typed("a" * 300), "enter", "_")
         assert "✗ error" in words(pilot)
 
 
-async def test_drag_appears_for_flights_that_a_filter_finds_far_below_the_top(file: Path) -> None:
+async def test_cd_appears_for_flights_that_a_filter_finds_far_down_the_list(file: Path) -> None:
     with patch("fieldkit.tui.flights.flights_page.MAX_INFERRED", 2):
         async with opened(file) as pilot:
             screen = pilot.app.screen
@@ -199,7 +199,7 @@ async def test_drag_appears_for_flights_that_a_filter_finds_far_below_the_top(fi
             assert screen._rows["2"].drag is not None
 
 
-async def test_the_tags_of_a_flight_without_a_motor_need_no_forecast(file: Path) -> None:
+async def test_tagging_a_flight_without_a_motor_needs_no_forecast(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([Flight("b", "Bee", apogee=100.0, date_time=datetime(2026, 9, 1))])
     async with opened(file) as pilot:
@@ -209,7 +209,7 @@ async def test_the_tags_of_a_flight_without_a_motor_need_no_forecast(file: Path)
         assert "error" not in words(pilot)
 
 
-async def test_the_curves_of_a_log_are_drawn_on_a_terminal_with_24_lines(file: Path) -> None:
+async def test_the_curves_of_a_log_are_plotted_in_a_terminal_with_24_lines(file: Path) -> None:
     async with opened(file, page="import_files") as pilot:
         log = Path(__file__).parents[2] / "sample_logs" / "perfectflite__drogue_and_main.pf2"
         await press(pilot, "o", "ctrl+u")

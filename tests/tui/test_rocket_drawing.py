@@ -10,25 +10,25 @@ CHECK_SHAPES = False
 
 
 def body(lines: list[str], place: int) -> int:
-    """How many half cells are filled at a place from the tail."""
+    """Number of filled half cells at a distance from the tail."""
     column = [line.ljust(80)[place] for line in lines]
     return sum({"█": 2, " ": 0}.get(cell, 1) for cell in column)
 
 
-def test_a_stouter_rocket_is_drawn_stouter_and_both_as_wide_as_asked() -> None:
+def test_a_thicker_rocket_is_drawn_thicker_and_both_have_the_requested_width() -> None:
     slim, stout = drawing(1.2, 0.04, 60), drawing(0.4, 0.1, 60)
     assert max(map(len, slim)) == max(map(len, stout)) == 60
     assert body(stout, 30) > body(slim, 30) > 0
     assert body(stout, 30) == pytest.approx(60 * 0.1 / 0.4, abs=2)
 
 
-def test_it_ends_in_a_point_and_its_fins_stand_out_at_the_tail() -> None:
+def test_the_nose_ends_in_a_point_and_fins_are_at_the_tail() -> None:
     lines = drawing(0.9, 0.066, 60)
     assert 0 < body(lines, 59) <= body(lines, 30) < body(lines, 0)
     assert len(lines) < 12
 
 
-def test_what_is_sketched_is_reported() -> None:
+def test_assumed_dimensions_are_reported() -> None:
     assert "a sketch" in caption(None)
     assert caption(0.9) == ""
     assert drawing(None, 0.066, 60) == drawing(12 * 0.066, 0.066, 60)

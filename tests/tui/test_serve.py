@@ -1,4 +1,4 @@
-"""The app in a browser: on this computer freely, elsewhere with a token, and never for another page."""
+"""The app in a browser: on this computer without a token, elsewhere with one, and never for another website."""
 
 import asyncio
 import base64
@@ -35,9 +35,9 @@ from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, in_a_shell, is_
 from tests.pressing import ROOT, season
 
 PATIENCE = 300.0
-"""How long a server, a browser and the app may take on a machine that does ten other things. [s]"""
+"""Time limit for a server, a browser and the app on a busy machine. [s]"""
 BINARY = 2
-"""Opcode of a frame that is no text: what the app draws."""
+"""Opcode of a binary frame: the app's output."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
@@ -56,7 +56,7 @@ def test_only_this_computer_is_loopback() -> None:
     assert address("::1") == "[::1]"
 
 
-def test_the_app_is_started_as_the_systems_shell_wants_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_app_is_started_with_the_quoting_of_the_systems_shell(monkeypatch: pytest.MonkeyPatch) -> None:
     command = ["C:\\Program Files\\python.exe", "-m", "fieldkit.cli.main"]
     monkeypatch.setattr(sys, "platform", "win32")
     assert in_a_shell(command) == '"C:\\Program Files\\python.exe" -m fieldkit.cli.main'
@@ -64,13 +64,13 @@ def test_the_app_is_started_as_the_systems_shell_wants_it(monkeypatch: pytest.Mo
     assert in_a_shell(["/opt/my python", "-m"]) == "exec '/opt/my python' -m"
 
 
-def test_two_servers_of_one_computer_keep_their_visitors_apart() -> None:
+def test_two_servers_on_one_computer_have_separate_cookies() -> None:
     """Browsers send the cookies of a computer to all of its ports, and replace those of the same name."""
     one, other = (GuardedServer("127.0.0.1", port, f"token {port}", None) for port in (8001, 8002))
     assert one.cookie != other.cookie
 
 
-def test_a_password_of_a_ledger_is_not_on_the_command_line_of_an_app(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_password_of_a_ledger_is_not_on_the_apps_command_line(monkeypatch: pytest.MonkeyPatch) -> None:
     """Other users of a shared computer see command lines, but not the environment."""
     monkeypatch.setenv(serve.LEDGER, "another")
     monkeypatch.setattr(asyncio, "run", lambda work: work.close())
@@ -81,7 +81,7 @@ def test_a_password_of_a_ledger_is_not_on_the_command_line_of_an_app(monkeypatch
     assert os.environ[serve.LEDGER] == server.ledger
 
 
-async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
+async def test_access_requires_the_token(unused_tcp_port: int) -> None:
     server = GuardedServer("127.0.0.1", unused_tcp_port, "a token", None)
     runner = await running(server)
     base = f"http://127.0.0.1:{unused_tcp_port}/"
@@ -103,7 +103,7 @@ async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
         await runner.cleanup()
 
 
-async def test_a_name_that_was_made_to_lead_here_gets_nothing(unused_tcp_port: int) -> None:
+async def test_a_foreign_host_name_that_resolves_to_this_computer_is_refused(unused_tcp_port: int) -> None:
     runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "", None))
     base, here = f"http://127.0.0.1:{unused_tcp_port}/", f"127.0.0.1:{unused_tcp_port}"
     try:
@@ -126,9 +126,7 @@ async def test_a_name_that_was_made_to_lead_here_gets_nothing(unused_tcp_port: i
         await runner.cleanup()
 
 
-async def test_what_a_stranger_sends_is_refused_in_a_line(
-    unused_tcp_port: int, caplog: pytest.LogCaptureFixture
-) -> None:
+async def test_invalid_requests_are_refused_in_one_line(unused_tcp_port: int, caplog: pytest.LogCaptureFixture) -> None:
     runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
     base = f"http://127.0.0.1:{unused_tcp_port}/"
     bad_headers = [{"Origin": "http://[::1"}, {"Cookie": 'fieldkit="\\377\udcff'}, {"Referer": "http://x/\x1b]0;owned"}]
@@ -157,7 +155,7 @@ async def test_what_a_stranger_sends_is_refused_in_a_line(
         ("ws?token=a+token", 503),
     ],
 )
-async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(
+async def test_every_response_forbids_framing_and_caching(
     unused_tcp_port: int, path: str, status: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(serve, "MAX_APPS", 0)
@@ -188,11 +186,13 @@ async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(
         ("[" * 100_000, None),
     ],
 )
-def test_what_a_page_says_is_bounded_or_nothing(text: str, payload: object) -> None:
+def test_messages_from_a_page_are_bounded_or_ignored(text: str, payload: object) -> None:
     assert serve.heard(text) == payload
 
 
-async def test_no_stranger_takes_every_connection(unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_client_without_the_token_cannot_use_up_all_connections(
+    unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(listening, "MAX_OF_ADDRESS", 3)
     app = await GuardedServer("127.0.0.1", unused_tcp_port, "a token", None)._make_app()
     serving = asyncio.ensure_future(listening.serve(app, "127.0.0.1", unused_tcp_port, serve.HEADERS))
@@ -247,7 +247,7 @@ async def listening_server(port: int) -> AsyncIterator[GuardedServer]:
         b"\x16\x03\x01\r\n\r\n",
     ],
 )
-async def test_a_malformed_request_is_refused_with_the_headers_and_without_an_echo(
+async def test_a_malformed_request_is_refused_with_the_headers_and_not_echoed(
     unused_tcp_port: int, sent: bytes
 ) -> None:
     async with listening_server(unused_tcp_port):
@@ -275,10 +275,10 @@ async def test_a_connection_without_a_request_ends(
         writer.close()
 
 
-async def test_a_connection_that_cannot_be_accepted_ends_nothing(
+async def test_a_connection_that_cannot_be_accepted_does_not_stop_the_server(
     unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As on systems that report a connection closed before it was accepted."""
+    """Some systems report a connection that was closed before it was accepted."""
     loop = asyncio.get_running_loop()
     accept, failures = loop.sock_accept, [ConnectionAbortedError(), OSError(24, "too many open files")]
 
@@ -293,7 +293,7 @@ async def test_a_connection_that_cannot_be_accepted_ends_nothing(
     assert not failures
 
 
-def test_who_has_gone_leaves_room(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_closed_connection_makes_room_for_another(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(listening, "MAX_CONNECTIONS", 2)
     connections, here = listening.Connections(), [Transport(), Transport()]
     for one in here:
@@ -303,7 +303,7 @@ def test_who_has_gone_leaves_room(monkeypatch: pytest.MonkeyPatch) -> None:
     assert connections.has_room("10.0.0.2")
 
 
-async def test_no_more_apps_run_at_once_than_a_laptop_bears(
+async def test_the_number_of_simultaneous_apps_is_limited(
     unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(serve, "MAX_APPS", 0)
@@ -319,11 +319,11 @@ async def test_no_more_apps_run_at_once_than_a_laptop_bears(
 @pytest.mark.parametrize(
     ("asked", "most", "given"), [("80", 500, 80), ("99999", 500, 500), ("-4", 500, 500), ("0", 9, 1)]
 )
-def test_a_terminal_has_a_size_that_there_is(asked: str, most: int, given: int) -> None:
+def test_a_terminal_has_a_plausible_size(asked: str, most: int, given: int) -> None:
     assert serve.within(asked, most) == given
 
 
-def test_a_line_of_the_log_is_one_line_and_harmless() -> None:
+def test_a_log_message_is_one_harmless_line() -> None:
     record = logging.LogRecord("x", logging.ERROR, "", 0, "a \x1b[2J\nb", (), (ValueError, ValueError("c\nd"), None))
     payload = serve.OneLine().format(record)
     assert "\x1b" not in payload
@@ -355,7 +355,7 @@ def child(
 
 
 async def listening_(http: ClientSession, url: str) -> str:
-    """What a server says, once it does."""
+    """A server's output, once there is some."""
     while True:
         try:
             async with http.get(url) as answer:
@@ -365,13 +365,13 @@ async def listening_(http: ClientSession, url: str) -> str:
 
 
 class Browser:
-    """A page of Chromium, driven by its DevTools protocol. `came` is what its sockets brought."""
+    """A page in Chromium, driven by its DevTools protocol. `came` contains what its sockets received."""
 
     def __init__(self, socket: ClientWebSocketResponse) -> None:
         self.socket, self.came, self._calls = socket, b"", 0
 
     async def call(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """The result of a command; what comes in the meantime is kept."""
+        """The result of a command; messages that arrive in the meantime are kept."""
         self._calls += 1
         await self.socket.send_json({"id": self._calls, "method": method, "params": parameters})
         while (message := await self._heard()).get("id") != self._calls:
@@ -387,24 +387,24 @@ class Browser:
         return message
 
     async def until(self, *texts: bytes) -> None:
-        """Wait until all of these texts have come."""
+        """Wait until all of these texts have arrived."""
         while not all(text in self.came for text in texts):
             await self._heard()
 
     async def phone(self) -> None:
-        """Be as wide as a phone, and say that it is one."""
+        """Have the width of a phone, and identify as one."""
         agent = "Mozilla/5.0 (Linux; Android 15) AppleWebKit/537.36 Chrome/140.0.0.0 Mobile Safari/537.36"
         await self.call("Network.enable")
         await self.call("Network.setUserAgentOverride", userAgent=agent)
         await self.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
 
     async def tap(self, x: int, y: int) -> None:
-        """Touch a place."""
+        """Touch a position."""
         for kind in ("mousePressed", "mouseReleased"):
             await self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     async def press(self, key: str) -> None:
-        """Press a key that types itself."""
+        """Press a key that types a character."""
         await self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=key)
         await self.call("Input.dispatchKeyEvent", type="keyUp", key=key)
 
@@ -438,7 +438,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
             await browser.until(b"Flights", b"Astra", b"No open forecast")
             first = await browser.picture()
             assert b"Save this flight" not in browser.came
-            await browser.tap(200, 700)  # an empty place: keys go to the terminal that was touched
+            await browser.tap(200, 700)  # an empty area: keys go to the terminal that was touched
             await browser.press("2")
             await browser.until(b"Save this flight")
             await asyncio.sleep(0.5)  # until it is painted
@@ -453,7 +453,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
-async def test_a_browser_keeps_to_what_the_headers_say(served: str, tmp_path: Path) -> None:
+async def test_a_browser_enforces_the_headers(served: str, tmp_path: Path) -> None:
     refused = """new Promise(done => {
         document.addEventListener("securitypolicyviolation", event => done(event.effectiveDirective));
         fetch("http://127.0.0.1:9/").catch(() => 0);
@@ -478,7 +478,7 @@ async def test_a_browser_keeps_to_what_the_headers_say(served: str, tmp_path: Pa
     assert inside["result"]["value"] == "refused"
 
 
-async def test_who_says_what_no_page_says_is_shown_out(served: str) -> None:
+async def test_a_client_that_sends_invalid_messages_is_disconnected(served: str) -> None:
     base, query = served.split("/?")
     async with asyncio.timeout(PATIENCE), ClientSession() as http:
         await listening_(http, served)
@@ -489,7 +489,7 @@ async def test_who_says_what_no_page_says_is_shown_out(served: str) -> None:
             assert socket.close_code == WSCloseCode.POLICY_VIOLATION
 
 
-async def test_the_app_comes_through_the_socket(served: str) -> None:
+async def test_the_app_is_sent_through_the_socket(served: str) -> None:
     shown = b""
     async with asyncio.timeout(PATIENCE), ClientSession() as http:
         assert "fieldkit" in await listening_(http, served)
@@ -517,7 +517,7 @@ def children(process: int) -> set[int]:
 
 
 def alive(processes: Iterable[int]) -> set[int]:
-    """Those that have not ended; one that nobody has waited for has."""
+    """The processes that have not ended; a zombie has ended."""
     found = set()
     for one in processes:
         with suppress(OSError):
@@ -529,7 +529,7 @@ def alive(processes: Iterable[int]) -> set[int]:
 @pytest.mark.sampled
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM, None])
-async def test_apps_that_nobody_reads_end_with_their_server_or_their_page(
+async def test_apps_whose_output_is_not_read_end_with_their_server_or_page(
     end: signal.Signals | None, unused_tcp_port: int, tmp_path: Path
 ) -> None:
     """An app's output fills every buffer, so that a write blocks when its server or its page ends."""

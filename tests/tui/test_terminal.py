@@ -15,7 +15,7 @@ from fieldkit.services.manual_entry import DRAFT
 from tests.pressing import ROOT, season
 
 PATIENCE = 60.0
-"""How long a screen may take on a machine that does ten other things. [s]"""
+"""Time limit for a screen on a busy machine. [s]"""
 
 
 class Terminal:
@@ -37,11 +37,11 @@ class Terminal:
         self.tmux("new-session", "-d", "-x", "80", "-y", "24", *flags, "-c", str(home), "sh", "-c", program)
 
     def press(self, *keys: str) -> None:
-        """Send keys; a text that is no key's name is typed."""
+        """Send keys; a text that is not the name of a key is typed."""
         self.tmux("send-keys", *keys)
 
     def screen(self) -> str:
-        """The screen as it is."""
+        """The current screen."""
         return self.tmux("capture-pane", "-p")
 
     def until(self, text: str) -> str:
@@ -63,7 +63,7 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
 
 
 @pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
-def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) -> None:
+def test_a_day_at_the_field_using_only_keys(terminal: Terminal, tmp_path: Path) -> None:
     file, home = tmp_path / "ledger.db", tmp_path / "home"
     home.mkdir()
     season(file)
@@ -103,12 +103,12 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals here")
-def test_the_app_leaves_when_its_terminal_is_gone_without_a_signal(tmp_path: Path) -> None:
+def test_the_app_ends_when_its_terminal_disappears_without_a_signal(tmp_path: Path) -> None:
     season(tmp_path / "ledger.db")
     held, given = os.openpty()
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
     environment = os.environ | {"FIELDKIT_HOME": str(tmp_path), "PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
-    # a session of its own, of which this is not the terminal: nobody sends it a signal
+    # in a separate session without this terminal, so it gets no signal
     with subprocess.Popen(
         command, stdin=given, stdout=given, stderr=given, env=environment, start_new_session=True
     ) as app:

@@ -1,4 +1,4 @@
-"""A form that is saved as it was opened changes nothing: it shows rounded numbers."""
+"""Saving an unedited form changes nothing, although it shows rounded numbers."""
 
 from pathlib import Path
 

@@ -31,7 +31,7 @@ PAGES: dict[str, list[str]] = {
     "loop": ["5", "S", "_"],
     "setup": ["6", "_"],
 }
-"""Keys to each page."""
+"""Keys that open each page."""
 
 
 @pytest.fixture
