@@ -108,7 +108,7 @@ def _measured_once() -> Iterator[None]:
 
 @pytest.fixture(scope="module", autouse=True)
 def _shapes(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Shapes are checked in this module, unless it says otherwise."""
+    """Shapes are checked in this module, unless it turns the checks off."""
     jaxtyping.config.update("jaxtyping_disable", not getattr(request.module, "CHECK_SHAPES", True))
     yield
     jaxtyping.config.update("jaxtyping_disable", False)

@@ -1,4 +1,4 @@
-"""Files of the user's own are read, or refused in a line that names the file, whatever they contain."""
+"""The user's own files are read, or refused in a line that names the file, whatever they contain."""
 
 import copy
 import csv

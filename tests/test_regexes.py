@@ -16,7 +16,7 @@ CHECK_SHAPES = False
 ROOT = Path(__file__).parents[1]
 ASKED = ("match", "search", "fullmatch", "finditer", "findall", "sub", "split")
 LENGTHS = (20, 400, 1500)
-"""Lengths of hostile texts: exponential time shows at the first, polynomial time at the last. [characters]"""
+"""Lengths of hostile texts: exponential time is visible at the first, polynomial time at the last. [characters]"""
 ENOUGH = 0.1
 """Maximum time of an expression for any of them; a linear one takes microseconds. [s]"""
 PIECES = (

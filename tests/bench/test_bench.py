@@ -269,7 +269,7 @@ def test_scoring_calls_the_product_as_specified(sets: Path, tmp_path: Path) -> N
     assert "sets with an error: 1" in summary([result, broken])
 
 
-def test_a_verdict_counts_in_any_order_and_when_listed_as_indistinguishable() -> None:
+def test_a_verdict_is_right_in_any_order_and_if_listed_as_indistinguishable() -> None:
     base = Result("s", "x", "wind+wear", 0.5, 1.0)
     assert effects("wear+wind") == effects(base.label)
     assert replace(base, verdict="wear+wind").named

@@ -280,7 +280,7 @@ def test_a_concurrent_part_ends_with_the_others(tmp_path: Path) -> None:
     assert not (tmp_path / "three.json").exists()
 
 
-def test_an_interrupted_run_resumes_where_it_stopped_and_only_on_its_own_commit(tmp_path: Path) -> None:
+def test_an_interrupted_run_resumes_where_it_stopped_and_only_at_its_own_commit(tmp_path: Path) -> None:
     tried: list[int] = []
 
     def part() -> ledgers.Outcome:

@@ -289,7 +289,7 @@ def test_an_altos_flight_is_read_block_by_block_up_to_erased_memory(tmp_path: Pa
     assert asked == [b"e %x\n" % n for n in (0x10, 0x11, 0x12, 0x12, 0x13, 0x14, 0x15, 0x16, 0x40)]
 
 
-def test_a_pulled_altos_cable_costs_one_block_and_not_the_flight(tmp_path: Path) -> None:
+def test_pulling_an_altos_cable_loses_one_block_and_not_the_flight(tmp_path: Path) -> None:
     memory = altos_memory(5)
     wishes = replace(QUICK, reconnect=0)
     with played(devices.altos(memory, [(1, 0x10, 0x15)], unplug_at=0x13)) as wire:
@@ -358,7 +358,7 @@ def test_a_blue_raven_is_read_at_both_rates_while_its_status_continues(tmp_path:
     assert kept == [line.strip() for line in [*LOW[:20], *LOW[21:], *HIGH]]
 
 
-def test_a_frame_with_a_wrong_checksum_costs_that_frame(tmp_path: Path) -> None:
+def test_only_the_frame_with_a_wrong_checksum_is_lost(tmp_path: Path) -> None:
     low = [*LOW[:5], LOW[5].replace(b"Vel: 5", b"Vel: 6"), *LOW[6:]]
     with played(devices.blue_raven(low, [])) as wire:
         events = heard(wire, "blue_raven", tmp_path, BRIEF)
@@ -502,7 +502,7 @@ def test_a_megabyte_of_noise_in_the_answers_does_not_change_the_memory_read(
 
 
 @pytest.mark.parametrize(("device", "unit", "lines"), BABBLING, ids=[one for one, *_ in BABBLING])
-def test_a_megabyte_of_noise_in_a_stream_costs_only_the_line_that_it_interrupts(
+def test_a_megabyte_of_noise_in_a_stream_loses_only_the_interrupted_line(
     tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
 ) -> None:
     half = len(lines) // 2

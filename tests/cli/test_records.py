@@ -402,7 +402,7 @@ def test_an_export_imports_into_the_same_ledger_as_duplicates(full: Run, tmp_pat
     assert full("flights", "--json").out == before
 
 
-def test_export_writes_to_the_screen_or_says_why_it_cannot_write(full: Run, tmp_path: Path) -> None:
+def test_export_writes_to_standard_output_or_explains_why_it_cannot_write(full: Run, tmp_path: Path) -> None:
     rows = list(csv.DictReader(full("export").out.splitlines()))
     assert [row["flight_id"] for row in rows] == ["1", "2", "3"]
     documents = full("export", "--format", "json", "--rocket", "Astra").document

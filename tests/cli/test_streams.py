@@ -90,7 +90,7 @@ def test_a_long_name_in_letters_of_three_bytes_can_be_written(tmp_path: Path) ->
 
 
 @pytest.mark.fast
-def test_a_settings_file_that_is_a_link_stays_one_and_keeps_its_mode(tmp_path: Path) -> None:
+def test_a_linked_settings_file_stays_a_link_and_keeps_its_mode(tmp_path: Path) -> None:
     link, file = tmp_path / "settings.json", tmp_path / "kept" / "mine.json"
     file.parent.mkdir()
     file.write_text("{}")

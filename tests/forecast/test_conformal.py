@@ -67,7 +67,7 @@ def test_only_flights_that_flew_before_correct_an_interval() -> None:
     assert found["19"].stretch == pytest.approx(surprise(200.0, INTERVAL))
 
 
-def test_a_flight_scored_twice_counts_once() -> None:
+def test_a_flight_scored_twice_is_used_once() -> None:
     one = {"rocket": "Astra", "flight_id": "1", "interval_m": list(INTERVAL)}
     kept = [one | {"flown_m": 130.0}, one | {"flown_m": 169.0}, {"rocket": "Astra", "flight_id": "2", "apogee_m": {}}]
     assert saved_surprises(kept) == pytest.approx([2.0])

@@ -128,7 +128,7 @@ CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
 
 
 def run_clean(home: Path, code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """A program run in a process of its own, which must end well."""
+    """Run a program in a separate process, which must succeed."""
     ran = subprocess.run(
         [sys.executable, "-c", CLEAN, sys.executable, "-c", code, *arguments],
         cwd=ROOT,

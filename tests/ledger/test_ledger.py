@@ -261,7 +261,7 @@ def test_documents_changed_with_flights_are_undone_with_them(ledger: Ledger) -> 
     assert ledger.draft("sites") == {"South field": {"size": 400.0}}
 
 
-def test_a_change_after_an_undo_ends_what_could_be_redone(ledger: Ledger) -> None:
+def test_after_an_undo_a_new_change_discards_redo(ledger: Ledger) -> None:
     ledger.add([FIRST])
     ledger.tag("1", "late")
     ledger.undo()

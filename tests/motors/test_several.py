@@ -185,7 +185,7 @@ def test_results_agree_with_openrockets_stored_simulations(
     assert float(result.coast_time[0]) == pytest.approx(delay, abs=0.3)
 
 
-def test_simulate_flies_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[str]) -> None:
+def test_simulate_supports_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[str]) -> None:
     body = ["--dry-mass-g", "100", "--diameter-mm", "30", "--cd", "0.6", "--json"]
     heights = {}
     for name, more in (("C6-5", []), ("3 x C6-5", []), ("D12-0/C6-7", ["--booster-mass", "50g"])):

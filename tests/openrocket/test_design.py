@@ -120,7 +120,7 @@ def test_weighed_masses_take_precedence_over_computed_ones() -> None:
     assert read_design(design(override=older).encode(), "a.ork").dry_mass == nose
 
 
-def test_a_radius_that_is_automatic_is_that_of_the_adjacent_part() -> None:
+def test_an_automatic_radius_is_that_of_the_adjacent_part() -> None:
     assert read_design(design(radius="auto").encode(), "a.ork").diameter == pytest.approx(0.066)
 
 

@@ -48,7 +48,7 @@ def table(header: str, row: str, step: float = 0.05) -> bytes:
 
 
 def found(log: bytes, *choices: ColumnChoice) -> tuple[list[Series], str]:
-    """The series of a log, and the line that says how it was read."""
+    """The series of a log, and the line on how it was read."""
     parser = parsers()["mapped_table"]
     assert parser.mapped is not None
     items = parser.mapped(log, choices)

@@ -114,7 +114,7 @@ def test_halving_the_steps_of_a_burn_divides_the_error_by_sixteen(changes: dict[
     ],
     ids=["layers", "steps", "planar steps"],
 )
-def test_doubling_the_layers_of_a_coast_divides_the_error_as_its_order_says(
+def test_doubling_the_layers_of_a_coast_divides_the_error_according_to_its_order(
     monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], order: int, counts: tuple[int, ...], finest: int
 ) -> None:
     def end(count: int) -> np.ndarray[Any, Any]:

@@ -28,7 +28,9 @@ def choices() -> list[MotorChoice]:
     return guide(Rocket((), (), None, 0), plan, motors, limits(), Site(), 100)
 
 
-def test_the_fewest_points_come_first_and_what_the_season_forbids_is_left_out(choices: list[MotorChoice]) -> None:
+def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left_out(
+    choices: list[MotorChoice],
+) -> None:
     """A G of 97 N s is beyond the 80 N s of a season."""
     advice = motor_advice([in_season(one, RULE) for one in choices], RULE, None)
     names = [one.choice.motor.designation for one in advice.ranked]

@@ -146,7 +146,7 @@ def test_declared_weather_and_rail_act_on_plans(rocket: Rocket, plan: Flight, mo
     assert np.median(slanted.apogee) < np.median(still.apogee)
     assert np.median(railed.rail_speed) > 1.2 * np.median(still.rail_speed)
     assert np.median(hot.true_apogee) > np.median(still.true_apogee)
-    assert np.median(hot.apogee) < np.median(hot.true_apogee)  # 308 K where the altimeter believes 288
+    assert np.median(hot.apogee) < np.median(hot.true_apogee)  # 308 K while the altimeter assumes 288
 
 
 def test_density_and_the_altimeters_reading_are_kept_separate() -> None:

@@ -65,7 +65,7 @@ def speed_of(fall: Fall) -> float:
 
 
 @pytest.mark.parametrize("delay", [6.0, 9.0, 12.0])
-def test_a_known_delay_counts_when_the_descent_is_fitted(delay: float) -> None:
+def test_a_known_delay_is_used_when_the_descent_is_fitted(delay: float) -> None:
     """If a charge fires late, the time before it is not time under the parachute."""
     fall = fall_of([(flown(6.0, delay), FOUND)])
     assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
@@ -416,7 +416,7 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
         ({"drogue_speed_mps": "20", "main_altitude_m": "4", "main_speed_mps": "5"}, "caution", "opens too low"),
     ],
 )
-def test_a_parachute_that_is_too_small_or_too_large_is_a_safety_line(
+def test_a_parachute_that_is_too_small_or_too_large_gives_a_safety_line(
     typed: dict[str, str], verdict: str, expected: str
 ) -> None:
     plan = PLAN.with_changes(extra=typed)

@@ -363,7 +363,7 @@ def test_the_version_of_a_code_valid_on_the_day_is_used() -> None:
     assert on(datetime.date(2000, 1, 1)) is old
 
 
-def test_what_makes_a_rocket_high_power_is_in_the_file() -> None:
+def test_the_limits_of_high_power_are_in_the_file() -> None:
     build = build_of(catalogue().resolve("F24W").motor, 0.3)
     assert not why_high_power(build, [SETS["nar_high_power"]])
     five = replace(build, motors=build.motors * 8)

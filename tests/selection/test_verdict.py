@@ -82,9 +82,7 @@ def test_effects_that_are_probable_enough_are_named(
         ({"": 0.45, "unexplained": 0.55}, "something may be missing, but nothing is probable enough to name"),
     ],
 )
-def test_a_verdict_of_none_does_not_say_that_nothing_is_missing_if_something_probably_is(
-    weights: dict[str, float], why: str
-) -> None:
+def test_a_verdict_of_none_does_not_deny_a_probable_unknown_effect(weights: dict[str, float], why: str) -> None:
     named = verdict(posterior(weights))
     assert named.effect == "none"
     assert named.why.endswith(why)

@@ -144,7 +144,7 @@ def test_a_time_days_away_does_not_belong_to_the_flight() -> None:
     assert len(found) == 1
 
 
-def test_one_time_is_kept_of_a_clock_that_is_set_during_the_log() -> None:
+def test_if_a_clock_is_set_during_the_log_one_of_its_times_is_kept() -> None:
     parts, _ = read_columns(b"0,1\n1,1\n1700000000,1\n1700000001,1\n", CHANNELS, after=0).flights()
     assert len(parts[0]) == 2
 

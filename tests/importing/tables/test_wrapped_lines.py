@@ -46,5 +46,5 @@ def test_a_wrapped_log_has_the_samples_of_the_plain_one(name: str, wrap: Callabl
 
 
 @pytest.mark.parametrize("log", [b"", b"> 1,2", b'"a","b"\n"1","2"\n', b"> a\nb\n", b'"a,b"\n1,2\n'])
-def test_a_log_with_a_line_that_is_not_wrapped_stays_as_it_is(log: bytes) -> None:
+def test_a_log_with_an_unwrapped_line_is_not_changed(log: bytes) -> None:
     assert unwrapped(log) == log

@@ -342,7 +342,7 @@ def test_the_report_fits_a_terminal(found: Findings) -> None:
     assert max(map(len, table)) <= 80
 
 
-def test_the_loop_goes_into_a_rocket_s_report(found: Findings, tmp_path: Path) -> None:
+def test_the_loop_is_in_a_rockets_report(found: Findings, tmp_path: Path) -> None:
     made = FlightReport("Astra", "", (), (found,), summary=True)
     with styled():
         assert len(list(pages(made))) == 2
