@@ -105,7 +105,7 @@ class Launch:
     tilt: float = 0.0
     """Angle of the rail from the vertical. [rad]"""
     heading: float = 0.0
-    """Direction in which the rail leans, from downwind: pi is into the wind. [rad]"""
+    """Direction of the launch angle, from downwind: pi is into the wind. [rad]"""
     friction: float = 0.0
     """Force that holds the rocket back while it is on the rail. [N]"""
     delay: float = 6.0

@@ -157,7 +157,7 @@ def test_names_of_tests_hold_no_word_that_the_glossary_replaces() -> None:
         f"{file.relative_to(ROOT)}:{node.lineno}: {node.name}"
         for file in sorted((ROOT / "tests").rglob("test_*.py"))
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_")
         if banned_words(node.name.replace("_", " "))
     ]
     assert not found, "\n".join(found)

@@ -181,7 +181,7 @@ def test_a_charge_early_in_the_climb_stops_the_rocket_within_the_filling_distanc
     assert float(one.apogee[0] - one.eject_altitude[0]) == pytest.approx(path + stop, rel=0.03)
 
 
-def test_descent_time_through_thinning_air_is_the_integral_of_root_density() -> None:
+def test_descent_time_with_density_by_height_is_the_integral_of_root_density() -> None:
     for air in (AIR, Air(AIR.density, AIR.temperature, 8000.0)):
         expected, _ = quad(lambda h, air=air: float(np.sqrt(air.density_ratio(np.array(h)))), 0.0, 2500.0)
         assert float(air.sinking_path(np.array(2500.0))) == pytest.approx(expected, rel=1e-9)
