@@ -631,7 +631,7 @@ async def test_the_palette_finds_pages_colors_and_actions(file: Path) -> None:
         assert len(set(listed)) == len(listed), "an action with two keys is listed once"
 
 
-async def test_the_mouse_reaches_everything_that_keys_reach(file: Path) -> None:
+async def test_the_mouse_opens_pages_and_help_like_keys(file: Path) -> None:
     async with opened(file) as pilot:
         await pilot.click("TopBar", offset=(32, 0))
         await calm(pilot)

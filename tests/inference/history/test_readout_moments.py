@@ -25,14 +25,14 @@ def linear_parameters(answer: QuickAnswer) -> ParameterMoments:
     return parameter_moments(base.cd, base.cd_sd, base.alpha, base.alpha_sd, base.correlation)
 
 
-def test_the_same_drag_and_thrust_leave_readouts_as_they_are(answer: QuickAnswer) -> None:
+def test_the_same_drag_and_thrust_do_not_change_readouts(answer: QuickAnswer) -> None:
     linear, own = readout_moments(answer.summary.forecast), linear_parameters(answer)
     again = linear.given(own, own)
     assert again.mean == pytest.approx(linear.mean)
     assert again.sd == pytest.approx(linear.sd)
 
 
-def test_knowing_drag_and_thrust_narrows_as_a_normal_distribution_does(answer: QuickAnswer) -> None:
+def test_knowing_drag_and_thrust_narrows_readouts_like_a_normal_distribution(answer: QuickAnswer) -> None:
     linear, own = readout_moments(answer.summary.forecast), linear_parameters(answer)
     known = linear.given(own, ParameterMoments(own.mean, np.zeros_like(own.covariance)))
     cross = linear.with_parameters[0]

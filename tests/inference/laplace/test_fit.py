@@ -138,7 +138,7 @@ def test_a_fit_converges_if_ejection_is_near_apogee(seed: int) -> None:
     assert after_five == pytest.approx(after_nine, abs=0.1)
 
 
-def test_fits_that_have_converged_are_not_continued() -> None:
+def test_fits_at_the_same_point_are_continued_once() -> None:
     one, data = model(), seasons()[0]
     start, every = np.array([term.mean for term in one.terms]), tuple(range(len(one.terms)))
     with patch.object(shapes, "jaxtyping_disable", True):
