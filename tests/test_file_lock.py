@@ -72,7 +72,7 @@ def test_a_card_saved_by_another_program_in_the_meantime_is_kept() -> None:
     assert keep_card("ours", own_card()).read_text() == "ours"
 
 
-def test_a_lock_that_stays_held_is_reported_in_a_line(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_lock_that_stays_held_is_reported_in_one_line(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(file_lock, "PATIENCE", 0.1)
     again = pytest.raises(FieldkitError, match=r"kits\.toml: another program")
     with changing(home / "kits.toml"), again, changing(home / "kits.toml"):

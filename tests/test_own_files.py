@@ -60,7 +60,7 @@ READERS: dict[str, Callable[[Path], object]] = {
 
 @pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
 @pytest.mark.parametrize("name", READERS)
-def test_a_hostile_file_is_refused_in_a_line(tmp_path: Path, name: str, text: str) -> None:
+def test_a_hostile_file_is_refused_in_one_line(tmp_path: Path, name: str, text: str) -> None:
     file = tmp_path / name
     file.write_text(text)
     with pytest.raises(BadValue, match=name) as refused:
@@ -71,7 +71,7 @@ def test_a_hostile_file_is_refused_in_a_line(tmp_path: Path, name: str, text: st
 @pytest.mark.parametrize(
     "text", ["[" * 100_000, '{"a":' * 100_000, '{"noise": ' + "9" * 6000 + "}"], ids=["lists", "tables", "digits"]
 )
-def test_a_hostile_card_is_refused_in_a_line(text: str) -> None:
+def test_a_hostile_card_is_refused_in_one_line(text: str) -> None:
     with pytest.raises(FieldkitError, match=r"card\.json"):
         read_card(text, "card.json")
 

@@ -83,7 +83,7 @@ def beside_fit() -> Iterator[str]:
                 if way in one
             ),
         )
-    for name, title in (("journal", "The open journal"), ("reference", "The reference flights")):
+    for name, title in (("journal", "The public journal"), ("reference", "The reference flights")):
         if measurements := measured(f"history_{name}"):
             yield from (f"{title}, forward in time, `{measurements['command']}`:", "")
             yield from table(
@@ -104,7 +104,7 @@ def network_before() -> Iterator[str]:
     yield from prose(
         "The shipped network is trained with the hyperprior of forecasts ([priors](priors.md)) and every effect file,",
         "each with the prior probability of the fit (`fieldkit/selection/prior.py`). The previous network was trained",
-        "with an earlier hyperprior, in which all altimeters showed a low speed like the one device with open data,",
+        "with an earlier hyperprior, in which all altimeters showed a low speed like the one device with public data,",
         "and with twelve equally probable effects. Both are compared with the current fit.",
     )
     columns = (
@@ -176,7 +176,7 @@ def use() -> Iterator[str]:
             f"({-behind:+.3f} on {both['sets']} sets).",
         )
     yield from prose(
-        "Until it meets all of these on the bench and on open flights, it gives only quick answers. `loop` and",
+        "Until it meets all of these on the bench and on public flights, it gives only quick answers. `loop` and",
         "`predict` search and fit, and the ledger saves their results.",
     )
 
@@ -184,7 +184,7 @@ def use() -> Iterator[str]:
 _FORECASTS = {
     "simulated": "simulated",
     "bench": "bench, later flights",
-    "journal": "open journal",
+    "journal": "public journal",
     "reference": "reference flights",
 }
 

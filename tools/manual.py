@@ -135,12 +135,12 @@ def model_cards() -> str:
 
 Networks that estimate drag and thrust from altimeter readouts. Each is one ONNX graph, never a pickle, whose digest
 is in its card: a graph that differs is refused. `fieldkit --version` prints the digests. They were trained only on
-simulated flights, of no real flyer. [Its evaluation](field-ensemble.md) says how good the field ensemble is, on which
-readouts, and where it fails; the end of this page says what the ensembles are for. {WRITTEN_BY}
+simulated flights. [The evaluation of the field ensemble](field-ensemble.md) shows how good it is for each set of
+readouts, and where it fails; the end of this page states what the ensembles are for. {WRITTEN_BY}
 
 {(chr(10) * 2).join(parts)}
 
-## What they are for, and what not
+## What they are for
 
 For model rockets on certified single-use and reloadable motors up to class I, one stage, one motor, below the speed
 of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight outside the training set is

@@ -68,7 +68,7 @@ of a log.
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
 its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the
-noise of its readouts ({card.reading.log_sd:g}, a judgment, because the open flights come from one device). Single
+noise of its readouts ({card.reading.log_sd:g}, a judgment, because the public flights come from one device). Single
 flights and readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a
 readout replaces these figures.
 

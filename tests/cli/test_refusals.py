@@ -169,7 +169,7 @@ def test_an_unusable_home_folder_does_not_matter_if_a_ledger_is_named(
 
 
 @pytest.mark.parametrize("named", ["~no_such_user/home", "~no_such_user"])
-def test_the_home_of_nobody_is_an_ordinary_name(
+def test_the_home_folder_of_an_unknown_user_is_an_ordinary_name(
     named: str, ledger: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

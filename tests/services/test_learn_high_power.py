@@ -44,7 +44,7 @@ def test_only_complete_high_power_flights_are_read(tmp_path: Path) -> None:
     assert 170 < found.forecasts[0].top_speed < 190
 
 
-def test_a_table_without_forecasts_is_refused_in_a_line(tmp_path: Path) -> None:
+def test_a_table_without_forecasts_is_refused_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(NoFlights, match="expected at least one"):
         read_table(table(tmp_path, ("5", "F", "66", "F24", "250", "260", "", "0.3")), catalogue())
 
