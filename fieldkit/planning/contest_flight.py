@@ -12,6 +12,7 @@ from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.units import FOOT
 
 TIMERS = ("timer_1_s", "timer_2_s")
@@ -35,8 +36,13 @@ def judged_duration(flight: Flight) -> float | None:
     return float(mean.quantize(Decimal("0.01"), ROUND_HALF_UP))
 
 
+def _cell(flight: Flight, name: str) -> str:
+    """The text of an extra column, however its heading is written: `Eggs`, `Timer 1 (s)`; empty if there is none."""
+    return next((text.strip() for heading, text in flight.extra.items() if plain(heading) == name), "")
+
+
 def _time(flight: Flight, name: str) -> Decimal | None:
-    text = flight.extra.get(name, "").strip().replace(",", ".")
+    text = _cell(flight, name).replace(",", ".")
     if not text:
         return None
     try:
@@ -59,9 +65,9 @@ def why_no_score(flight: Flight, eggs: int | None = None) -> str:
     for tag, why in NO_SCORE_TAGS.items():
         if tag in flight.tags:
             return why
-    if why := _why_not_whole(flight.extra.get("eggs", "").strip(), eggs or 1):
+    if why := _why_not_whole(_cell(flight, "eggs"), eggs or 1):
         return why
-    if flight.extra.get("disqualified", "").strip().casefold() not in NOT_TRUE:
+    if _cell(flight, "disqualified").casefold() not in NOT_TRUE:
         return "disqualified"
     return "no altitude" if flight.apogee is None else ""
 

@@ -560,3 +560,10 @@ def test_a_score_without_a_duration_states_that_it_covers_only_altitude(
     assert main([*ledger, "import", str(table)]) == 0
     assert main([*ledger, "contest", "--season", "2027", "--declared", "1,2"]) == 0
     assert "6.0 points, the best 2 of 1, 2; 2 without a duration: altitude only" in capsys.readouterr().out
+
+
+def test_contest_columns_count_however_a_spreadsheet_writes_their_headings() -> None:
+    flight = Flight(apogee=240.0, duration=35.0)
+    assert why_no_score(flight.with_changes(extra={"Eggs": "cracked"}), 2)
+    assert why_no_score(flight.with_changes(extra={"Disqualified": "yes"})) == "disqualified"
+    assert judged_duration(flight.with_changes(extra={"Timer 1 (s)": "38.41", "Timer 2 (s)": "38.44"})) == 38.43
