@@ -452,6 +452,17 @@ def test_a_launch_list_from_another_program_is_a_table_of_flights() -> None:
     assert "liftoff_mass" in {column.channel for column in got.recognition.columns}
 
 
+@pytest.mark.parametrize("name", ["Time (s)", "Time (sec)", "Time (seconds)"])
+def test_a_time_in_seconds_beside_a_motor_is_the_duration(name: str) -> None:
+    (flight,) = intake(f"Date,Motor,Altitude (ft),{name}\n2026-09-05,F42-8T,800,41.2\n").flights
+    assert flight.duration == 41.2
+
+
+def test_a_time_of_day_beside_a_motor_is_no_duration() -> None:
+    (flight,) = intake("Date,Time,Motor,Altitude (ft)\n2026-09-05,14:05,F42-8T,800\n").flights
+    assert flight.duration is None
+
+
 @pytest.mark.parametrize("motor", ["homemade", ""])
 def test_a_lift_off_mass_with_an_unknown_motor_is_kept_unchanged(motor: str) -> None:
     (flight,) = intake(f"engine,liftoff_mass_g,altitude_m\n{motor},650.5,245.3\n").flights
