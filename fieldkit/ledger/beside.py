@@ -82,6 +82,11 @@ class BesideFlights(OpenLedger):
         with self._reading() as connection:
             return starts.starts(connection, rocket)
 
+    def designed(self) -> list[str]:
+        """The rockets with a starting configuration, by name."""
+        with self._reading() as connection:
+            return starts.rockets(connection)
+
     def keep_draft(self, name: str, content: Content) -> None:
         """Save a draft under a name, replacing the previous one; see `drafts.Content`."""
         with opening.writing(self._engine) as connection:

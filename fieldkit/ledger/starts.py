@@ -23,6 +23,11 @@ def keep(recorder: ChangeRecorder, start: Start) -> bool:
     return True
 
 
+def rockets(connection: Connection) -> list[str]:
+    """The rockets with a starting configuration, by name."""
+    return list(connection.scalars(select(configurations.c.rocket).distinct().order_by(configurations.c.rocket)))
+
+
 def starts(connection: Connection, rocket: str) -> list[Start]:
     """The starting configurations of a rocket, by name."""
     query = select(configurations).where(configurations.c.rocket == rocket).order_by(configurations.c.config)

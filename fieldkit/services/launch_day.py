@@ -68,13 +68,16 @@ def planned_mass(ledger: Ledger) -> float | None:
 
 
 def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
-    """The planned next flight, or else the last flown rocket with a known mass in today's weather; None without flights
-    and plan."""
+    """The planned next flight, or else the last flown rocket with a known mass, without flights a rocket with a design,
+    in today's weather; None without flights, plan and designs."""
     draft = ledger.draft(PLAN_DRAFT) or {}
-    if not flights and not draft:
+    designed = ledger.designed() if not flights and not draft else []
+    if not flights and not draft and not designed:
         return None
     last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
-    build = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+    build = (
+        Flight(rocket=last.rocket, config=last.config) if last is not None else Flight(rocket=" ".join(designed[:1]))
+    )
     plan = Flight() if draft.get("rocket") else build  # another rocket has its own configuration, or none
     weather = typed_weather(ledger)[0]
     return plan.with_changes(**plan_changes({**draft, **weather}))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date, timedelta
 from difflib import get_close_matches
 from itertools import chain, islice
@@ -37,19 +37,19 @@ Source = Callable[[str], Sequence[OfferedAnswer]]
 
 @dataclass(frozen=True)
 class Names:
-    """The names that a ledger knows, by question, most recent first, and the motor catalog; `kits` are those names of
-    rockets that only the flyer's kits have."""
+    """The names that a ledger knows, by question, most recent first, and the motor catalog; `unflown` tells where the
+    names of other rockets are from: a design or a kit of the flyer."""
 
     known: Mapping[str, tuple[str, ...]]
     motors: Catalogue
-    kits: tuple[str, ...] = ()
+    unflown: Mapping[str, str] = field(default_factory=dict)
 
     def sources(self) -> dict[str, Source]:
         """The picker for each question about names."""
         own: dict[str, Source] = {
             name: among([OfferedAnswer(one) for one in self.known[name]]) for name in NAME_QUESTIONS
         }
-        own["rocket"] = among([OfferedAnswer(one, "kit" if one in self.kits else "") for one in self.known["rocket"]])
+        own["rocket"] = among([OfferedAnswer(one, self.unflown.get(one, "")) for one in self.known["rocket"]])
         return own | {
             "motor": self._motors,
             "tags": among([OfferedAnswer(tag) for tag in TAGS]),
@@ -99,11 +99,12 @@ def names_of(ledger: Ledger, motors: Catalogue) -> Names:
     """The names that a ledger knows."""
     known = {name: tuple(ledger.names(name)) for name in (*NAME_QUESTIONS, "motor")}
     known["site"] = tuple(dict.fromkeys([*known["site"], *(site.name for site in sites(ledger))]))
-    kits = {}
+    flown = known["rocket"]
+    unflown = dict.fromkeys(ledger.designed(), "design")
     with suppress(BadValue):  # a damaged file is reported where the kits are listed
-        kits = {kit.name: kit for kit in own_kits() if kit.name not in known["rocket"]}
-    known["rocket"] = (*known["rocket"], *kits)
-    return Names(known, motors, tuple(kits))
+        unflown |= dict.fromkeys((kit.name for kit in own_kits()), "kit")
+    known["rocket"] = tuple(dict.fromkeys([*known["rocket"], *unflown]))
+    return Names(known, motors, {name: what for name, what in unflown.items() if name not in flown})
 
 
 def among(picks: Sequence[OfferedAnswer]) -> Source:

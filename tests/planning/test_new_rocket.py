@@ -11,6 +11,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
@@ -18,6 +19,7 @@ from fieldkit.planning.kits import kit_of
 from fieldkit.planning.motor_guide import FIT_CHECKS
 from fieldkit.services.day_weather import save_weather
 from fieldkit.services.launch_day import first_forecast, planned
+from fieldkit.services.pickers import names_of
 from fieldkit.services.planning import completed_plan
 from fieldkit.settings import Settings
 from fieldkit.tui.home.first_run import read_first
@@ -244,3 +246,19 @@ def test_a_motor_that_needs_a_larger_field_does_not_fit(tmp_path: Path, capsys: 
     too_small = {one["motor"][0]: "field size" in one["why_not"] for one in found}
     assert too_small == {"B": False, "C": True}  # 200 and 400 ft by the safety code
     assert not any(one["fits"] for one in found if one["motor"].startswith("C"))
+
+
+def test_a_design_is_the_rocket_to_plan_and_is_offered_until_something_has_flown(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert planned(ledger, []) is None
+        ledger.keep_start(Start("Level Two", "", dry_mass=3.1, diameter=0.098, cd=0.52))
+        plan = planned(ledger, [])
+        assert plan is not None
+        assert plan.rocket == "Level Two"
+        names = names_of(ledger, catalogue())
+        assert [(one.text, one.about) for one in names.sources()["rocket"]("lev")] == [("Level Two", "design")]
+        assert names.doubt("rocket", "Level") == "No rocket Level yet; nearest: Level Two"
+        ledger.add([Flight(flight_id="1", rocket="Lark", motor="F24-4W", dry_mass=0.322, apogee=281.3)])
+        plan = planned(ledger, ledger.flights())
+        assert plan is not None
+        assert plan.rocket == "Lark"
