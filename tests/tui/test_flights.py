@@ -44,6 +44,16 @@ async def test_flights_are_listed_newest_first_with_their_figures(file: Path) ->
         assert "+4.1" in line
 
 
+async def test_a_flight_without_a_diameter_has_an_empty_cd(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Lark", motor="F24-4W", dry_mass=0.322, apogee=281.3)])
+    async with opened(tmp_path / "ledger.db", (160, 50)) as pilot:
+        await press(pilot, "_")
+        line = next(line for line in shown(pilot).splitlines() if line.startswith("▸1"))
+        assert 0.8 < float(line.split()[4]) < 1.2, "alpha"
+        assert "nan" not in shown(pilot)
+
+
 async def test_forecast_flown_and_target_are_drawn_from_100_columns(file: Path) -> None:
     change_settings({"target": 243.84}, file.with_name("settings.json"))
     for page in ("flights", "home"):

@@ -25,7 +25,8 @@ screens of 100 columns, and of 120 with the card beside it. [cell]"""
 class Row:
     """A flight with its results; `miss` is flown minus forecast [m], `drag` and `thrust` are added later.
 
-    `stale` means that inputs of the `forecast` had changed when the flight was added.
+    `drag` stays None without a diameter. `stale` means that inputs of the `forecast` had changed when the flight was
+    added.
     """
 
     id: str

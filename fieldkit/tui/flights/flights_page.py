@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property, partial
+from math import isfinite
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
@@ -100,13 +101,13 @@ class FlightsScreen(PageScreen):
 
     def _have(self, rows: list[Row]) -> None:
         self._inference = None  # messages of other rockets may have changed
-        known = {row.id: row for row in self._rows.values() if row.drag is not None}
+        known = {row.id: row for row in self._rows.values() if row.thrust is not None}
         for row in rows:
             if (before := known.get(row.id)) and before.flight == row.flight:
                 row.drag, row.thrust = before.drag, before.thrust
         self._rows = {row.id: row for row in rows}
         self._hay = {row.id: haystack(row) for row in rows}
-        self._asked = {row.id for row in rows if row.drag is not None}
+        self._asked = {row.id for row in rows if row.thrust is not None}
         self._refill()
         self._infer()
         self.field_app.settled()
@@ -132,7 +133,7 @@ class FlightsScreen(PageScreen):
 
     def _have_drag(self, found: "list[tuple[Row, Inferred]]") -> None:
         for row, one in found:
-            row.drag, row.thrust = one.cd, one.alpha
+            row.drag, row.thrust = one.cd if isfinite(one.cd) else None, one.alpha
         self.query_one(Table).refresh()
         self._beside()
         if not self._infer():
