@@ -20,7 +20,7 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
     if flown is not None and found.miss is not None:
         way = "high" if found.miss >= 0 else "low"
         where = "inside" if found.inside else "OUTSIDE"
-        source = "Forecast" if found.kept else "From earlier flights"
+        source = "Forecast" if found.kept else "Forecast without it"
         yield (
             f"{source} {_interval(found.forecast, system)}; flown {measure(APOGEE, flown, system)}: "
             f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval."
@@ -33,7 +33,7 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
 
 def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
     """The same as names and values, one per line."""
-    source = "Forecast" if found.kept else "Earlier flights"
+    source = "Forecast" if found.kept else "Without it"
     yield source, _interval(found.forecast, system)
     if found.miss is not None:
         way = "high" if found.miss >= 0 else "low"

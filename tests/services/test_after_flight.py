@@ -155,7 +155,7 @@ def test_a_flight_without_a_forecast_is_compared_with_earlier_flights(ledger: Le
     found = outcome(ledger, catalogue(), flight)
     assert found is not None
     assert not found.kept
-    assert next(iter(outcome_lines(found, "SI"))).startswith("From earlier flights ")
+    assert next(iter(outcome_lines(found, "SI"))).startswith("Forecast without it ")
 
 
 def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Ledger) -> None:
