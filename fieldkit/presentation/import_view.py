@@ -7,6 +7,7 @@ from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of
+from fieldkit.safe_text import printable
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ PLOT_WIDTH = 60
 """Width and height of a text plot. [character]"""
 MOST_FLIGHTS = 20
 """Maximum number of flights of a table that are printed; the JSON has all of them."""
+MAX_TEXTS = 8
+"""Maximum number of columns of a table that a line names. [1]"""
 
 
 def document(files: tuple[FileView, ...]) -> dict[str, Any]:
@@ -103,8 +106,12 @@ def _rounded(value: float) -> float:
 
 
 def in_a_line(one: FileView, system: str = "SI") -> str:
-    """A file in one line, with its format and its apogee: `f6.pf2: PerfectFlite .pf2, apogee 245.4 m`."""
-    return f"{one.file}: {one.title}{_apogees(one, ShownUnits(system))}"
+    """A file in one line, with its format and its apogee: `f6.pf2: PerfectFlite .pf2, apogee 245.4 m`; of a flight
+    table also the columns of which only the text is stored."""
+    texts = [column.name for column in one.columns if column.source == "text"] if one.format == "flight_table" else []
+    stored = f"; stored as text: {', '.join(map(printable, texts[:MAX_TEXTS]))}" if texts else ""
+    more = f" and {len(texts) - MAX_TEXTS} more" if len(texts) > MAX_TEXTS else ""
+    return f"{one.file}: {one.title}{_apogees(one, ShownUnits(system))}{stored}{more}"
 
 
 def _apogees(one: FileView, shown: ShownUnits) -> str:

@@ -122,6 +122,13 @@ def test_import_states_format_and_apogee_in_one_line(run: Run) -> None:
     assert "PerfectFlite .pf2, apogee 162.8 m" in " ".join(out.split())
 
 
+def test_import_says_which_columns_of_a_table_no_fit_uses(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "season.csv"
+    table.write_text("Date,Motor,Altitude (ft),Descent,Coach\n2026-09-05,F24-4W,800,41.2,Ann\n", encoding="utf-8")
+    _, out, _ = run("import", table)
+    assert "; stored as text: Descent, Coach" in " ".join(out.split())
+
+
 def test_an_unrecognized_file_is_named_and_makes_the_exit_status_nonzero(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "junk.bin"
     path.write_bytes(b"\x00\x01\x02 nothing at all")

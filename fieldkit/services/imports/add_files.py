@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import Arrival
 from fieldkit.importing.to_flights import CheckMotor
@@ -73,7 +75,14 @@ def take_in(
         added.new,
         added.duplicates + sorting.there,
         (*gathered.rejected, *conflicts),
-        (*gathered.notes, *sorting.notes, *implausible, *incomplete, *_outlying(ledger, sorting.new, set(added.new))),
+        (
+            *gathered.notes,
+            *sorting.notes,
+            *implausible,
+            *incomplete,
+            *_outlying(ledger, sorting.new, set(added.new)),
+            *_corrected(ledger, sorting.new, set(added.new)),
+        ),
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
         implausible,
@@ -91,14 +100,42 @@ def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str
 
 def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -> Iterator[str]:
     """A line for each added flight that is far from the others of its rocket on the same motor."""
-    rockets: dict[str, dict[str, Arrival]] = {}
-    for one in arrivals:
-        name = one.flight.flight_id
-        if one.flight.rocket and added & {name, f"{one.flight.rocket}/{name}"}:
-            rockets.setdefault(one.flight.rocket, {})[one.flight.flight_id] = one
-    for rocket, new in rockets.items():
+    for rocket, new in _by_rocket(arrivals, added).items():
         known = {flight.flight_id: flight for flight in ledger.flights(rocket)}
         known |= {name: one.flight for name, one in new.items()}
         for name, phrase in outlying(list(known.values()), new):
             one = new[name]
             yield str(DamagedLog(f"flight {name} of {rocket}: {phrase}; check it", row=one.row, source=one.source))
+
+
+def _corrected(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -> Iterator[str]:
+    """A line for each added flight that differs in one column from an earlier one of its rocket and date, as a row of a
+    table without flight numbers does after it was corrected."""
+    for rocket, new in _by_rocket(arrivals, added).items():
+        before: dict[datetime, list[Flight]] = {}
+        for flight in ledger.flights(rocket):
+            if flight.date_time and flight.flight_id not in new:
+                before.setdefault(flight.date_time, []).append(flight)
+        for name, one in new.items():
+            for old in before.get(one.flight.date_time, []) if one.flight.date_time else []:
+                changed = _differing(old, one.flight)
+                if len(changed) == 1:
+                    text = f"flight {name} of {rocket} differs from flight {old.flight_id} only in {changed[0]}"
+                    text += f"; if it is a correction, remove {old.flight_id}"
+                    yield str(DamagedLog(text, row=one.row, source=one.source))
+
+
+def _differing(one: Flight, other: Flight) -> list[str]:
+    """The columns in which two flights differ, other than their names."""
+    names = {"motor": "motor", "config": "config"} | {name: column.title.lower() for name, column in BY_NAME.items()}
+    return [label for name, label in names.items() if getattr(one, name) != getattr(other, name)]
+
+
+def _by_rocket(arrivals: Sequence[Arrival], added: set[str]) -> dict[str, dict[str, Arrival]]:
+    """The added flights of each named rocket, by name."""
+    rockets: dict[str, dict[str, Arrival]] = {}
+    for one in arrivals:
+        name = one.flight.flight_id
+        if one.flight.rocket and added & {name, f"{one.flight.rocket}/{name}"}:
+            rockets.setdefault(one.flight.rocket, {})[name] = one
+    return rockets

@@ -275,3 +275,26 @@ def test_remeasure_names_a_damaged_ledger_once(
         raw.execute("ALTER TABLE logs RENAME TO lost")
     assert main(["--ledger", str(tmp_path / "ledger.db"), "remeasure", "--dry-run"]) == 1
     assert capsys.readouterr().err.count("the file is damaged") == 1
+
+
+@pytest.mark.parametrize(
+    ("cell", "correction", "changed"),
+    [("852", "842", "apogee"), ("F42-8T", "F42T-8", "motor"), ("40.1", "", "duration")],
+)
+def test_a_row_corrected_in_a_table_without_numbers_is_noted(
+    ledger: Ledger, tmp_path: Path, cell: str, correction: str, changed: str
+) -> None:
+    """Flights without numbers are told apart by their figures, so the corrected row is a second flight."""
+    table = tmp_path / "season.csv"
+    table.write_text(
+        "date,rocket,motor,dry_mass_g,apogee_ft,duration_s\n"
+        "2026-09-05,Lark,F42-8T,520,852,40.1\n2026-09-05,Lark,F42-8T,522,846,39.6\n",
+        encoding="utf-8",
+    )
+    first = bring_in(ledger, [table], any_motor)
+    assert not any("differs" in note for note in first.notes)
+    table.write_text(table.read_text(encoding="utf-8").replace(cell, correction, 1), encoding="utf-8")
+    again = bring_in(ledger, [table], any_motor)
+    assert (len(again.ids), again.duplicates) == (1, 1)
+    (note,) = (note for note in again.notes if "differs" in note)
+    assert f"only in {changed}; if it is a correction, remove {first.ids[0]}" in note
