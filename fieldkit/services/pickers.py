@@ -37,7 +37,7 @@ Source = Callable[[str], Sequence[OfferedAnswer]]
 
 @dataclass(frozen=True)
 class Names:
-    """The names that a ledger knows, by question, most recent first, and the motor catalog; `unflown` tells where the
+    """The names that a ledger knows, by question, most recent first, and the motor catalog; `unflown` has where the
     names of other rockets are from: a design or a kit of the flyer."""
 
     known: Mapping[str, tuple[str, ...]]
