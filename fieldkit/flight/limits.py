@@ -63,7 +63,7 @@ MAX_NAME = 200
 def check_name(name: str) -> str:
     """Return a name if it is short enough to be printed in a table. Raises BadValue."""
     if len(name) > MAX_NAME:
-        raise BadValue(f"found {len(name)} characters, {name[:20] + '…'!r}, expected a name of at most {MAX_NAME}")
+        raise BadValue(f"found {name[:20] + '…'!r} of length {len(name)}, expected at most {MAX_NAME} characters")
     return name
 
 

@@ -144,7 +144,9 @@ class SetupScreen(PageScreen):
 
     @on(Table.Sized)
     def _show(self) -> None:
-        """Show the current list with the columns that fit."""
+        """Show the current list with the columns that fit, unless the app is closing and has removed the card."""
+        if not self.query(SetupCard):
+            return
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
         self.query_one("#card").set_class(self._kind == 0, "-motors")
