@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -60,8 +61,13 @@ NEVER_ONE = {
 """Expressions that are never one, or are not counts, each with what it is."""
 
 
-def _texts() -> Iterator[tuple[str, int, str]]:
+@cache
+def _texts() -> tuple[tuple[str, int, str], ...]:
     """Formatted strings of the program, each value as `{expression}`."""
+    return tuple(_read())
+
+
+def _read() -> Iterator[tuple[str, int, str]]:
     for file in sorted(path for folder in ("fieldkit", "parsers") for path in (ROOT / folder).rglob("*.py")):
         name = file.relative_to(ROOT).as_posix()
         if name.startswith(NOT_SHOWN):
