@@ -1,6 +1,6 @@
-"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS REST LEDGER` prints a line
-of JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors. It rests so many seconds once
-its pages are ready, and after the last key."""
+"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS REST LEDGER` prints a
+line of JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors. It rests for REST
+seconds once its pages are ready, and again after the last key."""
 
 import asyncio
 import json

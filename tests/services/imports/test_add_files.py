@@ -284,7 +284,7 @@ def test_remeasure_names_a_damaged_ledger_once(
 def test_a_row_corrected_in_a_table_without_numbers_is_noted(
     ledger: Ledger, tmp_path: Path, cell: str, correction: str, changed: str
 ) -> None:
-    """Flights without numbers are told apart by their figures, so the corrected row is a second flight."""
+    """Flights without numbers are distinguished by their figures, so the corrected row is a second flight."""
     table = tmp_path / "season.csv"
     table.write_text(
         "date,rocket,motor,dry_mass_g,apogee_ft,duration_s\n"
