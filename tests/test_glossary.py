@@ -46,8 +46,14 @@ BARE = _set(
 """Superlatives, adjectives and adverbs that are not meaningful alone."""
 
 
-def _files() -> list[Path]:
-    return sorted(file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py"))
+Modules = dict[Path, ast.Module]
+
+
+@pytest.fixture(scope="module")
+def modules() -> Modules:
+    """Every module by its path in the checkout, parsed."""
+    files = sorted(file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py"))
+    return {file.relative_to(ROOT): ast.parse(file.read_text(encoding="utf-8")) for file in files}
 
 
 def _constants(tree: ast.Module) -> Iterator[str]:
@@ -59,9 +65,8 @@ def _constants(tree: ast.Module) -> Iterator[str]:
             yield from (name.id for name in ast.walk(target) if isinstance(name, ast.Name))
 
 
-def _names(file: Path) -> Iterator[str]:
+def _names(file: Path, tree: ast.Module) -> Iterator[str]:
     """Public names of a module: itself, its constants, classes, functions, and the parameters of those."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
     yield file.stem
     yield from (name for name in _constants(tree) if not name.startswith("_"))
     for node in ast.walk(tree):
@@ -84,9 +89,9 @@ ORDINARY = {
 """Words and names that variables may have, with what they mean there."""
 
 
-def _variables(file: Path) -> Iterator[str]:
+def _variables(tree: ast.Module) -> Iterator[str]:
     """Everything that a module assigns: local variables, private names, and fields of classes."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             yield node.id
         elif isinstance(node, ast.arg):
@@ -98,10 +103,6 @@ def _words(name: str) -> set[str]:
     return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)}
 
 
-def _banned_names() -> dict[str, Path]:
-    return {name: file for file in _files() for name in _names(file) if _words(name) & BANNED}
-
-
 @pytest.mark.parametrize(
     ("name", "words"),
     [("fly_alike", {"fly", "alike"}), ("BesideFlights", {"beside", "flights"}), ("MOST_TOLD", {"most", "told"})],
@@ -110,16 +111,18 @@ def test_a_name_is_split_into_words(name: str, words: set[str]) -> None:
     assert _words(name) == words
 
 
-def test_names_hold_no_word_that_the_glossary_replaces() -> None:
-    found = _banned_names()
-    assert not found, "\n".join(f"{file.relative_to(ROOT)}: {name}" for name, file in found.items())
+def test_names_hold_no_word_that_the_glossary_replaces(modules: Modules) -> None:
+    found = [
+        f"{file}: {name}" for file, tree in modules.items() for name in _names(file, tree) if _words(name) & BANNED
+    ]
+    assert not found, "\n".join(found)
 
 
-def test_variables_hold_no_word_that_the_glossary_replaces() -> None:
+def test_variables_hold_no_word_that_the_glossary_replaces(modules: Modules) -> None:
     found = {
-        f"{file.relative_to(ROOT)}: {name}"
-        for file in _files()
-        for name in _variables(file)
+        f"{file}: {name}"
+        for file, tree in modules.items()
+        for name in _variables(tree)
         if name not in ORDINARY and _words(name) & BANNED - ORDINARY.keys()
     }
     assert not found, "\n".join(sorted(found))
@@ -133,21 +136,19 @@ def test_the_glossary_says_what_to_write_for_every_banned_word() -> None:
     assert set(re.findall(r"[a-z]+", left)) >= BANNED
 
 
-def test_no_type_name_occurs_twice() -> None:
+def test_no_type_name_occurs_twice(modules: Modules) -> None:
     counts = Counter(
         node.name
-        for file in sorted((ROOT / "fieldkit").rglob("*.py"))
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        for file, tree in modules.items()
+        if file.parts[0] == "fieldkit"
+        for node in ast.walk(tree)
         if isinstance(node, ast.ClassDef)
     )
     assert [name for name, count in counts.items() if count > 1] == []
 
 
-def test_no_constant_is_a_bare_superlative_or_adjective() -> None:
+def test_no_constant_is_a_bare_superlative_or_adjective(modules: Modules) -> None:
     found = [
-        f"{file.relative_to(ROOT)}: {name}"
-        for file in _files()
-        for name in _constants(ast.parse(file.read_text(encoding="utf-8")))
-        if name.lstrip("_") in BARE
+        f"{file}: {name}" for file, tree in modules.items() for name in _constants(tree) if name.lstrip("_") in BARE
     ]
     assert found == []

@@ -95,7 +95,7 @@ QUOTES = {
 def _python_texts(file: Path) -> Iterator[tuple[int, str]]:
     """Comments and strings of more than one word, docstrings among them, with their first lines."""
     source = file.read_text(encoding="utf-8")
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+    for token in tokenize.generate_tokens(io.StringIO(source).readline) if "#" in source else ():
         if token.type == tokenize.COMMENT:
             yield token.start[0], token.string
     for node in ast.walk(ast.parse(source)):

@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,7 @@ NEVER_ONE = {
     "len(parts)": "parts beyond a limit",
     "len(planned)": "flights beyond the room on a page",
     "len(log)": "bytes beyond a limit",
+    "len(name)": "characters of a name beyond a limit",
     "count": "motors of a cluster out of bounds; files read together; flights of a pattern; flights of the demo",
     "self._last_row": "rows beyond a limit",
     "self._last_column": "cells beyond a limit",
@@ -60,8 +62,13 @@ NEVER_ONE = {
 """Expressions that are never one, or are not counts, each with what it is."""
 
 
-def _texts() -> Iterator[tuple[str, int, str]]:
+@cache
+def _texts() -> tuple[tuple[str, int, str], ...]:
     """Formatted strings of the program, each value as `{expression}`."""
+    return tuple(_read())
+
+
+def _read() -> Iterator[tuple[str, int, str]]:
     for file in sorted(path for folder in ("fieldkit", "parsers") for path in (ROOT / folder).rglob("*.py")):
         name = file.relative_to(ROOT).as_posix()
         if name.startswith(NOT_SHOWN):

@@ -64,12 +64,14 @@ _IS_CODE = re.compile(
 def strings(file: Path) -> Sequence[tuple[int, str]]:
     """Line and text of each user-facing string of a module, in the order of the code."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    hidden = {id(text) for text in _docstrings(tree, keep_commands="/cli/" in file.as_posix())}
-    hidden |= {id(part) for part in _patterns(tree)}
-    parts = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)} | hidden
-    types, titles = {id(part) for part in _types(tree)}, {id(part) for part in (*_titles(tree), *_named(tree))}
+    nodes = list(ast.walk(tree))
+    commands = _registered(tree) if "/cli/" in file.as_posix() else None
+    hidden = {id(text) for text in _docstrings(nodes, commands)}
+    hidden |= {id(part) for part in _patterns(nodes)}
+    parts = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in ast.walk(node)} | hidden
+    types, titles = {id(part) for part in _types(nodes)}, {id(part) for part in (*_titles(nodes), *_named(nodes))}
     found = []
-    for node in ast.walk(tree):
+    for node in nodes:
         text = None
         if isinstance(node, ast.JoinedStr) and id(node) not in hidden:
             text = "".join(
@@ -97,21 +99,22 @@ def _counted_noun(call: ast.Call) -> str | None:
     return str(noun.value) if isinstance(noun, ast.Constant) else None
 
 
-def _named(tree: ast.Module) -> Iterator[ast.Constant]:
+def _named(nodes: Sequence[ast.AST]) -> Iterator[ast.Constant]:
     """Headings and labels of tables, and the values of literal types that are shown."""
-    for node in ast.walk(tree):
+    for node in nodes:
         of: list[ast.expr] = []
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
-            name = ast.unparse(node.target if isinstance(node, ast.AnnAssign) else node.targets[0])
+            target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
+            name = target.id if isinstance(target, ast.Name) else ""
             of = [node.value] if name in SHOWN_LITERALS or HEADINGS.fullmatch(name) else []
         elif isinstance(node, ast.Call) and _name(node.func) == "print_table":
             of = node.args[:1]
         yield from (one for value in of for one in ast.walk(value) if isinstance(one, ast.Constant))
 
 
-def _types(tree: ast.Module) -> Iterator[ast.AST]:
+def _types(nodes: Sequence[ast.AST]) -> Iterator[ast.AST]:
     """Everything in annotations and in `__all__`, whose strings are names of code."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Assign) and any(isinstance(to, ast.Name) and to.id == "__all__" for to in node.targets):
             yield from ast.walk(node.value)
         for annotation in (getattr(node, "annotation", None), getattr(node, "returns", None)):
@@ -119,9 +122,9 @@ def _types(tree: ast.Module) -> Iterator[ast.AST]:
                 yield from ast.walk(annotation)
 
 
-def _patterns(tree: ast.Module) -> Iterator[ast.AST]:
+def _patterns(nodes: Sequence[ast.AST]) -> Iterator[ast.AST]:
     """Regular expressions, statements in SQL, and names of axes and types."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in AXES:
             yield from ast.walk(node.slice)
         if isinstance(node, ast.Call) and node.args and _name(node.func) in PATTERNS:
@@ -129,25 +132,31 @@ def _patterns(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def _name(function: ast.expr) -> str:
-    return ast.unparse(function).split(".")[-1] if isinstance(function, ast.Name | ast.Attribute) else ""
+    if isinstance(function, ast.Attribute):
+        return function.attr
+    return function.id if isinstance(function, ast.Name) else ""
 
 
-def _titles(tree: ast.Module) -> Iterator[ast.Constant]:
+def _titles(nodes: Sequence[ast.AST]) -> Iterator[ast.Constant]:
     """Values of arguments in `TITLES`."""
-    for node in ast.walk(tree):
+    for node in nodes:
         for argument in node.keywords if isinstance(node, ast.Call) else []:
             value = argument.value
             if argument.arg in TITLES and isinstance(value, ast.Constant) and isinstance(value.value, str):
                 yield value
 
 
-def _docstrings(tree: ast.Module, keep_commands: bool) -> Iterator[ast.Constant]:
-    """Docstrings of modules, classes, functions and constants; not of commands, if they are kept."""
-    registered = set(re.findall(r"\.command\([^()]*\)\((\w+)\)", ast.unparse(tree)))
-    for node in ast.walk(tree):
+def _registered(tree: ast.Module) -> set[str]:
+    """Functions that a module registers as commands by a call."""
+    return set(re.findall(r"\.command\([^()]*\)\((\w+)\)", ast.unparse(tree)))
+
+
+def _docstrings(nodes: Sequence[ast.AST], commands: set[str] | None) -> Iterator[ast.Constant]:
+    """Docstrings of modules, classes, functions and constants; not of commands, in a module that may have some."""
+    for node in nodes:
         for statement in getattr(node, "body", []) if not isinstance(node, ast.Lambda | ast.IfExp) else []:
             is_text = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
-            is_command = keep_commands and isinstance(node, ast.FunctionDef) and _is_command(node, registered)
+            is_command = commands is not None and isinstance(node, ast.FunctionDef) and _is_command(node, commands)
             if is_text and not is_command:
                 yield statement.value
 

@@ -7,6 +7,7 @@ import ast
 import os
 import re
 import shlex
+import shutil
 import stat
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +20,7 @@ from fieldkit import files, paths
 from fieldkit.cli.main import app, main
 from fieldkit.errors import FieldkitError
 from fieldkit.ledger import Ledger
-from tests.effort import part
+from tests.effort import THOROUGH, part
 
 ROOT = Path(__file__).parents[2]
 CHECK_SHAPES = False
@@ -65,21 +66,35 @@ def line(names: tuple[str, ...], parameter: Any, command: Any, file: Path) -> li
     return words
 
 
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a ledger of three flights, a backup of it, links to both, and settings."""
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
-    monkeypatch.chdir(tmp_path)
-    table = tmp_path / "three.csv"
+def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let commands use the ledger and the data in a folder."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(folder / "home"))
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(folder / "ledger.db"))
+    monkeypatch.chdir(folder)
+
+
+@pytest.fixture(scope="module")
+def three_flights(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a ledger of three flights, a backup of it, and settings, which is copied for each test."""
+    folder = tmp_path_factory.mktemp("three")
+    table = folder / "three.csv"
     rows = [f"{n},2025-05-0{n}T10:00,Astra,A,322,66,F24-4W,{250 + n}" for n in (1, 2, 3)]
     table.write_text("\n".join(["flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m", *rows]))
-    assert main(["import", str(table)]) == 0
-    assert main(["tag", "1", "windy"]) == 0  # before which a backup is made
-    (tmp_path / "home").mkdir(exist_ok=True)
-    (tmp_path / "home" / "settings.json").write_text('{"units": "US"}')
-    (tmp_path / "home" / "motors").mkdir()
-    (tmp_path / "home" / "motors" / "own.eng").write_text("; nothing")
+    with pytest.MonkeyPatch.context() as patch:
+        at_home(folder, patch)
+        assert main(["import", str(table)]) == 0
+        assert main(["tag", "1", "windy"]) == 0  # before which a backup is made
+    (folder / "home" / "motors").mkdir(parents=True)
+    (folder / "home" / "settings.json").write_text('{"units": "US"}')
+    (folder / "home" / "motors" / "own.eng").write_text("; nothing")
+    return folder
+
+
+@pytest.fixture
+def home(three_flights: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Those flights in a folder, with links to the ledger and the settings."""
+    at_home(tmp_path, monkeypatch)
+    shutil.copytree(three_flights, tmp_path, dirs_exist_ok=True)
     for name, target in (("linked.db", "ledger.db"), ("linked.json", "home/settings.json")):
         (tmp_path / name).symlink_to(tmp_path / target)
     for name, target in (("hard.db", "ledger.db"), ("hard.json", "home/settings.json")):
@@ -334,10 +349,18 @@ def test_every_shared_file_is_replaced_under_its_lock() -> None:
 
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
 def test_a_minus_is_standard_output_and_not_a_file(
-    home: Path, names: tuple[str, ...], parameter: Any, command: Any, capfd: pytest.CaptureFixture[str]
+    home: Path,
+    names: tuple[str, ...],
+    parameter: Any,
+    command: Any,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     if names == ("train",):
         pytest.skip("it makes a folder")
+    if not THOROUGH:  # the study takes seconds, and its parts have their own tests
+        monkeypatch.setattr("studies.paper.study.study", lambda: None)
+        monkeypatch.setattr("studies.paper.study_page.page", lambda _: "a page")
     status = main(line(names, parameter, command, Path("-")))
     assert not (home / "-").exists()
     shown = capfd.readouterr()

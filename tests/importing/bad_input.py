@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,7 @@ class Seed:
     log: bytes
 
 
+@cache
 def seeds() -> list[Seed]:
     """Every sample log, and every real recording if there are any."""
     found = [Seed(sample.name, owner(sample), _short(sample.read_bytes())) for sample in SAMPLES]

@@ -26,7 +26,6 @@ from tests.importing.bad_input import CHANGES, Seed, faults_among, must_hold, mu
 from tests.samples import SAMPLES, owner
 
 ROOT = Path(__file__).parents[2]
-SEEDS = seeds()
 MANY = 50_000
 LARGEST = 200.0
 """Maximum memory for reading a log of 100 MB. [MB]"""
@@ -37,7 +36,7 @@ LARGEST = 200.0
 @pytest.mark.parametrize("name", parsers())
 def test_a_bad_log_gives_messages_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
     rng = random.Random(f"{name} {change.__name__}")
-    seed = rng.choice([seed for seed in SEEDS if seed.format == name])
+    seed = rng.choice([seed for seed in seeds() if seed.format == name])
     with patience():
         must_hold(change(seed.log, rng), name)
 
@@ -45,7 +44,7 @@ def test_a_bad_log_gives_messages_and_no_traceback(name: str, change) -> None:  
 @examples(30)
 @given(number=st.integers(0, 2**32))
 def test_any_bad_log_gives_messages_and_no_traceback(number: int) -> None:
-    done, name, log = mutated(SEEDS, random.Random(number))
+    done, name, log = mutated(seeds(), random.Random(number))
     with patience():
         must_hold(log, name)
     assert done
@@ -66,7 +65,7 @@ def test_fifty_thousand_bad_logs_give_messages_and_no_traceback(capsys: pytest.C
     with capsys.disabled():
         counts = ", ".join(f"{name} {number}" for name, number in sorted(tried.items()))
         elapsed = time.monotonic() - started
-        sys.stdout.write(f"\n{tried.total()} bad logs of {len(SEEDS)} seeds in {elapsed:.0f} s: {counts}\n")
+        sys.stdout.write(f"\n{tried.total()} bad logs of {len(seeds())} seeds in {elapsed:.0f} s: {counts}\n")
     assert tried.total() >= MANY
     assert not faults, "\n".join(f"{fault}: {where}" for fault, where in faults.items())
 
@@ -345,5 +344,5 @@ def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_m
 
 
 def test_seeds_are_readable_logs() -> None:
-    assert {seed.format for seed in SEEDS} == set(parsers())
-    assert all(isinstance(seed, Seed) for seed in SEEDS)
+    assert {seed.format for seed in seeds()} == set(parsers())
+    assert all(isinstance(seed, Seed) for seed in seeds())

@@ -221,21 +221,25 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
     assert main([*ledger, "sites", "Moor", "--field-size", "100m"]) == 0
     capsys.readouterr()
 
-    def plan(*options: str) -> tuple[str, str]:
-        assert main([*ledger, "landing", "--motor", "F24-4W", "--wind", "3m/s", *options]) == 0
+    def plan(command: str, *options: str) -> tuple[str, str]:
+        assert main([*ledger, command, "--motor", "F24-4W", "--wind", "3m/s", *options]) == 0
         out, err = capsys.readouterr()
         return out, err
 
     body = ["--dry-mass", "400g", "--diameter", "66mm"]
-    out, err = plan("--rocket", "astra", "--site", "moor")
+    out, err = plan("landing", "--rocket", "astra", "--site", "moor")
     assert out.startswith("Astra")
     assert "this field is 100 m" in out
     assert not err
-    assert "did you mean Astra?" in plan("--rocket", "Asrta", *body)[1]
-    assert "did you mean Moor?" in plan("--rocket", "Astra", "--site", "Mooor")[1]
-    assert "dry mass 0.4 g is unusual" in plan("--rocket", "Astra", "--dry-mass", "0.4")[1]
-    assert "expected a diameter of 21.6 mm" in plan("--rocket", "Astra", "--diameter", "6.6")[1]
-    assert not plan("--rocket", "Zephyr", "--site", "Fen", *body)[1]
+    _, err = plan("landing", "--rocket", "Asrta", "--site", "Mooor", *body)
+    assert "did you mean Astra?" in err
+    assert "did you mean Moor?" in err
+    # a delay takes the options of a landing and a sixth of its time
+    assert "did you mean Astra?" in plan("delay", "--rocket", "Asrta", *body)[1]
+    assert "did you mean Moor?" in plan("delay", "--rocket", "Astra", "--site", "Mooor")[1]
+    assert "dry mass 0.4 g is unusual" in plan("delay", "--rocket", "Astra", "--dry-mass", "0.4")[1]
+    assert "expected a diameter of 21.6 mm" in plan("delay", "--rocket", "Astra", "--diameter", "6.6")[1]
+    assert not plan("delay", "--rocket", "Zephyr", "--site", "Fen", *body)[1]
 
 
 def test_a_motor_that_needs_a_larger_field_does_not_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from jaxtyping import config
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
@@ -82,7 +83,9 @@ def test_a_missing_table_is_a_usage_error(run_command: Run) -> None:
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="the table of high-power flights is not here")
-def test_the_shipped_figures_agree_with_the_table() -> None:
+def test_the_shipped_figures_agree_with_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fieldkit.services.learn_high_power.scores", lambda *_: [])  # a fit for each rocket left out
+    monkeypatch.setattr(config, "jaxtyping_disable", True)  # shapes are checked above, with fewer flights
     found = learn_from_table(read_table(SHARED, catalogue()), learned())
     assert (found.high_power, found.design_drag) == pytest.approx(
         (learned().high_power, learned().design_drag), rel=0.01

@@ -1,5 +1,6 @@
-"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS LEDGER` prints a line of
-JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors."""
+"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS REST LEDGER` prints a
+line of JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors. It rests for REST
+seconds once its pages are ready, and again after the last key."""
 
 import asyncio
 import json
@@ -31,8 +32,6 @@ NAMED = (
 OTHER = ("home", "end", "ctrl+p", "ctrl+s", "ctrl+n", "ctrl+z", "ctrl+c", "f1", "ctrl+end", "question_mark")
 KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
 """The keys; those that change the page are more frequent, and none leaves the app."""
-REST = 5.0
-"""Time at rest after the last key. [s]"""
 
 
 def resident() -> float:
@@ -40,11 +39,18 @@ def resident() -> float:
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-async def pressed(seed: int, keys: int, ledger: Path) -> dict[str, object]:
+async def ready(app: FieldkitApp) -> None:
+    """Wait until the app has opened its pages behind the visible one and is idle."""
+    while not app._readied or not all(worker.is_finished for worker in app.workers):
+        await asyncio.sleep(0.05)
+
+
+async def pressed(seed: int, keys: int, pause: float, ledger: Path) -> dict[str, object]:
     """The result of this number of keys."""
     rng, app = random.Random(seed), FieldkitApp(ledger, ledger.with_name("settings.json"), stays=True)
     async with app.run_test(size=(80, 24)) as pilot:
-        await asyncio.sleep(REST)
+        await ready(app)
+        await asyncio.sleep(pause)
         start = most = resident()
         for _ in range(keys):
             key = rng.choice(KEYS)
@@ -53,7 +59,7 @@ async def pressed(seed: int, keys: int, ledger: Path) -> dict[str, object]:
             most = max(most, resident())
         for worker in app.workers:
             worker.cancel()
-        await asyncio.sleep(REST)
+        await asyncio.sleep(pause)
         give_back()
         rest = resident()
     errors = [f"{type(error).__name__}: {error}" for error in app.errors]
@@ -61,7 +67,7 @@ async def pressed(seed: int, keys: int, ledger: Path) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    found = asyncio.run(pressed(int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3])))
+    found = asyncio.run(pressed(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), Path(sys.argv[4])))
     sys.stdout.write(json.dumps(found) + "\n")
     sys.stdout.flush()
     os._exit(0)

@@ -12,8 +12,9 @@ from tests.pressing import frozen, opened, season
 
 @pytest.fixture(autouse=True)
 def as_it_was() -> Iterator[None]:
+    gc.unfreeze()  # what was frozen when the tests were collected
     yield
-    gc.unfreeze()
+    gc.freeze()
 
 
 async def test_the_collector_skips_data_that_the_running_app_has_read(

@@ -1,6 +1,5 @@
 """The next flight, importing, the loop, the setup and capturing, using only keys, with some errors."""
 
-import gc
 import re
 from datetime import UTC, datetime
 from pathlib import Path
@@ -609,7 +608,6 @@ async def test_pages_prepared_in_the_background_are_the_same_as_others(file: Pat
         assert pilot.app.focused.id == "in-apogee"
         await hurry(pilot, "escape", "6", "4", "slash", *typed("f39"))
         assert "AeroTech F39T" in words(pilot)
-    gc.unfreeze()
 
 
 async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:

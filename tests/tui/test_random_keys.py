@@ -19,10 +19,18 @@ MAX_AT_REST = 250
 numpy."""
 
 
-def pressed(seed: int, keys: int, folder: Path) -> dict[str, object]:
+def pressed(seed: int, keys: int, rest: float, folder: Path) -> dict[str, object]:
     """The result of this number of keys on a season, in a separate process."""
     season(folder / "ledger.db")
-    command = [sys.executable, "-m", "tests.tui.random_keys", str(seed), str(keys), str(folder / "ledger.db")]
+    command = [
+        sys.executable,
+        "-m",
+        "tests.tui.random_keys",
+        str(seed),
+        str(keys),
+        str(rest),
+        str(folder / "ledger.db"),
+    ]
     environment = os.environ | {"FIELDKIT_HOME": str(folder / "home"), "PYTHONPATH": str(ROOT)}
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr[-2000:]
@@ -31,12 +39,12 @@ def pressed(seed: int, keys: int, folder: Path) -> dict[str, object]:
 
 
 def test_some_random_keys_cause_no_error(tmp_path: Path) -> None:
-    assert pressed(1, 150 if THOROUGH else 50, tmp_path)["errors"] == []
+    assert pressed(1, 150 if THOROUGH else 50, 1.0, tmp_path)["errors"] == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_keys_cause_no_error_and_no_memory_leak(seed: int, tmp_path: Path) -> None:
-    found = pressed(seed, 10_000, tmp_path)
+    found = pressed(seed, 10_000, 5.0, tmp_path)
     assert found["errors"] == []
     assert int(str(found["rest"])) <= MAX_AT_REST, found
