@@ -36,7 +36,6 @@ NEVER_ONE = {
     "len(parts)": "parts beyond a limit",
     "len(planned)": "flights beyond the room on a page",
     "len(log)": "bytes beyond a limit",
-    "len(name)": "characters of a name beyond a limit",
     "count": "motors of a cluster out of bounds; files read together; flights of a pattern; flights of the demo",
     "self._last_row": "rows beyond a limit",
     "self._last_column": "cells beyond a limit",
