@@ -131,12 +131,12 @@ class FieldkitApp(Surviving):
         if self._hides:
             super().delay_update(delay)
 
-    def settled(self) -> None:
-        """The flights have been read."""
+    def settled(self, page: str) -> None:
+        """The page of this name has read the flights."""
         if self._length is None:
             self.look_round()
-        if self._back is not None and isinstance(self.screen, PageScreen):
-            self.screen.go_to_row(self._back.row)
+        if self._back is not None and self._back.page == page:
+            self._page(page).go_to_row(self._back.row)
             self._back = None
         if self._stays:
             self._passed_by.extend()

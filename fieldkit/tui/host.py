@@ -16,8 +16,8 @@ class Host(Protocol):
     look: int
     unseen: bool
 
-    def settled(self) -> None:
-        """The flights have been read."""
+    def settled(self, page: str) -> None:
+        """The page of this name has read the flights."""
 
     def changed(self) -> None:
         """The ledger has changed: pages must be reloaded."""

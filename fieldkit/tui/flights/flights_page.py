@@ -110,7 +110,7 @@ class FlightsScreen(PageScreen):
         self._asked = {row.id for row in rows if row.thrust is not None}
         self._refill()
         self._infer()
-        self.field_app.settled()
+        self.field_app.settled(self.NAME)
 
     def _infer(self) -> bool:
         """Compute missing drag and thrust for some flights at a time, the top ones of the table first; False if none is
@@ -137,7 +137,7 @@ class FlightsScreen(PageScreen):
         self.query_one(Table).refresh()
         self._beside()
         if not self._infer():
-            self.field_app.settled()
+            self.field_app.settled(self.NAME)
 
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""

@@ -141,7 +141,7 @@ class HomeScreen(PageScreen):
     def _have_profiles(self, read: "Sequence[ListedFlight]", found: dict[str, str]) -> None:
         self._profiles |= {one.id: (one.flight, found[one.id]) for one in read}
         self.query_one(Table).refresh()
-        self.field_app.settled()
+        self.field_app.settled(self.NAME)
 
     @on(Table.Sized)
     def _show(self) -> None:
