@@ -1,7 +1,6 @@
 """Entering a flight on the screen: few keys, nothing is lost, nothing is refused before saving."""
 
 import asyncio
-import re
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event
@@ -12,7 +11,6 @@ import pytest
 from fieldkit.flight import READOUTS
 from fieldkit.ledger import Ledger, models
 from fieldkit.services.manual_entry import DRAFT
-from fieldkit.settings import change_settings
 from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.add.add_sheet import SaveButton
@@ -330,10 +328,3 @@ async def test_an_unknown_mass_and_diameter_are_asked_for_before_the_flight_is_s
         assert isinstance(pilot.app.focused, SaveButton)
         seen = words(pilot)
         assert seen.index("Dry mass") < seen.index("Save this flight")
-
-
-async def test_the_unit_beside_an_offered_mass_is_the_one_that_is_shown(file: Path) -> None:
-    change_settings({"units": "US"}, file.with_name("settings.json"))
-    async with opened(file, page="add") as pilot:
-        line = next(line for line in shown(pilot).splitlines() if line.startswith(" Dry mass"))
-        assert re.fullmatch(r" Dry mass +▌[\d.]+ oz +oz  = \d+ g *", line), line

@@ -166,7 +166,7 @@ class AddScreen(PageScreen):
         from fieldkit.services.manual_entry import typed_unit
 
         known = question.column is not None and self._said.number(question) is not None
-        return (typed_unit(self.field(question.name).line.value) if known else "") or self.unit(question)
+        return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
 
     def _read(self) -> Answered:
         units = {name: self.unit(question) for name, question in BY_NAME.items()}
