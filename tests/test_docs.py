@@ -37,7 +37,7 @@ PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / 
 RUN = ("start", "predictions", "installing")
 """Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
 those with real flights, which are not shipped."""
-OWN_UNITS = {"inspect", "docs", "contest"}
+OWN_UNITS = {"inspect", "docs", "contest", "finals"}
 """Commands that quote a file's columns, the manual, or a contest's rule."""
 PROPER_NAMES = """
     Astra Comet Coker Entacore Kieffer Kosdon Missile Nitrous Pnut RoadRunner Robert John SCR TSP contributors
