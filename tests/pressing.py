@@ -127,7 +127,7 @@ LETTERS = frozenset([*"abcdefghijklmnopqrstuvwxyz0123456789", "full_stop", "minu
 def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
     """The cache key for forecasts of many motors."""
     names = [(motor.maker, motor.designation) for motor in motors]
-    return repr((rocket.flights, rocket.averaged, rocket.stretched, plan, names, rest))
+    return repr((rocket.flights, rocket.averaged, rocket.earlier, plan, names, rest))
 
 
 def _fitted(model: Any, data: Any) -> object:

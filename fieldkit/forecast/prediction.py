@@ -3,6 +3,7 @@
 Derivation: figures are quantiles of the draws; a stretch acts on the log ratio of a draw to their median.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,7 +25,8 @@ class Prediction:
     `across_speed` the velocity there. `cd` and `alpha` are the drag coefficient and thrust factor, and `random_draws`
     the scatter of single flights by cause. `rests_on` counts the flights in the model's fit. `stretched_by` is the
     factor on the width of both apogees from the results of `earlier_forecasts`, 1 if there are too few of them.
-    `left_out` has a line for each flight that was not used, and for each outlier readout.
+    `mixed_with` has the weight of each simpler method in the apogee, empty for the model alone. [1] `left_out` has a
+    line for each flight that was not used, and for each outlier readout.
     """
 
     plan: Flight
@@ -47,6 +49,7 @@ class Prediction:
     model: str
     stretched_by: float = 1.0
     earlier_forecasts: int = 0
+    mixed_with: Mapping[str, float] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     across: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
     drift_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
@@ -63,6 +66,14 @@ class Prediction:
             return self
         shown, true = (spread_out(draws, factor) for draws in (self.apogee, self.true_apogee))
         return replace(self, apogee=shown, true_apogee=true, stretched_by=factor, earlier_forecasts=earlier)
+
+    def mixed(self, mixture: Float[Array, "draw"], weights: Mapping[str, float]) -> "Prediction":
+        """A copy whose apogees are the draws of a mixture [m], in the order of its own, so that high draws stay high in
+        every figure; the true apogee changes by the same factor. `weights` are those of the simpler methods. [1]"""
+        rank = np.argsort(np.argsort(self.apogee, kind="stable"))
+        shown = np.sort(mixture)[rank]
+        factor = np.divide(shown, self.apogee, out=np.ones_like(shown), where=self.apogee > 0)
+        return replace(self, apogee=shown, true_apogee=self.true_apogee * factor, mixed_with=weights)
 
     def narrowed(self, more: float) -> float:
         """The expected ratio of the 90% interval's width after this number of further clean flights like the plan to

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, design_cds
+from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.predict import FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
@@ -18,14 +19,12 @@ Planned = Sequence[tuple[Flight, Found]]
 
 @dataclass(frozen=True, slots=True)
 class Rocket:
-    """The data about a rocket that forecasts are based on: its flights, the effect sets in its model, the factor by
-    which intervals are `stretched` given how `earlier` forecasts performed, its starting designs, and the data of the
-    user's other rockets."""
+    """The data about a rocket that forecasts are based on: its flights, the effect sets in its model, the results of
+    earlier forecasts, its starting designs, and the data of the user's other rockets."""
 
     history: tuple[tuple[Flight, Found], ...]
     averaged: Averaged
-    stretched: float | None
-    earlier: int
+    earlier: EarlierForecasts = EarlierForecasts()
     starts: tuple[Start, ...] = ()
     shared: SharedPrior | None = None
     excluded: tuple[str, ...] = ()
@@ -78,7 +77,7 @@ def forecast_plans(
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
-    """Simulate the plans of a fit as in `fly_ahead`, with intervals widened for this rocket."""
+    """Simulate the plans of a fit as in `fly_ahead`, corrected by the results of earlier forecasts."""
     made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
-    made = [one.corrected(rocket.stretched, rocket.earlier) for one in made]
-    return [replace(one, left_out=(*rocket.excluded, *one.left_out)) for one in made]
+    corrected = rocket.earlier.corrected(made)
+    return [replace(one, left_out=(*rocket.excluded, *one.left_out)) for one in corrected]

@@ -6,6 +6,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_of
+from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import PLUGGED_DELAY, Found
 from fieldkit.motors.names import parse, with_delay
@@ -27,6 +28,9 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
     yield f"  based on  {_rests_on(prediction)}"
     yield f"  narrows   {narrows(prediction)}"
+    if prediction.mixed_with:
+        parts = ", ".join(f"{weight:.0%} {LABELS[name]}" for name, weight in prediction.mixed_with.items())
+        yield f"            mixed with simpler methods that forecast the earlier flights better: {parts}"
     if prediction.earlier_forecasts:
         yield (
             f"            the interval is {prediction.stretched_by:.2f} times the model's own, calibrated on "

@@ -161,7 +161,8 @@ def scores_document(found: "LedgerScores") -> dict[str, Any]:
     own = score_document(found.first) | {
         "evaluation": "forward in time: each flight from the earlier ones of other rockets"
     }
-    document = {**score_document(found.later), "first_flights": own, "stacking": {"weights": dict(found.weights)}}
+    stacking = {"weights": dict(found.weights), "weights_of_first": dict(found.weights_of_first)}
+    document = {**score_document(found.later), "first_flights": own, "stacking": stacking}
     kept = None
     if found.saved is not None:
         kept = score_document(found.saved) | {"evaluation": "as predicted before the flight", "stale": found.stale}

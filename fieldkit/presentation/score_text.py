@@ -36,14 +36,16 @@ def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
 
 
 def next_lines(found: "LedgerScores") -> Iterator[str]:
-    """The coverage of corrected intervals, and the stacking weights of the next forecast."""
+    """The coverage of corrected intervals, and what the next forecast is mixed from."""
     if found.corrected:
         yield (
             f"Calibrated on earlier forecasts, the intervals of the last {found.corrected['flights']} would have "
             f"covered {found.corrected['coverage90']:.0%}, uncalibrated {found.corrected['own_coverage90']:.0%}."
         )
-    parts = ", ".join(f"{weight:.0%} {LABELS.get(way, way)}" for way, weight in found.weights.items() if weight)
-    yield f"Stacking weights for the next flight: {parts}."
+    for what, weights in (("Forecasts", found.weights), ("First flights", found.weights_of_first)):
+        if weights["fieldkit"] < 1:
+            parts = ", ".join(f"{weight:.0%} {LABELS.get(way, way)}" for way, weight in weights.items() if weight)
+            yield f"{what} are mixed, because a simpler method scored better on earlier ones: {parts}."
 
 
 def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:

@@ -38,6 +38,7 @@ def forecast_record(prediction: Prediction) -> dict[str, Any]:
         "interval": {
             "stretched_by": prediction.stretched_by,
             "earlier_forecasts": prediction.earlier_forecasts,
+            "mixed_with": dict(prediction.mixed_with),
             "narrowed_by_flights": {str(more): prediction.narrowed(more) for more in (1, 3, 10)},
         },
     }

@@ -12,6 +12,8 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import saved_surprises, stretch
+from fieldkit.forecast.earlier_forecasts import EarlierForecasts
+from fieldkit.forecast.evaluation.stacking import MODEL_ALONE, saved_scores, weights_after
 from fieldkit.forecast.predict import fly_ahead, learn, predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger, NewPrediction
@@ -140,7 +142,7 @@ def predict_plans(
     for a plan without a rocket if none has flown, and ImpossibleFlight for a plan without a mass.
     """
     answers: dict[int, Prediction] = {}
-    surprises = earlier_surprises(ledger)
+    earlier = earlier_forecasts(ledger, motors)
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
@@ -157,8 +159,7 @@ def predict_plans(
             cds=cds,
             shared=fleet_prior(ledger, motors, rocket, on_progress),
         )
-        sure = stretch(surprises)
-        finished = [one.corrected(sure, len(surprises)) for one in made]
+        finished = earlier.corrected(made)
         if names := excluded_flights(ledger.flights(rocket), motors):
             finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
         if keep:
@@ -208,21 +209,30 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
         "rocket": row.rocket,
         "flight_id": row.flight_id,
         "flown_m": float(row.flown),
-        "interval_m": [float(end) for end in row.interval],
+        "interval_m": [float(end) for end in row.issued],
+        "earlier": row.earlier,
+        "log_scores": [float(score) for score in row.log_scores],
         "evaluation": "forward in time",
     }
     digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
     return NewPrediction(payload, digest, row.rocket, row.flight_id)
 
 
-def earlier_surprises(ledger: Ledger, but: Flight | None = None) -> list[float]:
-    """Surprises of the saved forecasts of flights that are still in the ledger, clean and with the same apogee, except
-    of one flight. [1]"""
-    flown = {(one.rocket, one.flight_id): one.apogee for one in ledger.flights() if one.clean}
-    if but is not None:
-        flown.pop((but.rocket, but.flight_id), None)
+def earlier_forecasts(ledger: Ledger, motors: Catalogue, but: Flight | None = None) -> EarlierForecasts:
+    """The results of the saved forecasts of flights that are still in the ledger, clean and with the same apogee,
+    except of one flight; the latest forecast of each flight counts."""
     saved = [kept.payload for kept in ledger.predictions() if "flown_m" in kept.payload]
-    return saved_surprises([one for one in saved if flown.get((one["rocket"], one["flight_id"])) == one["flown_m"]])
+    if not saved:
+        return EarlierForecasts()
+    left_out = (but.rocket, but.flight_id) if but else None
+    flights = [one for one in ledger.flights() if (one.rocket, one.flight_id) != left_out]
+    apogees = {(one.rocket, one.flight_id): one.apogee for one in flights if one.clean}
+    latest = {(one["rocket"], one["flight_id"]): one for one in saved}
+    judged = [one for key, one in latest.items() if apogees.get(key) == one["flown_m"]]
+    surprises = saved_surprises(judged)
+    later, first = (weights_after(saved_scores(judged), first=first) for first in (False, True))
+    known = () if later == first == MODEL_ALONE else tuple(followed(flights, motors))
+    return EarlierForecasts(len(surprises), stretch(surprises), later, first, known)
 
 
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
@@ -245,5 +255,5 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
         shared=fleet_prior(ledger, motors, flight.rocket),
     )
     (made,) = fly_ahead(fitted, paired=True)
-    surprises = earlier_surprises(ledger, but=flight)
-    return made.corrected(stretch(surprises), len(surprises))
+    (corrected,) = earlier_forecasts(ledger, motors, but=flight).corrected([made])
+    return corrected

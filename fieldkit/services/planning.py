@@ -16,12 +16,11 @@ from fieldkit.flight.recovery import (
 )
 from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
 from fieldkit.flight.start import completed
-from fieldkit.forecast.conformal import stretch
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
-from fieldkit.services.forecasts import accepted_average, earlier_surprises, flown, start_of
+from fieldkit.services.forecasts import accepted_average, earlier_forecasts, flown, start_of
 from fieldkit.services.kits import kit_of_rocket, kits
 from fieldkit.services.plausible_flights import excluded_flights, plausible
 from fieldkit.services.sites import site_of
@@ -33,13 +32,11 @@ SHORTLIST = "shortlist"
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
     """A rocket's flights, designs and settings in a ledger, and the mount of its kit, read once. Raises BadValue."""
-    surprises = earlier_surprises(ledger)
     history = flown(ledger, motors, name)
     return Rocket(
         history=tuple(history),
         averaged=accepted_average(ledger, name, flights=[flight for flight, _ in history]),
-        stretched=stretch(surprises),
-        earlier=len(surprises),
+        earlier=earlier_forecasts(ledger, motors),
         starts=tuple(ledger.starts(name)),
         shared=fleet_prior(ledger, motors, name),
         excluded=tuple(excluded_flights(ledger.flights(name), motors)),

@@ -20,8 +20,8 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 @dataclass(frozen=True, slots=True)
 class LedgerScores:
     """Scores of saved forecasts (None if there are none; `stale` counts those whose inputs have changed), of replayed
-    flights after earlier ones of their rocket, and of first flights; the stacking weights of the next forecast, and the
-    coverage of corrected intervals.
+    flights after earlier ones of their rocket, and of first flights; the stacking weights of the next forecast, of a
+    rocket that has flown and of a first flight, and the coverage of corrected intervals.
 
     `unsaved` is why the replayed forecasts were not saved, None if they were or need not be."""
 
@@ -30,6 +30,7 @@ class LedgerScores:
     later: ScoreReport
     first: ScoreReport
     weights: dict[str, float]
+    weights_of_first: dict[str, float]
     corrected: Mapping[str, Any] | None
     unsaved: LedgerError | None = None
 
@@ -67,6 +68,7 @@ def score_forecasts(
         later,
         first,
         next_weights(rows),
+        next_weights(rows, first=True),
         corrected_coverage(rows),
         unsaved,
     )

@@ -26,7 +26,7 @@ from fieldkit.units import FOOT, STANDARD_GRAVITY
 
 pytestmark = pytest.mark.fast
 
-NEW = Rocket((), (), None, 0)
+NEW = Rocket((), ())
 """A rocket that has not flown."""
 PLAN = Flight(rocket="Comet", dry_mass=0.45, diameter=0.066)
 

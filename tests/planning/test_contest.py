@@ -223,7 +223,7 @@ def test_the_best_parachute_has_the_fewest_points_and_the_probability_is_that_of
         (plan.with_changes(flight_id=str(n), motor="F24-6W", apogee=height, duration=height / 4.2 + 7.5), found)
         for n, height in enumerate((241.0, 246.0, 238.0, 249.0))
     )
-    rule, rocket = season(2027), Rocket(history, (), None, 0)
+    rule, rocket = season(2027), Rocket(history, ())
     as_flown = outlook(rule, rocket, plan, found, draws=200)
     assert as_flown.fall.flights == 4
     assert as_flown.area < 0.8  # it came down after 65 s, the window closes at 40 s
@@ -396,7 +396,7 @@ def test_mass_and_parachute_are_optimized_together_and_higher_targets_need_less_
         (plan.with_changes(flight_id=str(n), motor="F39T-6", apogee=height, duration=height / 5.5 + 7.0), found)
         for n, height in enumerate((236.0, 240.0, 238.0, 243.0))
     )
-    flown = trials(Rocket(history, (), None, 0), plan, found, rule)
+    flown = trials(Rocket(history, ()), plan, found, rule)
     table = finals_table(flown, rule, finals_targets(rule))
     assert [round(one.target / FOOT) for one in table] == list(range(775, 826, 5))
     masses = [one.mass for one in table]
@@ -414,8 +414,8 @@ def test_ballast_is_unchanged_if_the_gain_is_not_clear() -> None:
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066)
     goal = Goal(rule.target, 3.0, "points", rule)
     heavy = plan.with_changes(dry_mass=0.58)
-    near = ballast(Rocket((), (), None, 0), plan, found, goal, draws=80)
-    legal = ballast(Rocket((), (), None, 0), heavy, found, goal, draws=80)
+    near = ballast(Rocket((), ()), plan, found, goal, draws=80)
+    legal = ballast(Rocket((), ()), heavy, found, goal, draws=80)
     assert near.gain is not None
     assert not near.clear
     assert near.advised.plan.dry_mass == plan.dry_mass
@@ -427,7 +427,7 @@ def test_ballast_is_unchanged_if_the_gain_is_not_clear() -> None:
 def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     heavy = Flight(rocket="Comet", dry_mass=0.62, diameter=0.066)
-    best = ballast(Rocket((), (), None, 0), heavy, found, Goal(rule.target, 3.0, "points", rule), draws=80)
+    best = ballast(Rocket((), ()), heavy, found, Goal(rule.target, 3.0, "points", rule), draws=80)
     assert best.too_heavy
     assert best.clear
     assert best.advised is best.forecast
@@ -439,7 +439,7 @@ def test_a_rocket_over_the_limit_of_the_season_is_advised_to_lose_weight() -> No
 def test_the_table_of_finals_states_how_much_one_flight_would_narrow_it() -> None:
     found, rule = catalogue().resolve("F39T-6"), season(2027)
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, delay=6.0)
-    flown = trials(Rocket((), (), None, 0), plan, found, rule)
+    flown = trials(Rocket((), ()), plan, found, rule)
     words = " ".join(finals_basis(flown, finals_table(flown, rule, [rule.target])))
     apogee, descent = (int(number) for number in re.findall(r"by (\d+)%", words)[-2:])
     assert 10 < apogee < 80

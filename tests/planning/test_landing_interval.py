@@ -86,6 +86,6 @@ def _forecast(case: dict[str, Any]) -> Landing:
         extra |= {"drogue_speed_mps": f"{case['first_speed']}", "main_altitude_m": f"{case['main_altitude']}"}
     angle = float(np.hypot(case["rail_into"], case["rail_across"])) * DEGREE
     plan = body.with_changes(motor=case["motor"], wind=case["wind"], rail_angle=angle, extra=extra)
-    rocket = Rocket(history, (), None, 0)
+    rocket = Rocket(history, ())
     (forecast,) = forecasts(rocket, [(plan, found)], draws=300)
     return landing(forecast, fall_of(history, plan, found))

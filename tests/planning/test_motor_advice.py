@@ -25,7 +25,7 @@ RULE = season(2027)
 def choices() -> list[MotorChoice]:
     motors = [catalogue().resolve(name).motor for name in ("F39T", "F24W", "G40W")]
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, rail_length=2.0)
-    return guide(Rocket((), (), None, 0), plan, motors, limits(), Site(), 100)
+    return guide(Rocket((), ()), plan, motors, limits(), Site(), 100)
 
 
 def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left_out(

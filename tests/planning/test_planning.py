@@ -293,7 +293,7 @@ def test_an_old_list_of_delays_asks_for_the_longest_on_the_package(motors: Catal
     heavy = Flight(rocket="Comet", dry_mass=1.2, diameter=0.057)
 
     def words(name: str) -> str:
-        return " ".join(delays(Rocket((), (), None, 0), heavy, motors.resolve(name), 15.0, draws=40).words)
+        return " ".join(delays(Rocket((), ()), heavy, motors.resolve(name), 15.0, draws=40).words)
 
     assert "the longest delay printed on yours, as in I284W-14A" in words("I284W")
     assert "printed" not in words("I284W-14A")

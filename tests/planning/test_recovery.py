@@ -36,7 +36,7 @@ from fieldkit.settings import Settings
 
 CHECK_SHAPES = False
 FOUND = catalogue().resolve("F39T-6")
-NEW = Rocket((), (), None, 0)
+NEW = Rocket((), ())
 PLAN = Flight(rocket="Comet", motor="F39T-6", dry_mass=0.4, diameter=0.066, wind=4.0)
 
 
@@ -148,7 +148,7 @@ def test_one_timed_flight_narrows_the_descent_of_a_rocket_without_any() -> None:
 
 def test_forecast_durations_agree_with_the_flight_they_were_fitted_to() -> None:
     flights = tuple((flown(6.0, 6.0).with_changes(flight_id=str(n)), FOUND) for n in range(5))
-    rocket = Rocket(flights, (), None, 0)
+    rocket = Rocket(flights, ())
     plan = PLAN.with_changes(wind=None, delay=6.0)
     (one,) = forecasts(rocket, [(plan, FOUND)], draws=300)
     fall = fall_of(rocket.history, plan)

@@ -28,7 +28,7 @@ SITE = Site(name="Meadow", size=300.0, people=30.0)
 def planned() -> PlannedFlight:
     found = catalogue().resolve("C6-5")
     plan = Flight(flight_id="1", rocket="Alpha", motor="C6-5", dry_mass=0.04, diameter=0.025, wind=3.0, delay=5.0)
-    return planned_flight(Rocket((), (), None, 0), plan, found, SITE, limits())
+    return planned_flight(Rocket((), ()), plan, found, SITE, limits())
 
 
 def text_of(content: bytes) -> str:

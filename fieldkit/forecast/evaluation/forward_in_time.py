@@ -10,9 +10,10 @@ from datetime import datetime
 from fieldkit.flight import Flight
 from fieldkit.forecast.conformal import stretch, stretched, surprise
 from fieldkit.forecast.evaluation.rivals import rival_draws
-from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, log_scores, mixed_in, weights_after
+from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, ScoredForecast, log_scores, mixed_in, weights_after
 from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.forecast.predict import predict
+from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import SharedPrior
@@ -28,9 +29,10 @@ class Forecast:
     """One flight with the forecasts of the model and its rivals from before the flight. [m]
 
     `draws` are the model's equally likely apogees and `p05` to `p95` its quantiles; `rivals` are the draws of the
-    rivals with enough data, and `stacked` is the mixture with some of them. `earlier` counts the earlier clean flights
-    with an apogee of its rocket. `corrected` is the 90% interval after `corrected_by_earlier`, by a factor `stretch`;
-    both are None if there are too few earlier forecasts.
+    rivals with enough data, and `stacked` is the mixture with those of them that did better on earlier flights.
+    `log_scores` are the log densities of the flight in the forecasts that can be mixed. [nat] `earlier` counts the
+    earlier clean flights with an apogee of its rocket. `corrected` is the 90% interval after `corrected_by_earlier`, by
+    a factor `stretch`; both are None if there are too few earlier forecasts.
     """
 
     rocket: str
@@ -46,11 +48,25 @@ class Forecast:
     when: datetime | None = None
     stretch: float | None = None
     corrected: tuple[float, float] | None = None
+    log_scores: tuple[float, ...] = ()
+
+    @property
+    def scored(self) -> ScoredForecast:
+        """The scores of the forecasts that can be mixed."""
+        return ScoredForecast(not self.earlier, self.log_scores)
 
     @property
     def interval(self) -> tuple[float, float, float]:
         """The model's 5, 50 and 95% quantiles. [m]"""
         return self.p05, self.p50, self.p95
+
+    @property
+    def issued(self) -> tuple[float, float, float]:
+        """The 5, 50 and 95% quantiles of the mixture, or of the model without one, before the correction. [m]"""
+        if "stacked" not in self.rivals:
+            return self.interval
+        low, middle, high = quantiles(self.rivals["stacked"], LEVELS).tolist()
+        return low, middle, high
 
 
 def forward(
@@ -146,22 +162,23 @@ def beside_rivals(
 def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
     """The forecasts in the order flown, each with its stacked mixture, weighted by the forecasts of earlier flights."""
     found: list[Forecast] = []
-    scores: list[Float[Array, "way"]] = []
     for row in rows:
-        mixture = mixed_in(row.draws, row.rivals, weights_after(scores))
-        found.append(replace(row, rivals={**row.rivals, "stacked": mixture}))
-        scores.append(log_scores(row.draws, row.rivals, row.flown))
+        weights = weights_after((one.scored for one in found), first=not row.earlier)
+        mixture = mixed_in(row.draws, row.rivals, weights)
+        scores = log_scores(row.draws, row.rivals, row.flown)
+        found.append(replace(row, rivals={**row.rivals, "stacked": mixture}, log_scores=scores))
     return found
 
 
-def next_weights(rows: Sequence[Forecast]) -> dict[str, float]:
-    """The stacking weights for the next flight, by method. [1]"""
-    weights = weights_after([log_scores(row.draws, row.rivals, row.flown) for row in rows])
-    return dict(zip(("fieldkit", *STACKED_RIVALS), weights.tolist(), strict=True))
+def next_weights(rows: Sequence[Forecast], *, first: bool = False) -> dict[str, float]:
+    """The stacking weights for the next flight, of a rocket that has flown or its first, by method, from the result of
+    `with_stacked`. [1]"""
+    weights = weights_after((row.scored for row in rows), first=first)
+    return dict(zip(("fieldkit", *STACKED_RIVALS), weights, strict=True))
 
 
 def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
-    """The forecasts in the order flown, each with its interval corrected by the results of earlier flights.
+    """The forecasts in the order flown, each with its issued interval corrected by the results of earlier flights.
 
     The correction uses the forecasts of all rockets given, because one rocket rarely has enough.
     """
@@ -170,19 +187,19 @@ def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
     for row in rows:
         by = stretch(surprises)
         if by is not None:
-            low, _, high = stretched(row.interval, by)
+            low, _, high = stretched(row.issued, by)
             row = replace(row, stretch=by, corrected=(low, high))
         found.append(row)
-        surprises.append(surprise(row.flown, row.interval))
+        surprises.append(surprise(row.flown, row.issued))
     return found
 
 
 def corrected_coverage(rows: Sequence[Forecast]) -> dict[str, float | None] | None:
-    """Coverage of the corrected intervals, and of the model's intervals for the same flights. [1]"""
+    """Coverage of the corrected intervals, and of the uncorrected ones for the same flights. [1]"""
     later = [(row, row.corrected) for row in rows if row.corrected]
     if not later:
         return None
     inside = [low <= row.flown <= high for row, (low, high) in later]
-    own = [row.p05 <= row.flown <= row.p95 for row, _ in later]
+    own = [row.issued[0] <= row.flown <= row.issued[2] for row, _ in later]
     coverage = {"coverage90": sum(inside) / len(later), "own_coverage90": sum(own) / len(later)}
     return {"flights": len(later), **coverage, "last_stretch": later[-1][0].stretch}

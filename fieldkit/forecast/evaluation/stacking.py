@@ -5,7 +5,9 @@ and Gelman, Using Stacking to Average Bayesian Predictive Distributions, Bayesia
 of a Dirichlet prior. The prior counts as `PRIOR_FLIGHTS` flights, `PRIOR_OWN` of them forecast by the model alone.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.special import gammaln
@@ -14,6 +16,8 @@ from fieldkit.shapes import Array, Float
 
 STACKED_RIVALS = ("fleet_ratio", "scalar")
 """Rivals in the mixture: those with a spread, because a single number has no density."""
+MODEL_ALONE = (1.0, *(0.0 for _ in STACKED_RIVALS))
+"""The weights of a forecast that is not mixed. [1]"""
 PRIOR_FLIGHTS = 10.0
 """Number of flights that the prior of the weights counts as. [1]"""
 PRIOR_OWN = 0.9
@@ -67,33 +71,56 @@ def stacking_weights(log_scores: Float[Array, "flight way"], prior: Float[Array,
     return np.asarray(weights)
 
 
-def log_scores(
-    draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], flown: float
-) -> Float[Array, "way"]:
+def log_scores(draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], flown: float) -> tuple[float, ...]:
     """Log density of a flight in the forecasts of the model and of each of `STACKED_RIVALS`; a missing rival gets the
     model's. [nat]"""
     own = log_density(draws, flown)
     found = [log_density(rivals[name], flown) if _spread(rivals, name) else own for name in STACKED_RIVALS]
-    return np.asarray([own, *found], float)
+    return (own, *found)
 
 
-def weights_after(earlier: Sequence[Float[Array, "way"]]) -> Float[Array, "way"]:
-    """Weights of the model and of each of `STACKED_RIVALS` from the log scores of earlier flights; with too few, the
-    model has all the weight. [1]"""
-    if len(earlier) < MIN_FORECASTS_TO_STACK:
-        return np.asarray(np.eye(1 + len(STACKED_RIVALS))[0])
-    return stacking_weights(np.array(earlier), prior_counts(1 + len(STACKED_RIVALS)))
+@dataclass(frozen=True, slots=True)
+class ScoredForecast:
+    """The log scores of the forecasts of one flight by the model and by each of `STACKED_RIVALS` [nat], and whether it
+    was the first of its rocket."""
+
+    first: bool
+    log_scores: tuple[float, ...]
+
+
+def weights_after(earlier: Iterable[ScoredForecast], *, first: bool) -> tuple[float, ...]:
+    """Weights of the model and of each of `STACKED_RIVALS` for a rocket's first or a later flight, from the earlier
+    flights of that kind. [1]
+
+    The model has all the weight until there are enough flights and a rival has a higher total than the model.
+    """
+    scores = np.array([one.log_scores for one in earlier if one.first is first], float)
+    if len(scores) < MIN_FORECASTS_TO_STACK or not (scores[:, 1:].sum(axis=0) > scores[:, 0].sum()).any():
+        return MODEL_ALONE
+    return tuple(stacking_weights(scores, prior_counts(len(MODEL_ALONE))).tolist())
+
+
+def saved_scores(saved: Iterable[Mapping[str, Any]]) -> list[ScoredForecast]:
+    """The scores of forecasts saved in a ledger; those without, from an older version, are left out."""
+    found = [(one.get("earlier"), one.get("log_scores")) for one in saved]
+    return [
+        ScoredForecast(not earlier, tuple(scores))
+        for earlier, scores in found
+        if isinstance(scores, list) and len(scores) == len(MODEL_ALONE) and np.isfinite(scores).all()
+    ]
 
 
 def mixed_in(
-    draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], weights: Float[Array, "way"]
+    draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], weights: Sequence[float]
 ) -> Float[Array, "draw"]:
     """The stacked forecast; the weight of a missing rival goes to the model. [m]"""
+    if tuple(weights) == MODEL_ALONE:
+        return draws
     return stacked(draws, [rivals[name] if _spread(rivals, name) else draws for name in STACKED_RIVALS], weights)
 
 
 def stacked(
-    draws: Float[Array, "draw"], rivals: Sequence[Float[Array, "_"]], weights: Float[Array, "way"]
+    draws: Float[Array, "draw"], rivals: Sequence[Float[Array, "_"]], weights: Sequence[float]
 ) -> Float[Array, "draw"]:
     """Equally likely values of the mixture in ascending order, as many as the model's draws. [m]
 

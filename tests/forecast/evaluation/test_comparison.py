@@ -162,7 +162,7 @@ def test_another_hyperprior_can_be_scored_and_nothing_is_saved(
 @pytest.mark.parametrize("kind", ["png", "pdf"])
 def test_the_calibration_is_plotted(tmp_path: Path, kind: str) -> None:
     file = tmp_path / f"score.{kind}"
-    write_picture(LedgerScores(None, 0, judged_report(season(12)), judged_report([]), {}, None), file)
+    write_picture(LedgerScores(None, 0, judged_report(season(12)), judged_report([]), {}, {}, None), file)
     assert file.read_bytes()[:4] == {"png": b"\x89PNG", "pdf": b"%PDF"}[kind]
     with pytest.raises(BadValue, match=r"found 'score\.doc'"):
         check_picture(Path("score.doc"))

@@ -9,11 +9,14 @@ from scipy.stats import norm
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, next_weights, with_stacked
 from fieldkit.forecast.evaluation.stacking import (
     MIN_FORECASTS_TO_STACK,
+    MODEL_ALONE,
     PRIOR_FLIGHTS,
     PRIOR_OWN,
     STACKED_RIVALS,
+    ScoredForecast,
     log_density,
     prior_counts,
+    saved_scores,
     stacked,
     stacking_weights,
     weights_after,
@@ -49,8 +52,30 @@ def test_few_flights_do_not_move_the_weights_and_many_favor_the_better_method() 
         assert weights[better] > 0.9
         few = stacking_weights(scores[:3], prior_counts(3))
         assert few[0] > 0.6
-    np.testing.assert_allclose(weights_after([np.array([0.0, 9.0, 0.0])] * (MIN_FORECASTS_TO_STACK - 1)), (1, 0, 0))
-    assert weights_after([np.array([0.0, 9.0, 0.0])] * 60)[1] > 0.8
+
+
+def test_the_model_forecasts_alone_until_a_rival_has_the_higher_total() -> None:
+    ahead, behind = ScoredForecast(False, (0.0, 9.0, 0.0)), ScoredForecast(False, (0.0, -0.1, -9.0))
+    assert weights_after([ahead] * (MIN_FORECASTS_TO_STACK - 1), first=False) == MODEL_ALONE
+    assert weights_after([ahead] * 60, first=False)[1] > 0.8
+    assert weights_after([behind] * 60, first=False) == MODEL_ALONE
+
+
+def test_first_flights_and_later_ones_have_weights_of_their_own() -> None:
+    scores = [ScoredForecast(first, (0.0, 2.0 if first else -2.0, 0.0)) for first in (True, False) for _ in range(30)]
+    assert weights_after(scores, first=True)[1] > 0.5
+    assert weights_after(scores, first=False) == MODEL_ALONE
+
+
+def test_saved_scores_are_read_and_damaged_ones_left_out() -> None:
+    good = {"earlier": 0, "log_scores": [1.0, 2.0, 3.0]}
+    bad: list[dict[str, object]] = [
+        {},
+        {"log_scores": None},
+        {"log_scores": [1.0]},
+        {"log_scores": [1.0, float("nan"), 2.0]},
+    ]
+    assert saved_scores([good, *bad]) == [ScoredForecast(True, (1.0, 2.0, 3.0))]
 
 
 def test_without_a_difference_the_weights_keep_their_prior() -> None:
@@ -76,11 +101,11 @@ def test_no_other_weights_score_higher(rows: list[tuple[float, float, float]]) -
 
 def test_a_mixture_contains_each_method_by_its_weight() -> None:
     one, other = lognormal(100.0, 0.02), lognormal(300.0, 0.02)
-    mixture = stacked(one, [other], np.array([0.7, 0.3]))
+    mixture = stacked(one, [other], [0.7, 0.3])
     assert len(mixture) == len(one)
     assert (mixture < 200).mean() == pytest.approx(0.7, abs=0.002)
-    np.testing.assert_array_equal(stacked(one, [other], np.array([1.0, 0.0])), one)
-    assert np.median(stacked(one, [other], np.array([0.0, 1.0]))) == pytest.approx(300.0, rel=0.001)
+    np.testing.assert_array_equal(stacked(one, [other], [1.0, 0.0]), one)
+    assert np.median(stacked(one, [other], [0.0, 1.0])) == pytest.approx(300.0, rel=0.001)
 
 
 def row(number: int, flown: float, **rivals: np.ndarray) -> Forecast:
@@ -99,13 +124,11 @@ def test_forecasts_are_stacked_from_earlier_flights_only() -> None:
     assert medians[39] != others[39]
     assert medians[0] == pytest.approx(200.0, rel=0.001)
     assert medians[-1] > 240
-    assert next_weights(rows)["fleet_ratio"] > 0.7
+    assert next_weights(found)["fleet_ratio"] > 0.7
 
 
 def test_the_weight_of_a_rival_without_a_forecast_or_a_spread_goes_to_the_model() -> None:
-    weights = next_weights([row(n, 210.0, scalar=np.array([210.0])) for n in range(30)])
-    assert weights == pytest.approx(
-        dict(zip(("fieldkit", *STACKED_RIVALS), prior_counts(3) / PRIOR_FLIGHTS, strict=True))
-    )
+    alone = next_weights(with_stacked([row(n, 210.0, scalar=np.array([210.0])) for n in range(30)]))
+    assert alone == {"fieldkit": 1.0, **dict.fromkeys(STACKED_RIVALS, 0.0)}
     (*_, last) = with_stacked([row(n, 210.0) for n in range(30)])
     np.testing.assert_allclose(np.quantile(last.rivals["stacked"], LEVELS), lognormal(200.0, 0.05), rtol=0.02)
