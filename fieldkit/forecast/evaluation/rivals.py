@@ -7,7 +7,6 @@ one. It returns equally likely apogees [m], a single one if it has no spread, or
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from scipy.special import ndtri
 
 from fieldkit.forecast.evaluation.fleet_ratio import fleet_ratio
 from fieldkit.forecast.evaluation.uncalibrated import Simulated, uncalibrated
@@ -38,6 +37,8 @@ def scalar(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
     middle = plan.simulated * ratios.mean()
     if len(ratios) < FEWEST_RATIOS:
         return np.array([middle])
+
+    from scipy.special import ndtri  # only `score` and mixed forecasts need it, and it takes 0.1 s to import
 
     sd = np.log(ratios).std(ddof=1) * np.sqrt(1 + 1 / len(ratios))
     return np.asarray(middle * np.exp(sd * ndtri((np.arange(DRAWS) + 0.5) / DRAWS)))

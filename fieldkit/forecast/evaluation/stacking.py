@@ -7,10 +7,10 @@ of a Dirichlet prior. The prior counts as `PRIOR_FLIGHTS` flights, `PRIOR_OWN` o
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import lgamma
 from typing import Any
 
 import numpy as np
-from scipy.special import gammaln
 
 from fieldkit.shapes import Array, Float
 
@@ -43,7 +43,7 @@ def log_density(draws: Float[Array, "draw"], flown: float) -> float:
     low, high = np.quantile(logs, (0.25, 0.75))
     width = 0.9 * min(logs.std(), (high - low) / 1.34 or np.inf) * len(logs) ** -0.2
     kernel = -0.5 * (FREEDOM + 1) * np.log1p(((np.log(flown) - logs) / width) ** 2 / FREEDOM)
-    constant = gammaln((FREEDOM + 1) / 2) - gammaln(FREEDOM / 2) - 0.5 * np.log(FREEDOM * np.pi) - np.log(width)
+    constant = lgamma((FREEDOM + 1) / 2) - lgamma(FREEDOM / 2) - 0.5 * np.log(FREEDOM * np.pi) - np.log(width)
     return float(np.logaddexp.reduce(kernel) + constant - np.log(len(draws)))
 
 
