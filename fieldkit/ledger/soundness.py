@@ -29,6 +29,8 @@ Keys = Collection[tuple[Any, ...]]
 """Primary keys of rows."""
 
 _DAMAGE = ("SQLITE_CORRUPT", "SQLITE_NOTADB")
+_HEADING = "*** in database main *** "
+"""What SQLite writes above the first damaged page."""
 _PAST_TABLE = "past"
 
 
@@ -56,7 +58,7 @@ def file_fault(file: Path, *, thorough: bool = False) -> str:
             message = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
     except sqlite3.DatabaseError as error:
         message = damage_in(error)
-    return "" if message == "ok" else message
+    return "" if message == "ok" else " ".join(message.split()).removeprefix(_HEADING)
 
 
 def row_fault(file: Path, *, since: Path | None = None) -> str:

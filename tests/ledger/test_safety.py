@@ -147,6 +147,19 @@ def test_ids_of_many_slashes_stay_within_the_values_of_a_query(tmp_path: Path, m
             ledger.flight("/" * 40_000)
 
 
+def test_the_damage_of_every_page_is_described_in_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+    sound = file.read_bytes()
+    for start in range(0, len(sound), 4096):
+        file.write_bytes(sound[:start] + bytes(4096) + sound[start + 4096 :])
+        found = soundness.file_fault(file)
+        assert found
+        assert "\n" not in found
+        assert "***" not in found
+
+
 def test_a_damaged_ledger_is_reported_as_damaged(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
