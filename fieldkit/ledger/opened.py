@@ -62,10 +62,10 @@ class OpenLedger:
 
     @contextmanager
     def _writing(self, *, keep: bool = True) -> Iterator[Connection]:
-        if keep:
-            self.trouble = opening.keep_backup(self._engine) or self.trouble
+        missed = opening.keep_backup(self._engine) if keep else ""
         with opening.writing(self._engine, keep=keep) as connection:
             yield connection
+        self.trouble = missed or self.trouble
 
     @contextmanager
     def _changing(self, *, keep: bool = True) -> Iterator[ChangeRecorder]:

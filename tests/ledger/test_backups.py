@@ -320,6 +320,16 @@ def test_a_folder_without_space_for_backups_gives_a_warning_and_not_a_refusal(
     assert len(flown(file)) == 2
 
 
+def test_a_refused_change_is_one_line_even_if_no_backup_could_be_made(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    add(file, "1")
+    backups.folder_of(file).write_text("in the way")
+    capsys.readouterr()
+    assert main(["--ledger", str(file), "remove", "no such flight"]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
+
+
 def test_a_file_whose_name_is_not_a_time_is_not_a_backup(file: Path) -> None:
     add(file, "1", "2")
     known = backups.backups(file)
