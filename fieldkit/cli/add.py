@@ -31,6 +31,9 @@ def add(
             help="Mass ready to fly with the motor: 620g, 22oz; replaces the dry mass.", rich_help_panel=PANEL
         ),
     ] = None,
+    again: Annotated[
+        bool, typer.Option("--again", help="Add the flight even if the ledger has one with the same values.")
+    ] = False,
     **given: str | None,
 ) -> None:
     """Enter a flight by hand. Enter accepts the default, < goes back, ? shows help, - means "not recorded".
@@ -43,9 +46,9 @@ def add(
         if changes or lift_off_mass is not None:
             flight = _as_built(ledger, _from_options(changes, lift_off_mass), changes)
             _doubt(ledger, flight)
-            _add(ledger, flight, None)
+            _add(ledger, flight, None, again=again)
         else:
-            _add(ledger, *_from_answers(ledger, resume=resume))
+            _add(ledger, *_from_answers(ledger, resume=resume), again=again)
 
 
 takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), PANEL)
@@ -158,10 +161,19 @@ def _read_from_pipe(_prompt: str) -> str | None:
     return sys.stdin.readline() or None
 
 
-def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
-    """Save a flight in the ledger and print it; that it is saved is reported even if the rest cannot be printed."""
-    from fieldkit.services.manual_entry import enter
+def _add(ledger: "Ledger", flight: "Flight", draft: str | None, *, again: bool) -> None:
+    """Save a flight in the ledger and print it; that it is saved is reported even if the rest cannot be printed.
 
+    Raises BadValue for a flight that the ledger probably has already, unless it is to be added `again`.
+    """
+    from fieldkit.errors import BadValue
+    from fieldkit.services.manual_entry import enter, identical_flight
+
+    if not again and (before := identical_flight(ledger, flight)) is not None:
+        raise BadValue(
+            f"found all values of flight {ledger.ids([before])[0]} of {before.date_time:%Y-%m-%d %H:%M}, expected "
+            "another flight, or --again to add a second one like it; nothing was saved"
+        )
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
         complain("Duplicate: it is already in the ledger")

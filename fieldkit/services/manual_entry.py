@@ -179,6 +179,23 @@ def dry_mass_under(lift_off: float, motor: Motor) -> float:
     return check(BY_NAME["dry_mass"], without_motor(lift_off, motor))
 
 
+def identical_flight(ledger: Ledger, flight: Flight) -> Flight | None:
+    """The flight of a ledger that a typed one without a number repeats; None if there is none.
+
+    Everything but the number is equal. A typed flight without a time can repeat only one of today. That is probably
+    one entry made twice, but two flights may really read the same, so the flyer decides.
+    """
+    if flight.flight_id or not (flight.rocket and (flight.readouts() or flight.tags)):
+        return None
+    typed, today = _as_typed(ledger, flight), datetime.now().date()
+    for one in reversed(ledger.flights(flight.rocket)):
+        is_then = one.date_time is not None and one.date_time.date() == today
+        when = typed.date_time or (one.date_time if is_then else None)
+        if when is not None and one == typed.with_changes(flight_id=one.flight_id, date_time=when):
+            return one
+    return None
+
+
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
     """Give a typed flight a number, a time and its site's elevation if it has none, and add it to the ledger.
 
@@ -190,14 +207,18 @@ def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Fli
         raise BadValue("input ended before the rocket was named; nothing was saved")
     if not (flight.readouts() or flight.tags):
         raise BadValue("found no readout and no tag, expected at least one; nothing was saved")
-    if flight.site and flight.site_elevation is None:
-        flight = flight.with_changes(site_elevation=site_of(ledger, flight.site).elevation)
-    flight = flight.with_changes(
+    flight = _as_typed(ledger, flight).with_changes(
         flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
         date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),
     )
-    flight = flight.with_source(flight.readouts(), "typed")
     added = ledger.add([flight], command="add", draft=draft)
     if added.conflicts:
         raise BadValue(added.conflicts[0].error)
     return flight, added
+
+
+def _as_typed(ledger: Ledger, flight: Flight) -> Flight:
+    """A typed flight with its site's elevation if it has none, and the source of its readouts."""
+    if flight.site and flight.site_elevation is None:
+        flight = flight.with_changes(site_elevation=site_of(ledger, flight.site).elevation)
+    return flight.with_source(flight.readouts(), "typed")

@@ -252,6 +252,36 @@ def test_a_script_adds_a_flight_in_one_line_without_questions(add: Add, file: Pa
     assert "fieldkit edit" in err
 
 
+def test_a_flight_without_a_number_is_not_added_twice_unless_asked(add: Add, file: Path) -> None:
+    options = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "923ft", "--site", "Meadow", "--dry-mass", "322g"]
+    dated = [*options, "--date-time", "2026-05-01T10:30"]
+    for line, count in ((options, 1), (dated, 2)):
+        assert add((), *line)[0] == 0
+        status, _, err = add((), *line)
+        assert (status, len(held(file)), err.count("\n")) == (1, count, 1)
+        (flight,) = (one for one in held(file) if (one.date_time == datetime(2026, 5, 1, 10, 30)) is (line is dated))
+        assert f"all values of flight {flight.flight_id} of {flight.date_time:%Y-%m-%d %H:%M}" in err
+    for change in (("--apogee", "922ft"), ("--notes", "again"), ("--date-time", "2026-05-01T10:31")):
+        assert add((), *dated, *change)[0] == 0
+    assert add((), *options, "--again")[0] == 0
+    assert len(held(file)) == 6
+
+
+def test_the_flight_of_another_day_may_have_the_same_values(add: Add, file: Path) -> None:
+    options = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "923ft", "--dry-mass", "322g"]
+    assert add((), *options, "--date-time", "2020-05-01T10:30")[0] == 0
+    assert add((), *options)[0] == 0
+
+
+def test_answers_of_a_repeated_flight_stay_a_draft_until_it_is_asked_for_again(add: Add, file: Path) -> None:
+    assert add(ANSWERS)[0] == 0
+    assert add(ANSWERS)[0] == 1
+    with Ledger.open(file) as ledger:
+        assert ledger.draft(DRAFT)
+    assert add((), "--resume", "--again")[0] == 0
+    assert len(held(file)) == 2
+
+
 def test_a_script_uses_the_mass_and_diameter_of_the_last_flight(add: Add, file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST, LAST.with_changes(flight_id="8", config="B", dry_mass=0.4, diameter=None, apogee=250.0)])

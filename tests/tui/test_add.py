@@ -269,6 +269,18 @@ async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(
         assert ledger.flight("13").apogee == pytest.approx(19.812)
 
 
+async def test_a_second_flight_like_one_of_today_is_questioned_before_it_is_saved(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("281m"), "ctrl+s", "_", "enter", *typed("281m"), "ctrl+s")
+        assert "has the same values" in words(pilot)
+        await press(pilot, "n")
+        with Ledger.open(file) as ledger:
+            assert len(ledger.flights()) == 13
+        await press(pilot, "ctrl+s", "y")
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 14
+
+
 async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -239,10 +239,15 @@ class Draft:
         )
 
     def _question(self, flight: Flight) -> str:
-        """The question about a name that may be misspelled or an implausible apogee; empty if there is none."""
+        """The question about a flight that the ledger has, a name that may be misspelled or an implausible apogee;
+        empty if there is none."""
         from fieldkit.presentation.after_flight_text import question
         from fieldkit.services.after_flight import expected_instead
+        from fieldkit.services.manual_entry import identical_flight
 
+        if (before := identical_flight(self._resources.ledger, flight)) is not None:
+            (id,) = self._resources.ledger.ids([before])
+            return f"Flight {id} of {before.date_time:%Y-%m-%d %H:%M} has the same values.\nSave another one like it?"
         named = self.names()
         doubts = [doubt for name in ("rocket", "site") if (doubt := named.doubt(name, getattr(flight, name)))]
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
