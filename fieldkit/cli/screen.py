@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
+from fieldkit.errors import shortened
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import printable
 
@@ -45,9 +46,10 @@ def say_report(lines: Iterable[str]) -> None:
 
 
 def complain(text: str) -> None:
-    """Print a message of one or a few lines on stderr, apart from results; one that cannot be written is dropped."""
+    """Print a message of one or a few lines, shortened, on stderr, apart from results; one that cannot be written is
+    dropped."""
     with suppress(OSError):
-        sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
+        sys.stderr.write("".join(shortened(printable(line)) + "\n" for line in text.splitlines()))
 
 
 def remark(text: str) -> None:

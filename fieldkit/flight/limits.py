@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight import Column
+from fieldkit.flight import Column, Flight
 
 _EDGE: Mapping[str, tuple[float, float]] = {
     "dry_mass": (0.1, 1e6),
@@ -65,6 +65,18 @@ def check_name(name: str) -> str:
     if len(name) > MAX_NAME:
         raise BadValue(f"found {name[:20] + '…'!r} of length {len(name)}, expected at most {MAX_NAME} characters")
     return name
+
+
+def long_names(flight: Flight) -> list[str]:
+    """Names and tags of a flight that no table can show in full, one phrase each. A flyer is not allowed to type them,
+    but ledgers of earlier versions hold them, and what is exported can be imported."""
+    named = {name: (getattr(flight, name),) for name in NAMES} | {"tags": flight.tags}
+    return [
+        f"{name}: found {text[:20] + '…'!r} of length {len(text)}, which tables shorten"
+        for name, texts in named.items()
+        for text in texts
+        if len(text) > MAX_NAME
+    ]
 
 
 def rounded(number: float) -> str:

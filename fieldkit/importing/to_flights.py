@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
-from fieldkit.flight.limits import NAMES, check, check_name
+from fieldkit.flight.limits import check, long_names
 from fieldkit.flight.plausibility import doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
@@ -81,11 +81,12 @@ def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
 
 
 def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]) -> list[Note]:
-    """Add a flight to the others, and return notes on implausible values. Raises DamagedLog if its name is taken."""
+    """Add a flight to the others, and return notes on long names and implausible values. Raises DamagedLog if its
+    name is taken."""
     name = (flight.rocket, flight.flight_id)
     if name not in kept:
         kept[name] = flight, row
-        return [Note(phrase, row) for phrase in doubts(flight)]
+        return [Note(phrase, row) for phrase in (*long_names(flight), *doubts(flight))]
     first, first_row = kept[name]
     if first != flight:
         found = f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
@@ -141,13 +142,11 @@ def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
 
 
 def _flight(reading: Reading) -> Flight:
-    """The flight that a reading states. Raises DamagedLog for an impossible figure and a name that is too long."""
+    """The flight that a reading states. Raises DamagedLog for an impossible figure."""
     for name, value in reading.stated.items():
         try:
             if isinstance(value, float):
                 check(BY_NAME[name], value)
-            for text in value if isinstance(value, tuple) else (value,) if name in NAMES else ():
-                check_name(text)
         except BadValue as error:
             raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
     return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
