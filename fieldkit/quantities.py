@@ -1,5 +1,6 @@
 """Formatting of numbers for flyers: in their units, with significant digits only."""
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -76,7 +77,7 @@ _NOTE_MASS = re.compile(r"(?:(?<=\bmass of )|(?<=\brange \())(?:(\d+(?:\.\d+)?) 
 _NOTE_AREA = re.compile(r"(?<![\w.,])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) m²")
 _NOTE_WIDTH = re.compile(r"(?<=\bdiameter of )(\d+(?:\.\d+)?) (mm)\b")
 _FIGURE = r"\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-_NOTE_ESTIMATE = re.compile(rf"(?<![\w.,])(-?{_FIGURE}) (\+/-|±) ({_FIGURE}) (m/s\^2|m/s|m|K)(?![\w/²³^])")
+_NOTE_ESTIMATE = re.compile(rf"(?<![\w.,])(-?{_FIGURE}) ± ({_FIGURE}) (m/s\^2|m/s|m|K)(?![\w/²³^])")
 GRAMS = {"g": 1e-3, "kg": 1.0}
 """Units of mass in notes. [kg]"""
 _OF_SI = {"m": ("ft", 1 / units.FOOT), "m/s": ("mph", 1 / units.MILE * 3600), "m/s^2": ("ft/s^2", 1 / units.FOOT)}
@@ -90,7 +91,7 @@ def in_system(note: str, system: str) -> str:
     Masses are converted after the words `mass of` and `range (`, because `g` is also an acceleration, and widths after
     `diameter of`, because motors and their mounts are named by millimeters everywhere.
 
-    In estimates with a standard deviation, such as `13.7 +/- 14 m/s^2`, accelerations and temperature differences [K]
+    In estimates with a standard deviation, such as `13.7 ± 14 m/s^2`, accelerations and temperature differences [K]
     are converted too.
     """
     if "m" not in SYSTEMS[system]:
@@ -125,8 +126,9 @@ def _area(found: re.Match[str]) -> str:
 
 
 def _estimate(found: re.Match[str]) -> str:
-    unit, factor = _OF_SI[found[4]]
-    return f"{rounded(float(found[1]) * factor, 3)} {found[2]} {rounded(float(found[3]) * factor, 2)} {unit}"
+    value, sd, given = found.groups()
+    unit, factor = _OF_SI[given]
+    return f"{with_sd(float(value) * factor, float(sd) * factor)} {unit}"
 
 
 def area_unit(system: str) -> tuple[str, float]:
@@ -200,6 +202,15 @@ def rounded(value: float, digits: int = 4) -> str:
     """A number with that many significant digits, without an exponent if it is large: `12345`, `281.3`, `0.0517`."""
     text = f"{value:.{digits}g}"
     return text if "e+" not in text or abs(value) >= MAX_WRITTEN_OUT else f"{value:.0f}"
+
+
+def with_sd(value: float, sd: float) -> str:
+    """A value and its standard deviation, in the unit of both: two significant digits of the deviation, and as many
+    decimals of the value: `43.8 ± 6.7`, `1204 ± 150`. Without a deviation above zero, the value alone."""
+    if not 0 < sd < MAX_WRITTEN_OUT:
+        return rounded(value)
+    places = max(1 - math.floor(math.log10(float(f"{sd:.1e}"))), 0)
+    return f"{value:.{places}f} ± {sd:.{places}f}"
 
 
 def significant(column: Column, value: float, system: str) -> str:

@@ -3,7 +3,7 @@
 import pytest
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import ShownUnits, density, in_system, measure, rounded, significant
+from fieldkit.quantities import ShownUnits, density, in_system, measure, rounded, significant, with_sd
 
 pytestmark = pytest.mark.fast
 
@@ -14,10 +14,10 @@ pytestmark = pytest.mark.fast
         ("a gap between 30 m, as recorded, and 61 m", "a gap between 98 ft, as recorded, and 200 ft"),
         ("off the rail at 10 m/s", "off the rail at 22 mph"),
         ("the missing 25 m/s² are filled in", "the missing 25 m/s² are filled in"),
-        ("friction: 13.7 +/- 14 m/s^2", "friction: 44.9 +/- 46 ft/s^2"),
+        ("friction: 13.7 ± 14 m/s^2", "friction: 45 ± 46 ft/s^2"),
         ("a site: -120 ± 60 m", "a site: -394 ± 197 ft"),
-        ("days: 5 +/- 2.5 K", "days: 9 +/- 4.5 °F"),
-        ("4.57 +/- 7.4 deg at 15 m/s off the rail", "4.57 +/- 7.4 deg at 34 mph off the rail"),
+        ("days: 5 ± 2.5 K", "days: 9.0 ± 4.5 °F"),
+        ("4.57 ± 7.4 deg at 15 m/s off the rail", "4.57 ± 7.4 deg at 34 mph off the rail"),
         ("found 0 m, expected 3 to 200 m", "found 0 ft, expected 10 to 656 ft"),
         ("7.5 g is more than 5 g, a dry mass of 280 g on F24", "7.5 g is more than 5 g, a dry mass of 9.88 oz on F24"),
         ("lift-off mass of 0.35 kg", "lift-off mass of 12.35 oz"),
@@ -77,3 +77,19 @@ def test_a_rail_has_tenths_of_feet() -> None:
 )
 def test_a_drift_is_per_one_unit_of_the_users_speed(system: str, text: str) -> None:
     assert ShownUnits(system).per_wind(94.0) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "sd", "text"),
+    [
+        (43.766, 6.691, "43.8 ± 6.7"),
+        (1204.3, 153.0, "1204 ± 153"),
+        (285.21, 9.96, "285 ± 10"),
+        (0.5962, 0.0341, "0.596 ± 0.034"),
+        (162.8, 1.0, "162.8 ± 1.0"),
+        (281.3, 0.0, "281.3"),
+        (281.3, float("nan"), "281.3"),
+    ],
+)
+def test_a_value_has_the_digits_that_its_standard_deviation_supports(value: float, sd: float, text: str) -> None:
+    assert with_sd(value, sd) == text

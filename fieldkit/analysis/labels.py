@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import rounded, spelled, unit_of
+from fieldkit.quantities import spelled, unit_of, with_sd
 
 TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in MEASURED} | {"time_to_apogee": "Time to apogee"})
 """Titles of the figures, in the order of the readouts."""
@@ -40,9 +40,8 @@ def in_column_unit(name: str, value: float) -> float:
 
 
 def figure_text(name: str, value: float, sd: float, system: str = "SI") -> str:
-    """A figure [SI] as text in the units of a system: `553.7 ± 0.7 m`."""
+    """A figure [SI] as text in the units of a system: `553.70 ± 0.70 m`."""
     column = BY_NAME.get(name)
     unit = unit_of(column, system) if column else "s"
     scale = units.unit(column.quantity if column else "time", unit)
-    spread = f" ± {scale.difference_from_si(sd):.2g}" if sd > 0 else ""
-    return f"{rounded(scale.from_si(value))}{spread} {spelled(unit)}"
+    return f"{with_sd(scale.from_si(value), scale.difference_from_si(sd))} {spelled(unit)}"

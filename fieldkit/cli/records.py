@@ -9,7 +9,7 @@ from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
-from fieldkit.quantities import counted, in_system
+from fieldkit.quantities import counted, in_system, with_sd
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -127,7 +127,7 @@ def _print_events(recording: "Recording") -> None:
     recorded = recording.recorded
     if recorded.events:
         say()
-        rows = [(name, f"{one.time:.2f} ± {one.sd:.2g} s", one.source) for name, one in recorded.events.items()]
+        rows = [(name, f"{with_sd(one.time, one.sd)} s", one.source) for name, one in recorded.events.items()]
         print_table(("event", "on the log's clock", "by"), rows)
     if recorded.figures:
         say()

@@ -82,7 +82,7 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 
 
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
-    """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash if there is none."""
+    """A readout with its uncertainty, `553.70 ± 0.70 m`, or a dash if there is none."""
     from fieldkit.analysis.labels import figure_text
     from fieldkit.cli.screen import system
 

@@ -89,7 +89,7 @@ def print_card(flight: "Flight", id: str) -> None:
     from fieldkit import units
     from fieldkit.flight import COLUMNS
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import rounded, spelled, unit_of
+    from fieldkit.quantities import spelled, unit_of, with_sd
 
     chosen = system()
 
@@ -101,10 +101,8 @@ def print_card(flight: "Flight", id: str) -> None:
     for column in COLUMNS:
         number, unit = flight.number(column.name), unit_of(column, chosen)
         scale = units.unit(column.quantity, unit)
-        spread = f" ± {scale.difference_from_si(sd):.2g}" if (sd := flight.sd.get(column.name)) else ""
-        lines.append(
-            (column.title, "" if number is None else f"{rounded(scale.from_si(number))}{spread} {spelled(unit)}")
-        )
+        sd = scale.difference_from_si(flight.sd.get(column.name, 0.0))
+        lines.append((column.title, "" if number is None else f"{with_sd(scale.from_si(number), sd)} {spelled(unit)}"))
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)

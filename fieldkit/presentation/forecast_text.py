@@ -10,7 +10,7 @@ from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import PLUGGED_DELAY, Found
 from fieldkit.motors.names import parse, with_delay
-from fieldkit.quantities import ShownUnits, counted
+from fieldkit.quantities import ShownUnits, counted, with_sd
 
 
 def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
@@ -24,8 +24,8 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {ejection_in_words(prediction)}"
-    yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
-    yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
+    yield f"  Cd        {with_sd(prediction.cd.mean(), prediction.cd.std())}"
+    yield f"  alpha     {with_sd(prediction.alpha.mean(), prediction.alpha.std())}"
     yield f"  based on  {_rests_on(prediction)}"
     yield f"  narrows   {narrows(prediction)}"
     if prediction.mixed_with:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.home_text import sparkline
-from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of
+from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
 
@@ -169,11 +169,11 @@ def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
         own, scale = (units.unit(column.quantity, unit) for unit in (column.unit, unit_of(column, system)))
         unit = spelled(unit_of(column, system))
         value = scale.from_si(own.to_si(readout.value))
-        spread = "" if readout.sd is None else f" ± {scale.difference_from_si(own.difference_to_si(readout.sd)):.2g}"
+        sd = scale.difference_from_si(own.difference_to_si(readout.sd or 0.0))
         by_device = (
             "" if readout.stated is None else f"   device: {rounded(scale.from_si(own.to_si(readout.stated)))} {unit}"
         )
-        yield f"    {column.title:22}{f'{rounded(value)}{spread} {unit}':22}{readout.sensor:11}{by_device}".rstrip()
+        yield f"    {column.title:22}{f'{with_sd(value, sd)} {unit}':22}{readout.sensor:11}{by_device}".rstrip()
 
 
 def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.physics.effect import spoken
-from fieldkit.quantities import ShownUnits, counted, in_system, rounded
+from fieldkit.quantities import ShownUnits, counted, in_system, with_sd
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings, NextFlight
@@ -38,7 +38,7 @@ def report(found: Findings, system: str = "SI") -> Iterator[str]:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
             how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
-            strength = in_system(f"{rounded(mean, 3)} +/- {rounded(sd, 2)} {item.best.unit}", system)
+            strength = in_system(f"{with_sd(mean, sd)} {item.best.unit}", system)
             yield from candidate_row(place, f"{how_sure}   {strength}")
     yield ""
     yield f"  verdict: {diagnosis.effect}: {in_system(diagnosis.why, system)}"

@@ -23,6 +23,7 @@ from fieldkit.inference.network.history import QuickAnswer, load_history, quick_
 from fieldkit.model.hyperprior import certified
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
+from fieldkit.quantities import with_sd
 from fieldkit.scoring.score import Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -141,7 +142,7 @@ def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
         return "the flights match the model within their scatter, according to the network"
     if effect == "unexplained":
         return "the flights differ from the model, but the network finds no known effect probable enough to name"
-    return "; ".join(f"{one.place}: {one.mean:.3g} +/- {one.sd:.2g} {one.unit}" for one in named)
+    return "; ".join(f"{one.place}: {with_sd(one.mean, one.sd)} {one.unit}" for one in named)
 
 
 def _candidates(estimate: QuickAnswer) -> tuple[QuickCandidate, ...]:

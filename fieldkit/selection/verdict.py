@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.physics.effect import Effect, effects
+from fieldkit.quantities import with_sd
 from fieldkit.selection.candidates import SMOOTHLY
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.selection.prior import UNEXPLAINED
@@ -149,5 +150,5 @@ def in_words(accepted: Sequence[Trial]) -> str:
 def _measured(mean: float, sd: float, unit: str) -> str:
     """A strength with its standard deviation: fractions in percent, everything else in its unit."""
     if unit.startswith("fraction"):
-        return f"{100 * mean:+.3g}% (± {100 * sd:.2g}){unit.removeprefix('fraction')}"
-    return f"{mean:.3g} (± {sd:.2g}) {unit}"
+        return f"{'' if mean < 0 else '+'}{with_sd(100 * mean, 100 * sd)}%{unit.removeprefix('fraction')}"
+    return f"{with_sd(mean, sd)} {unit}"

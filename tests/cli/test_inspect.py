@@ -113,7 +113,7 @@ def test_dropped_rows_are_counted(run: Run) -> None:
 def test_inspect_prints_a_file_in_detail(run: Run) -> None:
     status, out, _ = run("inspect", PNUT)
     assert status == 0
-    for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.8 ± 1 m", "device: ", "apogee"):
+    for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.8 ± 1.0 m", "device: ", "apogee"):
         assert text in out
 
 

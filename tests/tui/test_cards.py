@@ -36,8 +36,8 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_readout_measured_in_a_log_has_its_uncertainty_in_the_displayed_units() -> None:
     flight = Flight(apogee=162.8, sd={"apogee": 1.0})
-    assert logged.readout(flight, BY_NAME["apogee"], "SI") == "162.8 ± 1 m"
-    assert logged.readout(flight, BY_NAME["apogee"], "US") == "534 ± 3.3 ft"
+    assert logged.readout(flight, BY_NAME["apogee"], "SI") == "162.8 ± 1.0 m"
+    assert logged.readout(flight, BY_NAME["apogee"], "US") == "534.1 ± 3.3 ft"
     assert logged.readout(Flight(apogee=162.8), BY_NAME["apogee"], "SI") == "162.8 m"
     assert logged.readout(Flight(sd={"apogee": 1.0}), BY_NAME["apogee"], "SI") == ""
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from fieldkit.quantities import counted
+from fieldkit.quantities import counted, with_sd
 from fieldkit.selection.force.log_evidence import LogEvidence
 from fieldkit.selection.force.one_flight import FoundTerm
 from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
@@ -40,4 +40,4 @@ def _law(evidence: LogEvidence) -> str:
 
 def _term(one: FoundTerm | Common) -> str:
     also = f", or {', '.join(one.also)}," if one.also else ""
-    return f"{one.term.name}{also} {one.value:.3g} +/- {one.sd:.2g} {one.term.unit}"
+    return f"{one.term.name}{also} {with_sd(one.value, one.sd)} {one.term.unit}"

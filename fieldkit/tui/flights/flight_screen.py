@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.start import Start
-from fieldkit.quantities import in_system, measure, number
+from fieldkit.quantities import in_system, measure, number, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts
 from fieldkit.tui.asking import or_why
@@ -276,7 +276,7 @@ def hills(flight: Flight, resources: Resources) -> Hills:
     drawn = tuple(
         (
             place,
-            f"{title}  {values.mean():.3f} ± {values.std():.3f}",
+            f"{title}  {with_sd(values.mean(), values.std())}",
             draw_density(values, [(float(values.mean()), "")], lambda value: f"{value:.2f}"),
         )
         for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "alpha", drag.thrust))

@@ -15,7 +15,7 @@ from fieldkit import units
 from fieldkit.analysis.whole_flight import FlightCurve
 from fieldkit.flight import BY_NAME, MEASURED
 from fieldkit.ledger import Ledger
-from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of
+from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.imports import FileView, FlightView
 from fieldkit.services.imports.view import flight_view
@@ -96,12 +96,11 @@ def _readouts(one: FlightView, system: str) -> Hanging:
             continue
         unit = unit_of(column, system)
         own, scale = units.unit(column.quantity, column.unit), units.unit(column.quantity, unit)
-        value, parts = (
-            None if one is None else rounded(scale.from_si(own.to_si(one))) for one in (found.value, found.stated)
+        value = with_sd(
+            scale.from_si(own.to_si(found.value)), scale.difference_from_si(own.difference_to_si(found.sd or 0.0))
         )
-        spread = f" ± {scale.difference_from_si(own.difference_to_si(found.sd)):.2g}" if found.sd else ""
-        beside = "" if parts is None else f"  device: {parts}"
-        rows.append((column.title, f"{value}{spread} {spelled(unit)}  {found.sensor}{beside}"))
+        beside = "" if found.stated is None else f"  device: {rounded(scale.from_si(own.to_si(found.stated)))}"
+        rows.append((column.title, f"{value} {spelled(unit)}  {found.sensor}{beside}"))
     return cards.lines("Readouts", rows)
 
 

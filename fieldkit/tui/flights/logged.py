@@ -6,7 +6,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.importing.incoming import OTHER_LOGS
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import measure, spelled, unit_of, with_sd
 
 TIME_TO_APOGEE = ("time_to_apogee_s", "time_to_apogee_sd_s")
 SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g": "g"}
@@ -14,13 +14,13 @@ SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g":
 
 
 def readout(flight: Flight, column: Column, system: str) -> str:
-    """A readout, with its standard deviation if it is known: `162.8 ± 1 m`; empty without one."""
+    """A readout, with its standard deviation if it is known: `162.8 ± 1.0 m`; empty without one."""
     value, sd = flight.number(column.name), flight.sd.get(column.name)
     if value is None or sd is None:
         return measure(column, value, system)
     unit = unit_of(column, system)
     spread = units.unit(column.quantity, unit).difference_from_si(sd)
-    return f"{number(column, value, system)} ± {spread:.2g} {spelled(unit)}"
+    return f"{with_sd(units.unit(column.quantity, unit).from_si(value), spread)} {spelled(unit)}"
 
 
 def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:

@@ -11,7 +11,7 @@ from textual.widgets import Static
 
 from fieldkit.flight import KNOWN_TAGS, TAGS
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.quantities import counted, measure
+from fieldkit.quantities import counted, measure, with_sd
 from fieldkit.tui.next.intervals import Interval, Intervals
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.plots import Plot, draw_density
@@ -33,7 +33,7 @@ class Shift:
         one = self.forecast
         low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
         return [
-            ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
+            ("Cd", with_sd(one.cd.mean(), one.cd.std())),
             ("next apogee", f"{middle}, 90% between {low} and {high}"),
             ("based on", counted(one.rests_on, "clean flight")),
         ]

@@ -12,7 +12,7 @@ from fieldkit.ledger import Version
 from fieldkit.physics.effect import effects
 from fieldkit.presentation.condition_axis import in_units
 from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, miss_bars, what_forecasts_become
-from fieldkit.quantities import counted, in_system, measure, rounded
+from fieldkit.quantities import counted, in_system, measure, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.residual import columns_of, kinds_of, residuals
@@ -136,7 +136,7 @@ def ranking_rows(diagnosis: Diagnosis, system: str) -> dict[str, tuple[str, ...]
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            strength = in_system(f"{rounded(mean, 3)} ± {rounded(sd, 2)} {item.best.unit}", system).split()[:3]
+            strength = in_system(f"{with_sd(mean, sd)} {item.best.unit}", system).split()[:3]
             rows[str(place)] = (
                 place.in_words,
                 f"{item.probability:.0%}",
@@ -155,7 +155,7 @@ def effect_at_length(diagnosis: Diagnosis, row: str, system: str) -> Content:
     words = place.in_words
     parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
-    parts.append(in_system(f"\nstrength  {rounded(mean, 3)} ± {rounded(sd, 2)} {item.best.unit}", system))
+    parts.append(in_system(f"\nstrength  {with_sd(mean, sd)} {item.best.unit}", system))
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
     parts.append(f"\ntest     {effect.tell_apart}" if effect is not None else "")
     return Content.assemble(*parts)

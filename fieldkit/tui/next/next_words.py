@@ -9,7 +9,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, in_units
 from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.presentation.forecast_text import narrows
-from fieldkit.quantities import in_system, measure, number, spelled, unit_of
+from fieldkit.quantities import in_system, measure, number, spelled, unit_of, with_sd
 from fieldkit.tui.next import motor_rows
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
@@ -49,8 +49,8 @@ def figures(plan: Plan, one: MotorChoice, system: str) -> Pairs:
         ("off rail", rail_speed(prediction, system)),
         ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
         ("top speed", measure(BY_NAME["top_speed"], median(prediction.top_speed), system)),
-        ("Cd", f"{prediction.cd.mean():.2f} ± {prediction.cd.std():.2f}"),
-        ("alpha", f"{prediction.alpha.mean():.3f} ± {prediction.alpha.std():.3f}"),
+        ("Cd", with_sd(prediction.cd.mean(), prediction.cd.std())),
+        ("alpha", with_sd(prediction.alpha.mean(), prediction.alpha.std())),
         ("true", f"{measure(cards.APOGEE, median(prediction.true_apogee), system)} above the pad"),
         ("air", air_of(prediction.plan).words(system)),
         ("based on", plan.rests_on),

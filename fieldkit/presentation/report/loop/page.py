@@ -15,7 +15,7 @@ from fieldkit.physics.effect import effects
 from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
-from fieldkit.quantities import ShownUnits, in_system, rounded
+from fieldkit.quantities import ShownUnits, in_system, with_sd
 from fieldkit.scoring.bootstrap import Interval
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.text import climbs_in_words
@@ -147,7 +147,7 @@ def _parameters(diagnosis: Diagnosis, system: str) -> list[dict[str, str]]:
             {
                 "place": str(trial.candidate.place),
                 "explains": effect.explains,
-                "strength": in_system(f"{rounded(mean, 3)} ± {rounded(sd, 2)} {trial.unit}", system),
+                "strength": in_system(f"{with_sd(mean, sd)} {trial.unit}", system),
                 "source": effect.source,
             }
         )
