@@ -174,6 +174,8 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None, *, again: bool) 
             f"found all values of flight {ledger.ids([before])[0]} of {before.date_time:%Y-%m-%d %H:%M}, expected "
             "another flight, or --again to add a second one like it; nothing was saved"
         )
+    if flight.motor and (doubt := MotorCheck().catalogue.doubt(flight.motor)):
+        complain(f"note: {doubt}")
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
         complain("Duplicate: it is already in the ledger")

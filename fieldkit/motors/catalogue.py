@@ -82,6 +82,12 @@ class Catalogue:
             return str(error)
         return None
 
+    def doubt(self, text: str) -> str:
+        """What looks mistyped in the delay of a known motor's name; empty if nothing does, or if no motor matches."""
+        with suppress(UnknownMotor):
+            return self.resolve(text).doubt
+        return ""
+
     def complaint_of_several(self, text: str) -> str | None:
         """Like `complaint`, but also None for a cluster that can be simulated."""
         try:

@@ -18,6 +18,8 @@ _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
 _SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 """Propellant letters and delay in the wrong order, as in `F24-W4`."""
+_ENDING = re.compile(r"\d[A-Z]*-([A-Z]+)$")
+"""Letters after the hyphen of a name, which is where its delay belongs: `C6-R`."""
 _WORD = 3
 """Minimum number of letters for a word to be a maker and not a propellant."""
 _SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
@@ -68,12 +70,14 @@ class Listing:
 class Found:
     """A motor, the delay in its name [s], and notes for the user about the choice.
 
-    `delay` is None if the name has none, and `PLUGGED_DELAY` if it ends in P.
+    `delay` is None if the name has none, and `PLUGGED_DELAY` if it ends in P. `doubt` is the note on a delay that
+    cannot be read, empty if there is none.
     """
 
     motor: Motor
     delay: float | None
     notes: tuple[str, ...] = ()
+    doubt: str = ""
 
 
 Listings = Mapping[str, Sequence[Listing]]
@@ -88,7 +92,7 @@ def find(listings: Listings, text: str, maker: str = "") -> Found:
     name, candidates = _candidates(listings, text, maker)
     if len(candidates) > 1:
         raise AmbiguousMotor(f"{text.strip()}: found {len(candidates)} motors, expected one of\n{_table(candidates)}")
-    return _found(name, candidates[0])
+    return _found(name, candidates[0], text)
 
 
 def resolve(listings: Listings, text: str, maker: str = "") -> Found:
@@ -103,7 +107,7 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
         any_delay = sorted(_fitting(listings, replace(name, delay=None), name.maker), key=_likelihood)
         others += [one for one in any_delay if one.available and one not in others]
     note = f"read as {best.label}; it could also be {', '.join(other.label for other in others)}" if others else ""
-    return _found(name, best, note)
+    return _found(name, best, text, note)
 
 
 def search(listings: Listings, text: str) -> list[Motor]:
@@ -200,10 +204,10 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
     return [listing for listing in listings if keep(listing)] or listings
 
 
-def _found(name: Name, listing: Listing, note: str = "") -> Found:
-    motor = as_printed(listing.motor(), name)
-    notes = [note] if note else []
-    if name.letters and not listing.letters:
+def _found(name: Name, listing: Listing, text: str, note: str = "") -> Found:
+    motor, doubt = as_printed(listing.motor(), name), _doubtful_delay(name, listing, text)
+    notes = [one for one in (note, doubt) if one]
+    if name.letters and not listing.letters and not doubt:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and motor.delays and name.delay not in motor.delays:
         asked = "plugged" if name.delay == PLUGGED_DELAY else f"with a delay of {name.delay:g} s"
@@ -214,7 +218,7 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
             )
     if motor.estimated:
         notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not listed, estimated")
-    return Found(motor, name.delay, tuple(notes))
+    return Found(motor, name.delay, tuple(notes), doubt)
 
 
 @cache
@@ -276,7 +280,15 @@ def _unknown(listings: Listings, text: str, name: Name) -> str:
     last = name if name.core else parse(text.split()[-1]) if text.split() else name
     near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(listings, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
-    return f"{text.strip()!r}: found no such motor; {'nearest:' if near else 'expected'} {offer}"
+    return f"{text.strip()!r}: found no such motor; " + (f"did you mean {offer}?" if near else f"expected {offer}")
+
+
+def _doubtful_delay(name: Name, listing: Listing, text: str) -> str:
+    """The error in what follows the hyphen of a name if it is neither a delay nor part of the motor's designation."""
+    ending = _ENDING.search(tidy(text))
+    if ending is None or name.delay is not None or squeeze(listing.designation).endswith(ending[1]):
+        return ""
+    return f"{text.strip()!r}: found {ending[1]!r} as the delay, expected seconds, or P for plugged"
 
 
 def _table(listings: Sequence[Listing]) -> str:

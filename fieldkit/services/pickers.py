@@ -84,11 +84,12 @@ class Names:
     def doubt(self, name: str, text: object) -> str:
         """Why an answer may be a misspelling; empty for a known answer, and if there are none to compare."""
         if name == "motor":
-            return self.motor_trouble(str(text or ""))
+            motor = str(text or "")
+            return self.motor_trouble(motor) or self.motors.doubt(motor)
         if name not in ("rocket", "site") or not text or str(text) in self.known[name] or not self.known[name]:
             return ""
         near = nearest(str(text), self.known[name])
-        return f"No {name} {text} yet; " + (f"nearest: {', '.join(near)}" if near else "this adds one")
+        return f"No {name} {text} yet; " + (f"did you mean {' or '.join(near)}?" if near else "this adds one")
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is unknown, empty if it is known or none is named."""

@@ -120,10 +120,17 @@ def test_a_typing_error_in_the_third_field_is_asked_again_in_one_line(add: Add, 
     assert held(file)[0].apogee == pytest.approx(281.3304)
 
 
+def test_a_delay_that_cannot_be_read_is_noted(add: Add, file: Path) -> None:
+    status, _, err = add([], "--rocket", "Astra", "--motor", "C6-R", "--dry-mass", "40g", "--apogee", "200m")
+    assert status == 0
+    assert "note: 'C6-R': found 'R' as the delay, expected seconds, or P for plugged" in " ".join(err.split())
+    assert held(file)[0].delay is None
+
+
 def test_an_unknown_motor_is_asked_for_again_with_the_nearest_names(add: Add, file: Path) -> None:
     status, _, err = add(["Astra", "A", "F2555", "?F24", "F24-4W", "281.3"])
     assert status == 0
-    assert "nearest:" in err
+    assert "did you mean" in err
     assert "AeroTech F24W, 24 mm" in err
     assert held(file)[0].motor == "F24-4W"
 

@@ -182,6 +182,20 @@ def test_for_an_unknown_motor_the_nearest_names_are_suggested(text: str, nearest
         assert nearest in str(caught.value)
 
 
+@pytest.mark.parametrize("text", ["C6-r", "C6-RC", "H128W-M"])
+def test_a_delay_that_is_neither_a_number_nor_p_is_doubted(text: str) -> None:
+    found = catalogue().resolve(text)
+    assert found.delay is None
+    assert found.doubt == catalogue().doubt(text) and found.doubt in found.notes
+    assert "expected seconds, or P for plugged" in found.doubt
+
+
+def test_no_name_in_the_catalog_is_doubted() -> None:
+    labels = [motor.label for motors in catalogue().listings.values() for motor in motors]
+    assert not [label for label in labels if catalogue().doubt(label)]
+    assert not any(map(catalogue().doubt, ("C6", "C6-7", "C6-P", "F24-W", "", "ZZ99")))
+
+
 @examples(40)
 @given(st.one_of(st.text(max_size=20), st.from_regex(r"[A-O0-9/ ½-]{1,12}", fullmatch=True)))
 def test_any_text_finds_a_motor_or_gives_a_clear_error(text: str) -> None:
@@ -364,4 +378,4 @@ def test_motors_with_only_similar_names_are_listed_as_such(tmp_path: Path, capsy
         assert main(["--ledger", str(tmp_path / "ledger.db"), "motors", "J9999", *strict]) == 1
         out, err = capsys.readouterr()
         assert not out
-        assert "nearest: AeroTech J1799N" in err
+        assert "did you mean AeroTech J1799N" in err

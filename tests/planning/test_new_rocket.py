@@ -261,7 +261,7 @@ def test_a_design_is_the_rocket_to_plan_and_is_offered_until_something_has_flown
         assert plan.rocket == "Level Two"
         names = names_of(ledger, catalogue())
         assert [(one.text, one.about) for one in names.sources()["rocket"]("lev")] == [("Level Two", "design")]
-        assert names.doubt("rocket", "Level") == "No rocket Level yet; nearest: Level Two"
+        assert names.doubt("rocket", "Level") == "No rocket Level yet; did you mean Level Two?"
         ledger.add([Flight(flight_id="1", rocket="Lark", motor="F24-4W", dry_mass=0.322, apogee=281.3)])
         plan = planned(ledger, ledger.flights())
         assert plan is not None

@@ -174,7 +174,7 @@ async def test_an_unknown_rocket_is_questioned_before_it_is_saved(file: Path) ->
         assert isinstance(screen, AddScreen)
         screen.field("rocket").line.focus()
         await press(pilot, "ctrl+u", *typed("Astar"), "enter", "enter", "enter", "enter", *typed("650ft"), "ctrl+s")
-        assert "No rocket Astar yet; nearest: Astra" in words(pilot)
+        assert "No rocket Astar yet; did you mean Astra?" in words(pilot)
         await press(pilot, "n")
         with Ledger.open(file) as ledger:
             assert len(ledger.flights()) == 12

@@ -249,7 +249,7 @@ class Draft:
             (id,) = self._resources.ledger.ids([before])
             return f"Flight {id} of {before.date_time:%Y-%m-%d %H:%M} has the same values.\nSave another one like it?"
         named = self.names()
-        doubts = [doubt for name in ("rocket", "site") if (doubt := named.doubt(name, getattr(flight, name)))]
+        doubts = [doubt for name in ("rocket", "site", "motor") if (doubt := named.doubt(name, getattr(flight, name)))]
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
         if expected is not None and flight.apogee is not None:
             doubts.append(question(expected, flight.apogee, self._resources.settings.units))
