@@ -34,6 +34,12 @@ def parsers() -> Mapping[str, Parser]:
     return found  # type: ignore[return-value]
 
 
+def check_format(name: str, place: str = "") -> None:
+    """Raise UnknownFormat, with the `place` first, for a name that is none of a parser."""
+    if name not in parsers():
+        raise UnknownFormat(f"{place}no parser is called {name!r}, expected one of {', '.join(parsers())}")
+
+
 def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser:
     """The parser that recognizes a log with the highest score, or the one that `format` names.
 
@@ -60,8 +66,7 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
     kind = _kind_of(log, choices)
     takers = [name for name, parser in known.items() if parser.mapped and parser.maps == kind]
     if format is not None:
-        if format not in known:
-            raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {', '.join(known)}")
+        check_format(format, place)
         claimed = [format]
     else:
         claimed = claims(log)

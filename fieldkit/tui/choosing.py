@@ -4,7 +4,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, unit_of
 from fieldkit.settings import UNITS
@@ -90,7 +90,7 @@ class Choosing(InOrder):
         """Ask for the target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
-        self.push_screen(AskText("Target", now, about), partial(self._targeted, now))
+        self.push_screen(AskText("Target", now, about, check=self._read_target), partial(self._targeted, now))
 
     def action_ask_target(self) -> None:
         """Ask for the target apogee."""
@@ -99,10 +99,10 @@ class Choosing(InOrder):
     def _targeted(self, now: str, text: str | None) -> None:
         if text is None or text == now:  # what was shown is rounded
             return
-        apogee, system = BY_NAME["apogee"], self.resources.settings.units
-        try:
-            target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
-        except BadValue as error:
-            self.show_notice(f"target: {error}, such as 800ft", error=True)
-            return
-        self.choose(f"Target {measure(apogee, target, system)}" if target else "No target", target=target)
+        target, system = self._read_target(text), self.resources.settings.units
+        self.choose(f"Target {measure(BY_NAME['apogee'], target, system)}" if target else "No target", target=target)
+
+    def _read_target(self, text: str) -> float | None:
+        """A typed target; None if it is empty. Raises BadValue. [m]"""
+        apogee = BY_NAME["apogee"]
+        return apogee.parse(text, unit_of(apogee, self.resources.settings.units)) if text.strip() else None

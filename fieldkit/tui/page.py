@@ -19,15 +19,9 @@ from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
-from fieldkit.tui.widgets.dialogs import HelpScreen
+from fieldkit.tui.widgets.dialogs import HelpScreen, key_list
 from fieldkit.tui.widgets.table import Table
 
-OF_TEXTUAL = {
-    "app.focus_next": "Next part of the page",
-    "app.focus_previous": "Previous part of the page",
-    "screen.copy_text": "",
-}
-"""Actions that Textual binds and describes itself, with the description in our help; an empty one omits the action."""
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
@@ -61,11 +55,6 @@ def pages() -> dict[str, Page]:
         if page is not None:
             found[module.name] = page
     return dict(sorted(found.items(), key=lambda item: item[1].number))
-
-
-def _description(binding: Binding) -> str:
-    """What a key does, for the help."""
-    return OF_TEXTUAL.get(binding.action, binding.tooltip or binding.description)
 
 
 class PageScreen(AskingScreen):
@@ -199,13 +188,7 @@ class PageScreen(AskingScreen):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
-        self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, self._keys()))
-
-    def _keys(self) -> list[tuple[str, str]]:
-        """The keys and their current actions."""
-        bindings = [active.binding for active in self.active_bindings.values() if active.enabled]
-        described = {b.action: (self.app.get_key_display(b), _description(b)) for b in bindings}
-        return [(key, text) for key, text in described.values() if text]
+        self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, key_list(self)))
 
     def action_copy(self) -> None:
         """Copy the line or the figure."""

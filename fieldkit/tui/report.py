@@ -16,7 +16,15 @@ def ask_report(page: PageScreen, what: str) -> None:
     """Ask for the file of a report on a flight, a rocket or a day, and write it."""
     name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in what)
     offered = str(working_folder() / f"{name}.html")
-    page.app.push_screen(AskText(f"Report of {what}", offered, ABOUT), partial(_write, page, what))
+    page.app.push_screen(AskText(f"Report of {what}", offered, ABOUT, check=_check), partial(_write, page, what))
+
+
+def _check(name: str) -> None:
+    """Raise BadValue for the name of a file in no known format; an empty one cancels."""
+    from fieldkit.presentation.report.write import check_report
+
+    if name.strip():
+        check_report(expanded(name.strip()))
 
 
 def _write(page: PageScreen, what: str, name: str | None) -> None:
@@ -34,9 +42,8 @@ def _write(page: PageScreen, what: str, name: str | None) -> None:
 def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
     def work() -> list[Path]:
         from fieldkit.presentation.report.book import book
-        from fieldkit.presentation.report.write import check_report, write_report
+        from fieldkit.presentation.report.write import write_report
 
-        check_report(path)
         check_target(path, force=force)
         return write_report(
             book(page.resources.ledger, page.resources.motors, what, no_op, page.resources.settings.units),

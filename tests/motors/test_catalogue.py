@@ -186,7 +186,8 @@ def test_for_an_unknown_motor_the_nearest_names_are_suggested(text: str, nearest
 def test_a_delay_that_is_neither_a_number_nor_p_is_doubted(text: str) -> None:
     found = catalogue().resolve(text)
     assert found.delay is None
-    assert found.doubt == catalogue().doubt(text) and found.doubt in found.notes
+    assert found.doubt == catalogue().doubt(text)
+    assert found.doubt in found.notes
     assert "expected seconds, or P for plugged" in found.doubt
 
 

@@ -1,8 +1,9 @@
-"""Saving an unedited form changes nothing, although it shows rounded numbers."""
+"""Saving an unedited form changes nothing, although it shows rounded numbers; a refused text stays to be mended."""
 
 from pathlib import Path
 
 import pytest
+from textual.widgets import Input, Label
 
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
@@ -10,6 +11,8 @@ from fieldkit.planning.contest_day import Day
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.services.sites import put_site, site_of
 from fieldkit.settings import change_settings
+from fieldkit.tui.add.fields import Field, Form
+from fieldkit.tui.widgets.dialogs import AskText, HelpScreen
 from tests.pressing import at_home, opened, press, typed, words
 
 CHECK_SHAPES = False
@@ -50,3 +53,40 @@ async def test_the_contest_day_and_its_field_keep_their_exact_lengths(file: Path
         await press(pilot, "e", "enter", "enter", *typed("60"), "ctrl+s", "_")
     with Ledger.open(file) as ledger:
         assert day_of(ledger, 2027) == Day(target=CONTEST_TARGET, cut=60.0)
+
+
+@pytest.mark.parametrize(
+    ("page", "keys", "text", "error"),
+    [
+        ("next_flight", "g", "800ftt", "found the unit 'ftt', expected one of"),
+        ("import_files", "F", "zzz", "expected one of"),
+        ("import_files", "o", "/no/such", "no such file or folder"),
+        ("flights", "w", ".txt", "expected a name that ends in .html"),
+    ],
+)
+async def test_a_prompt_keeps_a_text_that_cannot_be_used_with_the_error_below_it(
+    file: Path, page: str, keys: str, text: str, error: str
+) -> None:
+    async with opened(file, page=page) as pilot:
+        await press(pilot, keys, "end", *typed(text), "enter")
+        assert isinstance(pilot.app.screen, AskText)
+        assert pilot.app.screen.query_one(Input).value.endswith(text)
+        assert error in words(pilot)
+        await press(pilot, "backspace")
+        assert error not in words(pilot)
+        await press(pilot, "escape")
+        assert not isinstance(pilot.app.screen, AskText)
+
+
+async def test_a_form_names_the_key_of_its_help_which_explains_every_field(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "e")
+        assert "F1 Help" in words(pilot)
+        titles = [str(field.query_one(Label).content) for field in pilot.app.screen.query(Field)]
+        await press(pilot, "f1")
+        assert isinstance(pilot.app.screen, HelpScreen)
+        assert titles
+        for title in titles:
+            assert title in words(pilot)
+        await press(pilot, "escape", "escape")
+        assert not isinstance(pilot.app.screen, Form | HelpScreen)

@@ -17,9 +17,10 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
 from fieldkit.quantities import in_both_units, spelled
 from fieldkit.safe_text import printable
+from fieldkit.tui.help import Help
 from fieldkit.tui.host import Host
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.dialogs import AskYes, HelpScreen, key_list
 from fieldkit.tui.widgets.hanging import marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
@@ -96,6 +97,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     Form.-low VerticalScroll { max-height: 40vh; }
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """
+    ABOUT = "Enter goes to the next field and saves after the last one. A number may have a unit, as in 923ft."
     VERTICAL_BREAKPOINTS = [(0, "-low"), (20, "-high")]  # noqa: RUF012  # as Textual has it
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Save", key_display="^S", priority=True),
@@ -103,6 +105,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "leave", "Cancel", priority=True),
+        Binding("f1", "help", "Help", key_display="F1", priority=True),
     ]
 
     def __init__(
@@ -201,6 +204,11 @@ class Form(ModalScreen[dict[str, object] | None]):
             self.focus_next()
         else:
             self.focus_previous()
+
+    def action_help(self) -> None:
+        """Explain every field."""
+        fields = tuple((question.title, question.help) for question in self._questions)
+        self.app.push_screen(HelpScreen(f"Help: {self._title}", Help(self.ABOUT, fields), key_list(self)))
 
     def action_leave(self) -> None:
         """Close the list, or cancel the form."""

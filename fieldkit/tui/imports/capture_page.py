@@ -16,7 +16,7 @@ from textual.widgets import Static
 
 from fieldkit import capture
 from fieldkit.capture.protocol import known_device
-from fieldkit.errors import CaptureTrouble, FieldkitError
+from fieldkit.errors import CaptureTrouble
 from fieldkit.flight import BY_NAME
 from fieldkit.paths import capture_folder
 from fieldkit.presentation.capture_text import counts, event_line
@@ -259,16 +259,10 @@ class CaptureScreen(PageScreen):
 
         picks = [OfferedAnswer(name, device.title) for name, device in capture.known_devices().items()]
         about = "The device on the port; ↓ chooses one. Empty: recognize it."
-        self.app.push_screen(AskText("Device", self._device or "", about, picks), self._named)
+        self.app.push_screen(AskText("Device", self._device or "", about, picks, _check_device), self._named)
 
     def _named(self, text: str | None) -> None:
         if text is None:
-            return
-        try:
-            if text.strip():
-                known_device(text)
-        except FieldkitError as error:
-            self.complain(str(error))
             return
         self._device = text.strip() or None
         self.action_look()
@@ -276,6 +270,12 @@ class CaptureScreen(PageScreen):
     def copied(self) -> str:
         """The events so far."""
         return "\n".join(self._said)
+
+
+def _check_device(name: str) -> None:
+    """Raise PortTrouble for a device that is not known; an empty name means that it is recognized."""
+    if name.strip():
+        known_device(name)
 
 
 def _draw_heights(heights: list[float], plt: Any, ink: Any) -> None:

@@ -14,7 +14,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.paths import expanded, working_folder
 from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
@@ -228,7 +228,9 @@ class ImportScreen(PageScreen):
 
         picks = [OfferedAnswer(name, parser.title) for name, parser in parsers().items()]
         about = "The format; ↓ chooses one. Empty: by its content."
-        self.app.push_screen(AskText("Read it as", self._reading.format or "", about, picks), self._named)
+        self.app.push_screen(
+            AskText("Read it as", self._reading.format or "", about, picks, _check_format), self._named
+        )
 
     def _named(self, text: str | None) -> None:
         if text is not None:
@@ -276,19 +278,36 @@ class ImportScreen(PageScreen):
 
     def action_folder(self) -> None:
         """Type a path."""
-        self.app.push_screen(AskText("Go to", str(self._folder), "A folder, or a file."), self._went)
+        self.app.push_screen(AskText("Go to", str(self._folder), "A folder, or a file.", check=_check_path), self._went)
 
     def _went(self, text: str | None) -> None:
         if not text:
             return
-        path = Path(abspath(expanded(text.strip())))
+        path = _typed_path(text)
         if isdir(path):
             self.go(path)
-        elif exists(path):
-            self.go(path.parent, path)
         else:
-            self.complain(f"{path}: no such file or folder")
+            self.go(path.parent, path)
 
     def copied(self) -> str:
         """The preview as text."""
         return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#more"))
+
+
+def _check_format(name: str) -> None:
+    """Raise UnknownFormat for a name that is none of a parser; an empty one means that the content decides."""
+    from fieldkit.importing.recognize import check_format
+
+    if name.strip():
+        check_format(name.strip())
+
+
+def _typed_path(text: str) -> Path:
+    """The absolute path of a typed one."""
+    return Path(abspath(expanded(text.strip())))
+
+
+def _check_path(text: str) -> None:
+    """Raise BadValue for a path at which there is no file or folder; an empty one cancels."""
+    if text.strip() and not exists(_typed_path(text)):
+        raise BadValue(f"{_typed_path(text)}: no such file or folder")

@@ -131,12 +131,13 @@ class MappingList(ModalScreen[None]):
         if number is None:
             return
 
-        def typed(text: str | None) -> None:
-            if text is not None:
-                self._try(lambda: edit(number, [part.strip() for part in text.split(";") if part.strip()]))
+        def save(text: str) -> None:
+            edit(number, [part.strip() for part in text.split(";") if part.strip()])
 
         about = "CHANNEL=COLUMN, separated by ; such as altitude=Alt (ft)."
-        self.app.push_screen(AskText("Columns", in_words(self._known[number - 1])[2], about), typed)
+        self.app.push_screen(
+            AskText("Columns", in_words(self._known[number - 1])[2], about, check=save), lambda _: self._show()
+        )
 
     def action_forget(self) -> None:
         """Delete the mapping under the cursor."""

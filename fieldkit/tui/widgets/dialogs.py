@@ -1,24 +1,32 @@
 """Small screens over a page: help, a question with a typed answer."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
-from textual.screen import ModalScreen
+from textual.screen import ModalScreen, Screen
 from textual.widgets import Input, Static
 
+from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.hanging import Hanging
+from fieldkit.tui.widgets.hanging import Hanging, marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import OfferedAnswer
+
+OF_TEXTUAL = {
+    "app.focus_next": "Next part of the page",
+    "app.focus_previous": "Previous part of the page",
+    "screen.copy_text": "",
+}
+"""Actions that Textual binds and describes itself, with the description in our help; an empty one omits the action."""
 
 
 class HelpScreen(ModalScreen[None]):
@@ -75,14 +83,31 @@ def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Hanging:
     return Hanging(tuple(lines))
 
 
+def key_list(screen: Screen[Any]) -> list[tuple[str, str]]:
+    """The keys of a screen and their current actions."""
+    bindings = [active.binding for active in screen.active_bindings.values() if active.enabled]
+    described = {one.action: (screen.app.get_key_display(one), _description(one)) for one in bindings}
+    return [(key, text) for key, text in described.values() if text]
+
+
+def _description(binding: Binding) -> str:
+    """What a key does, for the help."""
+    return OF_TEXTUAL.get(binding.action, binding.tooltip or binding.description)
+
+
 class AskText(ModalScreen[str | None]):
-    """One line to be typed; the result is the text, or None."""
+    """One line to be typed; the result is the text, or None.
+
+    `check` is called with a changed text and raises a FieldkitError for one that cannot be used: the line then stays
+    open, with the error below it.
+    """
 
     DEFAULT_CSS = """
     AskText { align: center middle; background: $backdrop; layers: base above; }
     AskText > Vertical { width: 80%; max-width: 72; height: auto; background: $surface; border: solid $border;
         padding: 0 1; }
     AskText Static { height: auto; }
+    AskText #wrong { display: none; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "take", "OK", key_display="Enter", priority=True),
@@ -91,9 +116,16 @@ class AskText(ModalScreen[str | None]):
         Binding("escape", "leave", "Cancel", priority=True),
     ]
 
-    def __init__(self, title: str, text: str, about: str = "", offered: "Sequence[OfferedAnswer]" = ()) -> None:
+    def __init__(
+        self,
+        title: str,
+        text: str,
+        about: str = "",
+        offered: "Sequence[OfferedAnswer]" = (),
+        check: Callable[[str], object] = str,
+    ) -> None:
         super().__init__()
-        self._title, self._text, self._about, self._offered = title, text, about, offered
+        self._title, self._text, self._about, self._offered, self._check = title, text, about, offered, check
         self._picker = Picker()
 
     def on_mount(self) -> None:
@@ -106,6 +138,7 @@ class AskText(ModalScreen[str | None]):
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Update the offered answers while typing."""
+        self.query("#wrong").set(display=False)
         self._picker.follow(event.input, "")
 
     def compose(self) -> ComposeResult:
@@ -115,6 +148,7 @@ class AskText(ModalScreen[str | None]):
             if self._about:
                 yield Static(Content(printable(self._about)))
             yield Line(printable(self._text))
+            yield Static("", id="wrong")
             yield KeyBar()
         yield self._picker
 
@@ -130,9 +164,18 @@ class AskText(ModalScreen[str | None]):
             self.dismiss(None)
 
     def action_take(self) -> None:
-        """Submit the line with the chosen answer."""
+        """Submit the line with the chosen answer, or show the error in it."""
         self._picker.take()
-        self.dismiss(self.query_one(Input).value)
+        text = self.query_one(Input).value
+        try:
+            if text != printable(self._text):
+                self._check(text)
+        except FieldkitError as error:
+            wrong = self.query_one("#wrong", Static)
+            wrong.update(marked(f"✗ {printable(str(error))}"))
+            wrong.display = True
+        else:
+            self.dismiss(text)
 
 
 class AskYes(ModalScreen[bool]):
