@@ -1,6 +1,7 @@
 """Shared by commands that print: tables, JSON, and sanitized text."""
 
 import json
+import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -27,13 +28,24 @@ def say_lines(text: str) -> None:
 def say_wrapped(text: str, hanging: str = "") -> None:
     """Print one line of a result, wrapped to the terminal, later lines indented by `hanging`."""
     from shutil import get_terminal_size
+
+    for line in _wrapped(text, min(get_terminal_size().columns, 100), hanging):
+        say(line)
+
+
+def _wrapped(text: str, width: int, hanging: str = "") -> list[str]:
+    """Lines of at most `width` characters [1], broken only at spaces: a name such as F24-4W and a path stay whole."""
     from textwrap import wrap
 
     start = text[: len(text) - len(text.lstrip())]
-    for line in wrap(
-        text.strip(), min(get_terminal_size().columns, 100), initial_indent=start, subsequent_indent=start + hanging
-    ):
-        say(line)
+    return wrap(
+        text.strip(),
+        width,
+        initial_indent=start,
+        subsequent_indent=start + hanging,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def say_report(lines: Iterable[str]) -> None:
@@ -47,9 +59,16 @@ def say_report(lines: Iterable[str]) -> None:
 
 def complain(text: str) -> None:
     """Print a message of one or a few lines, shortened, on stderr, apart from results; one that cannot be written is
-    dropped."""
+    dropped.
+
+    On a terminal its lines are wrapped; a program that reads them gets each whole.
+    """
+    lines = [shortened(printable(line)) for line in text.splitlines()]
+    with suppress(OSError):  # not a terminal, or one without a size
+        if sys.stderr.isatty() and (width := os.get_terminal_size(sys.stderr.fileno()).columns):
+            lines = [part for line in lines for part in _wrapped(line, width) or [""]]
     with suppress(OSError):
-        sys.stderr.write("".join(shortened(printable(line)) + "\n" for line in text.splitlines()))
+        sys.stderr.write("".join(line + "\n" for line in lines))
 
 
 def remark(text: str) -> None:

@@ -1,5 +1,6 @@
 """Open streams that receive results, streams that the parent process has closed, and files that only look like one."""
 
+import io
 import os
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ from tempfile import mkdtemp
 import pytest
 
 from fieldkit import files
+from fieldkit.cli.screen import complain
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
@@ -159,3 +161,29 @@ def test_a_command_that_finished_before_its_reader_left_succeeds(ledger: str) ->
         opened.add([Flight(flight_id="9", rocket="Astra", apogee=100.0)])
     done = unread(ledger, "tag", "9", "mine")
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_a_long_error_is_wrapped_between_words_on_a_terminal_and_whole_in_a_pipe(
+    monkeypatch: pytest.MonkeyPatch, terminal: bool
+) -> None:
+    class Stream(io.StringIO):
+        def isatty(self) -> bool:
+            return terminal
+
+        def fileno(self) -> int:
+            return 2
+
+    stream = Stream()
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setattr("os.get_terminal_size", lambda _: os.terminal_size((40, 24)))
+    text = f"{'/folder' * 8}/log.csv: no parser recognizes this file; did you mean AeroTech F24-4W?\n\n  second line"
+    complain(text)
+    lines = stream.getvalue().splitlines()
+    if not terminal:
+        assert stream.getvalue() == text + "\n"
+        return
+    assert " ".join(" ".join(lines).split()) == " ".join(text.split())
+    assert set(" ".join(lines).split()) == set(text.split())
+    assert all(len(line) <= 40 for line in lines[1:])
+    assert lines[-1] == "  second line"
