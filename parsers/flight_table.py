@@ -286,7 +286,7 @@ def _value(cell: str, heading: ColumnRole, mark: str) -> object:
 
 
 PARSER = Parser(
-    "Flight table (CSV)",
+    "Flight table",
     recognises,
     read,
     mapped=read_mapped,

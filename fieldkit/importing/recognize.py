@@ -253,7 +253,7 @@ def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None)
         return "no logger's parser recognizes it, and its columns have the names of a table of samples"
     like = likeness(parser, log)
     signs = ", ".join(map(repr, like.found[:MOST_LACKING]))
-    return f"it has {signs}, like {parser.title} files" if signs else f"it has the structure of {parser.title} files"
+    return f"it has {signs}" if signs else "it has the structure of this format"
 
 
 def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:

@@ -126,7 +126,7 @@ def test_a_fallback_parser_is_used_if_no_other_claims_a_log(monkeypatch: pytest.
     last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
     known = {**parsers(), "last": last}
     monkeypatch.setattr(recognize, "parsers", lambda: known)
-    assert recognise(b"rocket,apogee_m\nSwift,100\n").title == "Flight table (CSV)"
+    assert recognise(b"rocket,apogee_m\nSwift,100\n").title == "Flight table"
     assert recognise(b"anything") is last
 
 

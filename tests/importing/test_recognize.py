@@ -119,7 +119,7 @@ def test_for_an_unknown_file_the_nearest_formats_are_reported_with_what_it_lacks
 def test_the_parser_with_more_matching_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
     greedy = Parser("Greedy", lambda head: True, lambda content: [Reading({"apogee": 100.0})])
     with_parser(monkeypatch, greedy)
-    assert recognise(TABLE).title == "Flight table (CSV)"
+    assert recognise(TABLE).title == "Flight table"
     assert recognise(TABLE, format="other") is greedy
 
 
