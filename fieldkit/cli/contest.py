@@ -147,6 +147,7 @@ def contest(
     **given: str | None,
 ) -> None:
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
+    from fieldkit.flight.short_name import short_name
     from fieldkit.paths import data_file
     from fieldkit.planning.contest import copy_season, declared_score, outlook, score
     from fieldkit.planning.contest_day import read_declared, read_window
@@ -193,13 +194,16 @@ def contest(
         complain("found no flight with an apogee to score; use --motor to score a plan")
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
-    for flight, points in scored:
+    called = [short_name(flight) for flight, _ in scored]
+    width = max(map(len, [" " * 8, *called]))
+    for name, (flight, points) in zip(called, scored, strict=True):
+        id = "" if name == flight.flight_id else f"  ({flight.flight_id})"
         if why := why_no_score(flight, rule.egg_count):
-            say(f"  {flight.flight_id:>8}  no score      {why}; counts as an attempt")
+            say(f"  {name:>{width}}  no score      {why}; counts as an attempt{id}")
             continue
-        say(f"  {flight.flight_id:>8}  {points:6.1f} points  {_flown(flight)}")
+        say(f"  {name:>{width}}  {points:6.1f} points  {_flown(flight)}{id}")
     if total is not None:
-        untimed = [one.flight_id for one, _ in scored if one.flight_id in names and judged_duration(one) is None]
+        untimed = [short_name(one) for one, _ in scored if one.flight_id in names and judged_duration(one) is None]
         without = f"; {', '.join(untimed)} without a duration: altitude only" if untimed else ""
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}{without}")
     if ahead is not None:

@@ -15,6 +15,7 @@ from fieldkit import files
 from fieldkit.errors import BadValue
 from fieldkit.file_lock import changing
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import short_name
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
@@ -222,7 +223,9 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
     known = [points[name] for name in dict.fromkeys(names) if not math.isnan(points[name])]
     if len(known) < rule.best:
         without = [
-            f"{flight.flight_id} ({why_no_score(flight, rule.egg_count)})" for flight, own in scored if math.isnan(own)
+            f"{short_name(flight)} ({why_no_score(flight, rule.egg_count)})"
+            for flight, own in scored
+            if math.isnan(own)
         ]
         reason = f"{', '.join(without)} have no score"
         raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {reason}")

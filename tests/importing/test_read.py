@@ -3,6 +3,7 @@
 import pytest
 
 from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.flight.short_name import short_name
 from fieldkit.importing import Note, Parser, Reading, recognize
 from fieldkit.importing.read import read, read_plans, read_together
 from fieldkit.importing.recognize import parsers, recognise
@@ -65,6 +66,17 @@ def test_a_flight_without_a_name_gets_the_same_one_in_any_unit_and_order() -> No
     assert one.flight_id.startswith("2026-05-01-")
     (third,) = read(feet.replace(b"1000", b"1001"), "a", any_motor).flights
     assert third.flight_id != one.flight_id
+
+
+def test_a_flight_without_a_name_is_called_by_its_day_and_motor() -> None:
+    table = (
+        b"rocket,motor,date_time,apogee_m\nSwift,C6-5,2026-05-01,300\nSwift,C6-5,2026-05-01T10:30,300\nSwift,,,300\n"
+    )
+    by_day, by_time, by_nothing = read(table, "a", any_motor).flights
+    assert short_name(by_day) == "2026-05-01 C6-5"
+    assert short_name(by_time) == "2026-05-01 10:30 C6-5"
+    assert short_name(by_nothing) == by_nothing.flight_id
+    assert short_name(by_day.with_changes(flight_id="3")) == "3"
 
 
 def test_names_and_masses_of_rockets_come_from_another_file() -> None:

@@ -122,6 +122,18 @@ def test_without_a_given_season_flights_use_that_of_their_date_and_plans_todays(
         assert "from today's date" in printed.err
 
 
+def test_a_scored_flight_without_a_name_of_its_own_is_listed_by_day_and_motor(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "season.csv"
+    table.write_text("rocket,motor,date_time,apogee_ft\nComet,F39T-6,2026-04-06,820\n")
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(table)]) == 0
+    assert main([*ledger, "contest"]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if " points " in line)
+    assert re.fullmatch(r"  2026-04-06 F39T-6 +[\d.]+ points  820 ft, altitude only  \(2026-04-06-[0-9a-f]{10}\)", line)
+
+
 def test_a_season_limits_mass_impulse_and_length() -> None:
     found = catalogue().resolve("G80T")
     lines = {line.name: line for line in allowed(season(2027), Flight(dry_mass=0.6), found, 0.7)}

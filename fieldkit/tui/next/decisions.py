@@ -7,6 +7,7 @@ from typing import Literal
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import short_name
 from fieldkit.flight.site import Site
 from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
 from fieldkit.forecast.prediction import Prediction
@@ -138,10 +139,10 @@ class Decision:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
         per_flight = [(one, own) for one, own in last if isfinite(own)]
-        alone = [one.flight_id for one, _ in per_flight if judged_duration(one) is None]
-        none = [f"{one.flight_id} ({why_no_score(one, rule.egg_count)})" for one, own in last if not isfinite(own)]
+        alone = [short_name(one) for one, _ in per_flight if judged_duration(one) is None]
+        none = [f"{short_name(one)} ({why_no_score(one, rule.egg_count)})" for one, own in last if not isfinite(own)]
         if per_flight:
-            yield f"  points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in per_flight)}"
+            yield f"  points by this rule: {', '.join(f'{short_name(one)}: {own:.0f}' for one, own in per_flight)}"
         if none:
             yield f"            no score, count as attempts: {', '.join(none)}"
         if alone:

@@ -1,0 +1,16 @@
+"""What a flight is called in a text."""
+
+import re
+
+from fieldkit.flight.flight import Flight
+
+_DERIVED_ID = re.compile(r"(?:flight|\d{4}-\d\d-\d\d)-[0-9a-f]{10}")
+"""A flight_id made by `fieldkit.importing.to_flights.derived_id`."""
+
+
+def short_name(flight: Flight) -> str:
+    """What a person calls a flight: its flight_id, or the date, time and motor if the flight_id was derived."""
+    if not _DERIVED_ID.fullmatch(flight.flight_id):
+        return flight.flight_id
+    when = "" if flight.date_time is None else f"{flight.date_time:%Y-%m-%d %H:%M}".removesuffix(" 00:00")
+    return " ".join(part for part in (when, flight.motor) if part) or flight.flight_id
