@@ -20,9 +20,6 @@ SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 )
 """The unit shown instead of a column's; columns not listed keep theirs. Acceleration stays in g."""
 
-OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
-"""The system of units in which a typed value is repeated beside it."""
-
 DECIMALS: Mapping[str, int] = MappingProxyType(
     {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
     | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2}
@@ -226,8 +223,8 @@ def measure(column: Column, value: float | None, system: str) -> str:
     return f"{number(column, value, system)} {spelled(unit_of(column, system))}"
 
 
-def in_both_units(column: Column, value: float, unit: str, system: str) -> str:
-    """The unit of a typed number, and its value [SI] in the flyer's other unit: `ft  = 281.3 m`."""
-    figures = [measure(column, value, one) for one in (system, OTHER_SYSTEM[system])]
-    others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
-    return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)
+def in_own_unit(column: Column, value: float, unit: str, system: str) -> str:
+    """The unit of a typed number, and its value [SI] in the flyer's unit if that is another one: `ft  = 281.3 m`."""
+    if spelled(unit) == spelled(unit_of(column, system)):
+        return spelled(unit)
+    return f"{spelled(unit)}  = {measure(column, value, system)}"

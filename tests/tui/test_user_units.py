@@ -8,7 +8,7 @@ import pytest
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
 from tests.effort import part
-from tests.pressing import at_home, looked_at, opened, press, shown, typed
+from tests.pressing import at_home, looked_at, opened, press, shown, typed, words
 from tests.user_units import foreign_figures
 
 CHECK_SHAPES = False
@@ -53,3 +53,14 @@ async def test_pages_show_no_metric_figures_to_a_user_of_us_units(file: Path) ->
                 found += [f"{page}: {line}" for line in foreign_figures(shown(pilot), "US")]
                 await press(pilot, "escape", "escape", "escape")
     assert not found, "\n".join(found)
+
+
+async def test_the_add_page_names_the_key_that_switches_units_once_no_field_takes_it(file: Path) -> None:
+    async with opened(file, page="add") as pilot:
+        assert "N Units" not in words(pilot), "in a field it is a letter"
+        await press(pilot, "f1")
+        assert "Esc, then N, switches to feet, mph and ounces" in words(pilot)
+        await press(pilot, "escape", "escape")
+        assert "N Units" in words(pilot)
+        await press(pilot, "N")
+        assert pilot.app.resources.settings.units == "US"  # type: ignore[attr-defined]

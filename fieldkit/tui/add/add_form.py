@@ -18,7 +18,7 @@ from fieldkit.importing.manual_entry import (
     read_answer,
     read_lift_off_mass,
 )
-from fieldkit.quantities import in_both_units, in_system, measure, significant, spelled
+from fieldkit.quantities import in_own_unit, in_system, measure, significant, spelled
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
@@ -100,14 +100,14 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
 
 
 def beside(question: Question, answered: Answered, unit: str, system: str) -> str:
-    """The note next to an answer: why it cannot be read, what is implausible, or its unit and its value in another."""
+    """The note next to an answer: why it cannot be read, what is implausible, or its unit."""
     if question.name in answered.wrong:
         return f"✗ {answered.wrong[question.name]}"
     if reason := implausible_answers(answered.flight, question.name, answered.usual, system):
         return f"! {reason[0]}"
     column = question.column
     value = answered.number(question) if column else None
-    return spelled(unit) if column is None or value is None else in_both_units(column, value, unit, system)
+    return spelled(unit) if column is None or value is None else in_own_unit(column, value, unit, system)
 
 
 def together(flight: Flight, system: str) -> Iterable[str]:

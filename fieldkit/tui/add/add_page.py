@@ -53,6 +53,7 @@ class AddScreen(PageScreen):
         Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
         Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
+        Binding("N", "next_units", "Units", tooltip="Next units: SI, US, mixed"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
     ]
     DEFAULT_CSS = FORM_CSS
@@ -203,7 +204,10 @@ class AddScreen(PageScreen):
         event.widget.scroll_visible(animate=False, immediate=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Without input there is nothing to save; on the card of a saved flight, arrows scroll it."""
+        """Without input there is nothing to save; on the card of a saved flight, arrows scroll it; in a field, N is a
+        letter."""
+        if action == "next_units":
+            return not isinstance(self.focused, Input)
         if action == "save" and isinstance(self.focused, Button | AfterCard) and not self.typed:
             return False
         if action in ("step", "start_again") and isinstance(self.focused, AfterCard):
@@ -274,6 +278,10 @@ class AddScreen(PageScreen):
     async def action_save(self) -> None:
         """Save the flight in the ledger."""
         await self._saving.save_once(self._read())
+
+    def action_next_units(self) -> None:
+        """Switch to the next system of units."""
+        self.field_app.action_next_units()
 
     def action_start_again(self) -> None:
         """Discard the draft; undo restores it."""

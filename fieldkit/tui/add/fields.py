@@ -15,7 +15,7 @@ from textual.widgets import Input, Label, Static
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
-from fieldkit.quantities import in_both_units, spelled
+from fieldkit.quantities import in_own_unit, spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.host import Host
@@ -185,7 +185,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         column, typed = field.question.column, typed_unit(field.answer)
         if column is None or not isinstance(value, float) or not typed or spelled(typed) == spelled(unit):
             return spelled(unit)
-        return in_both_units(column, value, typed, cast(Host, self.app).resources.settings.units)
+        return in_own_unit(column, value, typed, cast(Host, self.app).resources.settings.units)
 
     def action_go_on(self) -> None:
         """Move to the next line, or save on the last one. A chosen answer is accepted first."""
