@@ -29,7 +29,7 @@ ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the tabl
 
 def finals(
     context: typer.Context,
-    season: Annotated[int | None, typer.Option(help="2019 to 2027; default: today's.")] = None,
+    season: Annotated[int | None, typer.Option(help="2019 to 2027; default: the current season.")] = None,
     targets: Annotated[str | None, typer.Option(help="Lowest and highest target, in feet: 775-825.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
     lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 480g, 17oz.")] = None,
@@ -131,7 +131,7 @@ def contest(
     context: typer.Context,
     season: Annotated[
         int | None,
-        typer.Option(help="2019 to 2027; default: that of the last flight, with --motor today's."),
+        typer.Option(help="2019 to 2027; default: the season of the last flight; with --motor, the current one."),
     ] = None,
     target: Annotated[str | None, typer.Option(help="Target announced that day: 785ft, 239m.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,

@@ -20,7 +20,7 @@ app = typer.Typer()
 
 @app.command()
 def demo(context: typer.Context) -> None:
-    """Show everything on twelve flights of one rocket: import, infer, predict, close the loop.
+    """Show what fieldkit does on twelve flights of one rocket: import, infer, predict, and loop.
 
     Your own ledger is not touched: the demo uses a temporary one, or the empty one
     that --ledger names.

@@ -55,7 +55,7 @@ def predict(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
-    """Forecast the apogee of the next flight from the rocket's clean flights so far."""
+    """Forecast the apogee of the next flight from the rocket's clean flights."""
     from fieldkit.errors import LedgerError
     from fieldkit.services.forecast_record import forecast_record
 

@@ -61,8 +61,8 @@ def inspect(
 ) -> None:
     """Show what logs and flight tables contain, without importing anything.
 
-    The format and why it was recognized, the columns and their units, the readouts with their standard deviations,
-    their sensors and the device's own values, the events, and what would be imported.
+    Prints the format and why it was recognized, the columns and their units, the readouts with their standard
+    deviations, their sensors and the device's own values, the events, and what would be imported.
     """
     from fieldkit.presentation.import_view import document, lines
 

@@ -23,9 +23,7 @@ def loop(
     ] = None,
     effect: Annotated[
         str | None,
-        typer.Option(
-            help="Include this effect regardless of the evidence; several: wind+mass_offset.", show_default=False
-        ),
+        typer.Option(help="Use this effect whatever the evidence; several: wind+mass_offset.", show_default=False),
     ] = None,
     decline: Annotated[
         str | None,

@@ -25,7 +25,7 @@ def ork(
     look: Annotated[bool, typer.Option("--dry-run", "--look", help="Show the result without saving it.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Start a rocket from its OpenRocket design (mass without motor, diameter, length, Cd) until it has flown."""
+    """Read a rocket that has not flown from its OpenRocket design: mass without motor, diameter, length, Cd."""
     from fieldkit.errors import BadValue
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file

@@ -15,7 +15,7 @@ app = typer.Typer()
 
 def delay(
     context: typer.Context,
-    limit: Annotated[str | None, typer.Option(help="Speed that is too fast at ejection: 15m/s, 34mph.")] = None,
+    limit: Annotated[str | None, typer.Option(help="Fastest acceptable speed at ejection: 15m/s, 34mph.")] = None,
     cuts: Annotated[
         str | None, typer.Option(help="Seconds that your tool can remove from the longest delay: 2,4,6,8.")
     ] = None,

@@ -39,7 +39,7 @@ def simulate(
     ] = Physics.field,
     lift_off_mass: Annotated[
         str | None,
-        typer.Option(help="Mass on the pad with all motors and stages: 620g, 22oz; in place of the dry mass."),
+        typer.Option(help="Mass on the pad with all motors and stages: 620g, 22oz; replaces the dry mass."),
     ] = None,
     booster_mass: Annotated[
         str | None,

@@ -35,7 +35,7 @@ def parsers() -> Mapping[str, Parser]:
 
 
 def check_format(name: str, place: str = "") -> None:
-    """Raise UnknownFormat, with the `place` first, for a name that is none of a parser."""
+    """Raise UnknownFormat, with the `place` first, for a name that no parser has."""
     if name not in parsers():
         raise UnknownFormat(f"{place}no parser is called {name!r}, expected one of {', '.join(parsers())}")
 

@@ -86,8 +86,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
             if goal.rule is not None
             else (shown.length(best.gain * FOOT).split()[0], shown.length(best.gain_error * FOOT))
         )
-        yield f"  no change: a gain of {gain} ± {error} per flight is not significant"
-        yield "            one more flight at the current mass would help; below is the effect of the change"
+        yield f"  no change advised: a gain of {gain} ± {error} per flight is not significant"
+        yield "            one more flight at the current mass would help; the change would do this:"
     change = f"{'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
     yield f"  {'dry mass' if best.clear else 'change to':9} {shown.mass(best.mass)}: {change}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"

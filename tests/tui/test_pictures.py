@@ -45,7 +45,7 @@ SCENES: dict[str, tuple[str, ...]] = {
     "settings": ("6", "left", "down"),
     "capture": ("7",),
     "help": ("question_mark",),
-    "notices": ("4", "_", "g", *typed("far"), "enter"),
+    "notices": ("3", "m"),
 }
 OVERLAID = ("help", "plan", "build")
 """Scenes in which the page behind is dimmed on purpose, in the theme that dims."""

@@ -1,4 +1,4 @@
-"""Saving an unedited form changes nothing, although it shows rounded numbers; a refused text stays to be mended."""
+"""Saving an unedited form changes nothing, although it shows rounded numbers; a refused text can be edited."""
 
 from pathlib import Path
 

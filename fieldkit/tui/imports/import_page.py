@@ -295,7 +295,7 @@ class ImportScreen(PageScreen):
 
 
 def _check_format(name: str) -> None:
-    """Raise UnknownFormat for a name that is none of a parser; an empty one means that the content decides."""
+    """Raise UnknownFormat for a name that no parser has; an empty one means that the content decides."""
     from fieldkit.importing.recognize import check_format
 
     if name.strip():
