@@ -181,10 +181,14 @@ class PageScreen(AskingScreen):
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Enter leaves a line only while an input has the focus."""
-        if action == "leave_line":
-            return isinstance(self.focused, Input)
+        """Enter leaves a line only while an input has the focus, in which N is a letter."""
+        if action in ("leave_line", "next_units"):
+            return isinstance(self.focused, Input) == (action == "leave_line")
         return super().check_action(action, parameters)
+
+    def action_next_units(self) -> None:
+        """Switch to the next system of units."""
+        self.field_app.action_next_units()
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""

@@ -204,10 +204,7 @@ class AddScreen(PageScreen):
         event.widget.scroll_visible(animate=False, immediate=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Without input there is nothing to save; on the card of a saved flight, arrows scroll it; in a field, N is a
-        letter."""
-        if action == "next_units":
-            return not isinstance(self.focused, Input)
+        """Without input there is nothing to save; on the card of a saved flight, arrows scroll it."""
         if action == "save" and isinstance(self.focused, Button | AfterCard) and not self.typed:
             return False
         if action in ("step", "start_again") and isinstance(self.focused, AfterCard):
@@ -278,10 +275,6 @@ class AddScreen(PageScreen):
     async def action_save(self) -> None:
         """Save the flight in the ledger."""
         await self._saving.save_once(self._read())
-
-    def action_next_units(self) -> None:
-        """Switch to the next system of units."""
-        self.field_app.action_next_units()
 
     def action_start_again(self) -> None:
         """Discard the draft; undo restores it."""

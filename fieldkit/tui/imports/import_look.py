@@ -3,16 +3,17 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from os.path import isdir
+from os.path import abspath, exists, isdir
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import read_changes
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+from fieldkit.paths import expanded
 from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
@@ -211,3 +212,22 @@ def name_and_size(path: Path) -> tuple[str, str]:
     except OSError:
         return path.name, "?"
     return path.name, f"{size} B" if size < 1000 else f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
+
+
+def check_format_name(name: str) -> None:
+    """Raise UnknownFormat for a name that no parser has; an empty one means that the content decides."""
+    from fieldkit.importing.recognize import check_format
+
+    if name.strip():
+        check_format(name.strip())
+
+
+def typed_path(text: str) -> Path:
+    """The absolute path of a typed one."""
+    return Path(abspath(expanded(text.strip())))
+
+
+def check_path(text: str) -> None:
+    """Raise BadValue for a path at which there is no file or folder; an empty one cancels."""
+    if text.strip() and not exists(typed_path(text)):
+        raise BadValue(f"{typed_path(text)}: no such file or folder")

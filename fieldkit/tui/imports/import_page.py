@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from os.path import abspath, exists, isdir
+from os.path import isdir
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -14,8 +14,8 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.paths import expanded, working_folder
+from fieldkit.errors import FieldkitError
+from fieldkit.paths import working_folder
 from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
 from fieldkit.tui.imports.import_help import IMPORT_HELP
@@ -24,12 +24,15 @@ from fieldkit.tui.imports.import_look import (
     Look,
     ReadOptions,
     by_keys,
+    check_format_name,
+    check_path,
     folder_text,
     left_out,
     listed,
     look_at,
     name_and_size,
     store,
+    typed_path,
     what_it_brings,
     what_it_holds,
 )
@@ -229,7 +232,7 @@ class ImportScreen(PageScreen):
         picks = [OfferedAnswer(name, parser.title) for name, parser in parsers().items()]
         about = "The format; ↓ chooses one. Empty: by its content."
         self.app.push_screen(
-            AskText("Read it as", self._reading.format or "", about, picks, _check_format), self._named
+            AskText("Read it as", self._reading.format or "", about, picks, check_format_name), self._named
         )
 
     def _named(self, text: str | None) -> None:
@@ -278,12 +281,12 @@ class ImportScreen(PageScreen):
 
     def action_folder(self) -> None:
         """Type a path."""
-        self.app.push_screen(AskText("Go to", str(self._folder), "A folder, or a file.", check=_check_path), self._went)
+        self.app.push_screen(AskText("Go to", str(self._folder), "A folder, or a file.", check=check_path), self._went)
 
     def _went(self, text: str | None) -> None:
         if not text:
             return
-        path = _typed_path(text)
+        path = typed_path(text)
         if isdir(path):
             self.go(path)
         else:
@@ -292,22 +295,3 @@ class ImportScreen(PageScreen):
     def copied(self) -> str:
         """The preview as text."""
         return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#more"))
-
-
-def _check_format(name: str) -> None:
-    """Raise UnknownFormat for a name that no parser has; an empty one means that the content decides."""
-    from fieldkit.importing.recognize import check_format
-
-    if name.strip():
-        check_format(name.strip())
-
-
-def _typed_path(text: str) -> Path:
-    """The absolute path of a typed one."""
-    return Path(abspath(expanded(text.strip())))
-
-
-def _check_path(text: str) -> None:
-    """Raise BadValue for a path at which there is no file or folder; an empty one cancels."""
-    if text.strip() and not exists(_typed_path(text)):
-        raise BadValue(f"{_typed_path(text)}: no such file or folder")
