@@ -33,24 +33,26 @@ def main() -> int:
     options = sets_parser(__doc__).parse_args()
     labels = read_labels(options.sets, options.limit)
     rows: list[dict[str, Any]] = []
-    say(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'own':>6} {'after':>6}")
+    say(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'before':>6} {'after':>6}")
     for label in labels:
         found = score_set(options.command, options.sets, label["set"])
         late = [row for row in found["flights"] if row["corrected"]]
         rows += late
-        own, after = (_share(late, which) for which in ("own", "corrected"))
+        before, after = (_coverage(late, which) for which in ("model", "corrected"))
         error = found["errors"][0]["median_share"]
         size = len(found["flights"])
-        say(f"{label['set']:8} {label['scenario']:32} {size:7} {error:12.1%} {len(late):9} {own:6.0%} {after:6.0%}")
-    say(f"all: {len(rows)} corrected; {_share(rows, 'own'):.1%} inside before, {_share(rows, 'corrected'):.1%} after")
+        say(f"{label['set']:8} {label['scenario']:32} {size:7} {error:12.1%} {len(late):9} {before:6.0%} {after:6.0%}")
+    say(
+        f"all: {len(rows)} corrected; {_coverage(rows, 'model'):.1%} inside before, {_coverage(rows, 'corrected'):.1%} after"
+    )
     return 0
 
 
-def _share(rows: Sequence[dict[str, Any]], which: str) -> float:
+def _coverage(rows: Sequence[dict[str, Any]], which: str) -> float:
     """Fraction of flights inside the model's interval or the corrected one. [1]"""
     ends = [row["corrected"] if which == "corrected" else (row["p05"], row["p95"]) for row in rows]
-    held = [low <= row["flown"] <= high for row, (low, high) in zip(rows, ends, strict=True)]
-    return sum(held) / len(held) if held else float("nan")
+    inside = [low <= row["flown"] <= high for row, (low, high) in zip(rows, ends, strict=True)]
+    return sum(inside) / len(inside) if inside else float("nan")
 
 
 if __name__ == "__main__":
