@@ -164,7 +164,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
     )
     return Flown(
         launch=launch,
-        scatter=_luck(rng, needs.scatter),
+        scatter=_drawn_scatter(rng, needs.scatter),
         when=datetime(day.date.year, day.date.month, day.date.day) + timedelta(minutes=round(hour * 60)),
         motor=choice.key,
         config=choice.config,
@@ -174,7 +174,7 @@ def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, ho
     )
 
 
-def _luck(rng: np.random.Generator, factor: float) -> Scatter:
+def _drawn_scatter(rng: np.random.Generator, factor: float) -> Scatter:
     """Ordinary scatter: thrust 2.5%, drag 2%, scale 1 g, delay 7%, gusts 15%, a launch angle up to 2 degrees."""
     thrust, stretch, drag, mass, delay, wind = rng.standard_normal(6)
     launch_angle, way = float(np.radians(rng.uniform(0, 2))), float(rng.uniform(0, 2 * np.pi))

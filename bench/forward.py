@@ -42,9 +42,8 @@ def main() -> int:
         error = found["errors"][0]["median_share"]
         size = len(found["flights"])
         say(f"{label['set']:8} {label['scenario']:32} {size:7} {error:12.1%} {len(late):9} {before:6.0%} {after:6.0%}")
-    say(
-        f"all: {len(rows)} corrected; {_coverage(rows, 'model'):.1%} inside before, {_coverage(rows, 'corrected'):.1%} after"
-    )
+    before, after = (_coverage(rows, which) for which in ("model", "corrected"))
+    say(f"all: {len(rows)} corrected; {before:.1%} inside before, {after:.1%} after")
     return 0
 
 

@@ -127,8 +127,8 @@ def _combinations(
             if not needs.lift[0] < push / weight < needs.lift[1]:
                 continue
             flight = climb(Launch(rocket.frame, mass, motor, rocket.drag, Air(), rocket.rail))
-            fitting = [d for d in motor.delays if -0.4 <= d - flight.coast <= 2.5]
-            if fitting and flight.apogee > 60:
-                delay = float(min(fitting, key=lambda d: abs(d - flight.coast - 0.5)))
+            suitable = [d for d in motor.delays if -0.4 <= d - flight.coast <= 2.5]
+            if suitable and flight.apogee > 60:
+                delay = float(min(suitable, key=lambda d: abs(d - flight.coast - 0.5)))
                 found.append(Combination(motor, key, config, mass, delay, flight.coast, flight.top_speed))
     return found

@@ -40,7 +40,7 @@ INFORMATIVE = ("all", "all", "three")
 TEN = ("all",)
 
 WIND = Part("wind", (1.3, 2.3, 3.5))
-TILT = Part("launch_angle", (5, 9, 15))
+LAUNCH_ANGLE = Part("launch_angle", (5, 9, 15))
 EJECTION = Part("early_ejection", (1.2, 2.0, 3.0))
 AIR = Part("air_density", (1200, 2000, 3000))
 HOT = Part("hot_days", (14, 20, 26))
@@ -61,7 +61,7 @@ _ALL = (
     Scenario("null_realistic", "none", (Part("realistic", (0,)),)),
     Scenario("wind", "wind", (WIND,), Needs(conditions="wind")),
     Scenario("wind_declared", "wind", (WIND,), Needs(conditions="all")),
-    Scenario("launch_angle", "launch_angle", (TILT,), Needs(readouts=INFORMATIVE)),
+    Scenario("launch_angle", "launch_angle", (LAUNCH_ANGLE,), Needs(readouts=INFORMATIVE)),
     Scenario("early_ejection", "early_ejection", (EJECTION,), Needs(readouts=INFORMATIVE)),
     Scenario("air_density", "air_density", (AIR,), MULTI_SITE),
     Scenario("hot_days", "air_density", (HOT,)),

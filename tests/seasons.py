@@ -11,7 +11,11 @@ MOTORS = ("F24", "F39", "E35")
 
 
 def season(
-    rng: np.random.Generator, kept: tuple[str, ...], count: int = 12, wind: float | None = None, scatter: float = 0.0
+    rng: np.random.Generator,
+    recorded: tuple[str, ...],
+    count: int = 12,
+    wind: float | None = None,
+    scatter: float = 0.0,
 ) -> list[tuple[Flight, Found]]:
     """Flights of a rocket with high drag on three motors with some readouts; `scatter` is the standard deviation of log
     apogees in addition to drag and thrust."""
@@ -26,7 +30,7 @@ def season(
     truth = np.array([[term.mean + 0.7 * term.sd * (term.bends == "drag") for term in model.terms]])
     single = {"drag": 0.03 * rng.normal(size=(1, count)), "thrust": 0.025 * rng.normal(size=(1, count))}
     readings = shown(model, truth, single)
-    noisy = {name: readings[name][0] * np.exp(0.01 * rng.normal(size=count)) for name in kept}
+    noisy = {name: readings[name][0] * np.exp(0.01 * rng.normal(size=count)) for name in recorded}
     if scatter:
         noisy["apogee"] = noisy["apogee"] * np.exp(scatter * rng.normal(size=count))
     rows = [

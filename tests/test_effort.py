@@ -18,12 +18,12 @@ class Case:
         return self.sampled and name == "sampled"
 
 
-@pytest.mark.parametrize(("count", "kept"), [(1, 1), (3, 1), (4, 1), (5, 2), (40, 10)])
-def test_a_quarter_of_the_cases_of_a_sampled_test_is_kept(count: int, kept: int) -> None:
+@pytest.mark.parametrize(("count", "remaining"), [(1, 1), (3, 1), (4, 1), (5, 2), (40, 10)])
+def test_a_quarter_of_the_cases_of_a_sampled_test_is_kept(count: int, remaining: int) -> None:
     cases = [Case(f"tests/test_a.py::test_b[{number}]") for number in range(count)]
     others = [Case(f"tests/test_a.py::test_c[{number}]", sampled=False) for number in range(3)]
     out = left_out([*cases, *others])  # type: ignore[list-item]
-    assert len(cases) - len(out) == kept
+    assert len(cases) - len(out) == remaining
     assert not out & {*others}
     assert out == left_out([*reversed(cases)])  # type: ignore[list-item]
 

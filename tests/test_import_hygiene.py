@@ -26,17 +26,17 @@ ALLOWED = {
 """Modules of the engine that the plug-ins of a folder may use."""
 
 
-def woken(tmp_path: Path, *arguments: str) -> set[str]:
+def modules_after(tmp_path: Path, *arguments: str) -> set[str]:
     """The modules that a new process has imported after a command."""
     code = (
         "import json, sys\n"
         "from fieldkit.cli.main import main\n"
         f"status = main({list(arguments)!r})\n"
-        f"open({str(tmp_path / 'woken.json')!r}, 'w').write(json.dumps([status, *sys.modules]))\n"
+        f"open({str(tmp_path / 'modules.json')!r}, 'w').write(json.dumps([status, *sys.modules]))\n"
     )
     flyer = os.environ | {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
     done = subprocess.run([sys.executable, "-c", code], env=flyer, cwd=tmp_path, capture_output=True, text=True)
-    status, *modules = json.loads((tmp_path / "woken.json").read_text())
+    status, *modules = json.loads((tmp_path / "modules.json").read_text())
     assert status == 0, done.stderr
     return set(modules)
 
@@ -56,23 +56,23 @@ def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
 )
 def test_help_imports_nothing_heavy(tmp_path: Path, arguments: list[str]) -> None:
     heavy = NEVER | {"numpy", "scipy", "sqlalchemy", "alembic", "onnxruntime", "sqlite3"}
-    assert not heavy & woken(tmp_path, *arguments)
+    assert not heavy & modules_after(tmp_path, *arguments)
 
 
 def test_listing_flights_imports_only_the_ledger(tmp_path: Path, ledger: str) -> None:
-    modules = woken(tmp_path, "--ledger", ledger, "flights")
+    modules = modules_after(tmp_path, "--ledger", ledger, "flights")
     assert not (NEVER | {"scipy", "scipy.optimize", "numpy", "onnxruntime"}) & modules
     assert "sqlalchemy" in modules
 
 
 def test_predicting_does_not_import_training(tmp_path: Path, ledger: str) -> None:
-    modules = woken(tmp_path, "--ledger", ledger, "predict", "--motor", "F24-4W")
+    modules = modules_after(tmp_path, "--ledger", ledger, "predict", "--motor", "F24-4W")
     assert not (NEVER | {"onnxruntime", "alembic", "scipy.optimize", "scipy.stats"}) & modules
     assert "numpy" in modules
 
 
 def test_inferring_does_not_import_training(tmp_path: Path, ledger: str) -> None:
-    modules = woken(tmp_path, "--ledger", ledger, "infer", "1")
+    modules = modules_after(tmp_path, "--ledger", ledger, "infer", "1")
     assert not (NEVER | {"onnx", "scipy.optimize"}) & modules
     assert "onnxruntime" in modules
 

@@ -187,9 +187,9 @@ def test_a_log_that_expands_to_more_than_its_stated_size_is_not_unpacked(tmp_pat
 
 
 def test_nothing_is_ever_unpickled() -> None:
-    shelves = [ROOT / name for name in ("fieldkit", "parsers", "models", "bench", "tools")]
+    folders = [ROOT / name for name in ("fieldkit", "parsers", "models", "bench", "tools")]
     unpicklers = {"pickle", "shelve", "marshal", "dill", "joblib", "cloudpickle"}
-    for file in [file for shelf in shelves for file in shelf.rglob("*.py")]:
+    for file in [file for folder in folders for file in folder.rglob("*.py")]:
         source = file.read_text(encoding="utf-8")
         if not any(name in source for name in (*unpicklers, "load")):
             continue
@@ -254,7 +254,7 @@ LONG = {
     "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
     "daysheet": ["--motor", "F24-4W", "--wind", "3m/s", "--out", "sheet.png"],
 }
-APART = {"serve", "tui", "train", "track"}
+OTHER_COMMANDS = {"serve", "tui", "train", "track"}
 """Commands that listen, need a terminal, run for hours in other processes, or need a log with satellite positions
 (`tests/presentation/test_kml.py`)."""
 REACHING = {"socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto", "socket.sendmsg", "urllib.Request"}
@@ -287,7 +287,7 @@ def leaves(command: Any, words: tuple[str, ...] = ()) -> Iterator[str]:
 
 
 def test_every_command_is_tried_here() -> None:
-    assert {*COMMANDS, *LONG, *APART} == set(leaves(typer.main.get_command(app)))
+    assert {*COMMANDS, *LONG, *OTHER_COMMANDS} == set(leaves(typer.main.get_command(app)))
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-KEPT = ROOT / "docs" / "benchmarks"
+RESULTS = ROOT / "docs" / "benchmarks"
 PAGE = ROOT / "docs" / "speed.md"
 NAMES = tuple(sorted(path.stem.removeprefix("bench_") for path in (ROOT / "tests" / "benchmarks").glob("bench_*.py")))
 
@@ -67,7 +67,7 @@ def _processor() -> str:
 def latest() -> dict[str, dict[str, Any]]:
     """The latest saved run of each file of benchmarks, with only the rows of that file."""
     found: dict[str, dict[str, Any]] = {}
-    for path in KEPT.glob("*.json"):
+    for path in RESULTS.glob("*.json"):
         kept = json.loads(path.read_text(encoding="utf-8"))
         for name in {row["file"] for row in kept["benchmarks"]}:
             if name not in found or found[name]["at"] < kept["at"]:
@@ -126,8 +126,8 @@ def main() -> int:
         raise SystemExit(f"found {', '.join(sorted(unknown))}, expected some of: {', '.join(NAMES)}")
     about = machine()
     runs = [run(name) for name in names]
-    KEPT.mkdir(exist_ok=True)
-    file = KEPT / f"{about['at'][:10]}_{about['commit']}_{'_'.join(sys.argv[1:]) or 'all'}.json"
+    RESULTS.mkdir(exist_ok=True)
+    file = RESULTS / f"{about['at'][:10]}_{about['commit']}_{'_'.join(sys.argv[1:]) or 'all'}.json"
     command = " ".join(["python", "tools/benchmarks.py", *sys.argv[1:]])
     rows = [row for found, _ in runs for row in found]
     file.write_text(json.dumps({"command": command, **about, "benchmarks": rows}, indent=1) + "\n", encoding="utf-8")

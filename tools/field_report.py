@@ -201,9 +201,9 @@ def bench() -> Iterator[str]:
     yield "## Corrected intervals if the model is wrong"
     yield ""
     yield from prose(
-        "Histories with a hidden effect, each flight forecast from the earlier ones by the plain model. The last columns",
-        "are the coverage of 90% intervals from the 21st forecast on, before and after the correction. `python -m",
-        "bench.make SETS --sets 1 --seed 77`, `python -m bench.forward SETS --limit 9`:",
+        "Histories with a hidden effect, each flight forecast from the earlier ones by the plain model. The last",
+        "columns are the coverage of 90% intervals from the 21st forecast on, before and after the correction.",
+        "`python -m bench.make SETS --sets 1 --seed 77`, `python -m bench.forward SETS --limit 9`:",
     )
     yield "```"
     yield path.read_text(encoding="utf-8").rstrip()

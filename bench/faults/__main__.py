@@ -88,7 +88,7 @@ def _of_calls(folder: Path, others: int) -> Iterator[Part]:
 
     @cache
     def found() -> list[session.Call]:
-        with at_home(folder / "desk" / "home"):
+        with at_home(folder / "workplace" / "home"):
             return session.calls(folder)
 
     for number, name in enumerate(session.commands()):
@@ -242,13 +242,13 @@ def run(scratch: Path, keep: Path, given: argparse.Namespace) -> list[Outcome]:
             hour = stack.enter_context(beside(partial(club, scratch / "club", given.hours), keep / "club.json"))
         for name, part in parts(scratch, killed=given.kills, others=given.others):
             if name.startswith(given.only):
-                found.append(_told(tried(part, keep / f"{name}.json")))
+                found.append(_printed(tried(part, keep / f"{name}.json")))
         if hour is not None:
-            found.append(_told(hour()))
+            found.append(_printed(hour()))
     return found
 
 
-def _told(outcome: Outcome) -> Outcome:
+def _printed(outcome: Outcome) -> Outcome:
     """Print a result as progress, with the processor time so far, without that of `club` and of servers."""
     now, used = time.strftime("%H:%M:%S"), sum(os.times()[:4])
     what = f"{outcome.part}, {outcome.case}: {_counts(outcome)}; {len(outcome.faults)} faults"

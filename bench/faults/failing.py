@@ -22,7 +22,7 @@ from bench.faults.paused import from_first_write
 from bench.faults.session import Call, named
 from fieldkit.paths import DATA_FILES
 
-KEPT_FILES = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
+FILES_OF_THE_START = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
 """Files that exist in addition to those a command is asked to write."""
 OWN = ("settings.json", *(name for name in DATA_FILES if name not in {"captures", "crashes"}))
 """What a user has added and chosen, in the user's folder."""
@@ -38,8 +38,8 @@ class Bench:
     """A folder in which a call is run repeatedly; `states` are the ledger before and after it."""
 
     def __init__(self, folder: Path, call: Call) -> None:
-        self.call, self.desk, self.notes = call, folder / "desk", folder / "notes"
-        self.file = self.desk / "ledger.db"
+        self.call, self.workplace, self.notes = call, folder / "workplace", folder / "notes"
+        self.file = self.workplace / "ledger.db"
         self.states: tuple[State, State] | None = None
         self.asked: dict[str, bytes] = {}
         self.new: set[str] = set()
@@ -53,32 +53,32 @@ class Bench:
 
     def fresh(self) -> None:
         """Reset the files for the call; the folder itself is not replaced, because a process may be in it."""
-        self.desk.mkdir(parents=True, exist_ok=True)
-        for one in self.desk.iterdir():
+        self.workplace.mkdir(parents=True, exist_ok=True)
+        for one in self.workplace.iterdir():
             if one.is_dir() and not one.is_symlink():
                 shutil.rmtree(one)
             else:
                 one.unlink()
-        shutil.copytree(self.call.found, self.desk, symlinks=True, dirs_exist_ok=True)
+        shutil.copytree(self.call.found, self.workplace, symlinks=True, dirs_exist_ok=True)
 
     def tried(self, fault: Fault | None = None, largest: int | None = None, *, full: bool = False) -> Ended:
         """Run the call, with an optional fault."""
         self.fresh()
-        with chdir(self.desk), at_home(self.desk / "home"), unit(self.call.arguments) as arguments:
-            return run_with(command(self.file, arguments), self.desk, self.notes, fault, largest, full=full)
+        with chdir(self.workplace), at_home(self.workplace / "home"), unit(self.call.arguments) as arguments:
+            return run_with(command(self.file, arguments), self.workplace, self.notes, fault, largest, full=full)
 
     def learn(self) -> list[tuple[str, int]]:
         """Record the states before and after the call, and the system calls that it makes."""
         self.fresh()
-        with at_home(self.desk / "home"):
+        with at_home(self.workplace / "home"):
             before = state(self.file)
         found_there = self.files()
         began = time.monotonic()
         ended = self.tried()
         self.spoken, self.prints = set(ended.message.splitlines()), bool(ended.out)
         self.takes = time.monotonic() - began
-        found = made(self.notes, self.desk)
-        with at_home(self.desk / "home"):
+        found = made(self.notes, self.workplace)
+        with at_home(self.workplace / "home"):
             self.states = (before, state(self.file))
         self.asked = self.files()
         self.new = self.asked.keys() - found_there.keys()
@@ -88,13 +88,13 @@ class Bench:
         """Results of all faults from the first write of the call on, and any errors."""
 
         def trials() -> list[tuple[str, str]] | None:
-            if forked(self.desk, self.notes) is None:
+            if forked(self.workplace, self.notes) is None:
                 return None
-            chosen = faults(made(self.notes, self.desk), MAX_READS, EVERY)
+            chosen = faults(made(self.notes, self.workplace), MAX_READS, EVERY)
             seen = []
             for fault in chosen:
                 self.fresh()
-                if (ended := forked(self.desk, self.notes, fault)) is None:
+                if (ended := forked(self.workplace, self.notes, fault)) is None:
                     return None
                 if ended.came:
                     what, wrong = self.judged(ended)
@@ -102,20 +102,20 @@ class Bench:
             return seen
 
         self.fresh()
-        with chdir(self.desk), at_home(self.desk / "home"), unit(self.call.arguments) as arguments:
-            return from_first_write(command(self.file, arguments), self.desk, trials)
+        with chdir(self.workplace), at_home(self.workplace / "home"), unit(self.call.arguments) as arguments:
+            return from_first_write(command(self.file, arguments), self.workplace, trials)
 
     def files(self) -> dict[str, bytes]:
         """Files next to the ledger: the requested ones, and what the user has added."""
-        places = [one for one in self.desk.iterdir() if one.name not in KEPT_FILES]
-        places += [self.desk / "home" / name for name in OWN]
+        places = [one for one in self.workplace.iterdir() if one.name not in FILES_OF_THE_START]
+        places += [self.workplace / "home" / name for name in OWN]
         files = (one for place in places for one in (place, *place.rglob("*")) if one.is_file())
-        return {str(one.relative_to(self.desk)): one.read_bytes() for one in files}
+        return {str(one.relative_to(self.workplace)): one.read_bytes() for one in files}
 
     def judged(self, ended: Ended) -> tuple[str, str]:
         """Result of a trial, and any error."""
         assert self.states is not None
-        with at_home(self.desk / "home"):
+        with at_home(self.workplace / "home"):
             name, wrong = after(self.file, self.states)
         changes = self.states[0] != self.states[1]
         lines = [line for line in ended.message.splitlines() if line]
@@ -213,10 +213,10 @@ HISTORY = (
 def history(folder: Path, steps: int, seed: int) -> Outcome:
     """A history of commands, with some calls failing, and its replay on a ledger without faults."""
     outcome, rng = Outcome("a call fails", f"histories of {steps} commands, replayed"), random.Random(seed)
-    desk, notes, clean = folder / "desk", folder / "notes", folder / "clean" / "ledger.db"
+    workplace, notes, clean = folder / "workplace", folder / "notes", folder / "clean" / "ledger.db"
     clean.parent.mkdir(parents=True)
-    desk.mkdir()
-    file = desk / "ledger.db"
+    workplace.mkdir()
+    file = workplace / "ledger.db"
     with at_home(folder / "home"):
         for one in (file, clean):
             season(one)
@@ -224,7 +224,7 @@ def history(folder: Path, steps: int, seed: int) -> Outcome:
             arguments = _drawn(rng, step)
             before = state(clean)
             fault = Fault(*rng.choice(KINDS), rng.choice(("error=EIO", "error=ENOSPC", "signal=SIGKILL")))
-            ended = run_with(command(file, arguments), desk, notes, fault)
+            ended = run_with(command(file, arguments), workplace, notes, fault)
             now = state(file)
             fieldkit(clean, *arguments)
             done = state(clean)

@@ -208,7 +208,7 @@ def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: b
     done = state(ours.url)
     while outcome.tried < trials:
         _prepared(name, ours.url)
-        pid = _begun(ours.url, COMMANDS[name])
+        pid = _started(ours.url, COMMANDS[name])
         time.sleep(rng.uniform(0.0, 1.1 * statistics.median(lengths)))
         if of_the_server:
             ours.kill()
@@ -226,12 +226,12 @@ def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: b
 def _left_alone(name: str, url: str) -> float:
     """Duration of a command from its first change on. [s]"""
     _prepared(name, url)
-    pid, began = _begun(url, COMMANDS[name]), time.monotonic()
+    pid, began = _started(url, COMMANDS[name]), time.monotonic()
     os.waitpid(pid, 0)
     return time.monotonic() - began
 
 
-def _begun(url: str, arguments: Sequence[str]) -> int:
+def _started(url: str, arguments: Sequence[str]) -> int:
     """The process of a command that is about to change its ledger."""
     reading, writing = os.pipe()
     pid = os.fork()

@@ -20,7 +20,7 @@ from bench.faults.ledgers import ROOT, fieldkit
 from fieldkit.cli.main import app
 
 SESSION = ROOT / "docs" / "examples.sh"
-DESK = Path(__file__).with_name("desk")
+SAMPLES = Path(__file__).with_name("samples")
 """A user's own files that calls refer to, in addition to those of the checkout."""
 MORE = (
     "import named.csv --map 'dry_mass=Weighed [g]' --map 'apogee=Reached [ft]'",
@@ -118,10 +118,10 @@ def more() -> list[tuple[str, ...]]:
 def calls(folder: Path) -> list[Call]:
     """The lines of the session, each with a copy of the files it starts from, without those that stay open or compute
     for long. The copies are in `folder`. Raises ValueError if a line fails without a fault."""
-    desk, empty = furnished(folder / "desk"), furnished(folder / "empty")
+    workplace, empty = furnished(folder / "workplace"), furnished(folder / "empty")
     made: list[Call] = []
     for number, words in enumerate((*lines(), *more())):
-        found, place = folder / "found" / str(number), empty if named(words) in FIRST else desk
+        found, place = folder / "found" / str(number), empty if named(words) in FIRST else workplace
         shutil.copytree(place, found, symlinks=True)
         if named(words) == "add" and "--date-time" not in words:
             words = (*words, "--date-time", FLOWN)
@@ -133,14 +133,14 @@ def calls(folder: Path) -> list[Call]:
     return made
 
 
-def furnished(desk: Path) -> Path:
+def furnished(workplace: Path) -> Path:
     """A folder in which the session's paths are links to files of the checkout."""
-    desk.mkdir(parents=True)
+    workplace.mkdir(parents=True)
     for name in ("sample_logs", "fieldkit"):
-        (desk / name).symlink_to(ROOT / name)
-    for file in sorted(DESK.iterdir()):
-        shutil.copy(file, desk)
-    return desk
+        (workplace / name).symlink_to(ROOT / name)
+    for file in sorted(SAMPLES.iterdir()):
+        shutil.copy(file, workplace)
+    return workplace
 
 
 def named(arguments: Sequence[str]) -> str:

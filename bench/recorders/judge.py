@@ -132,7 +132,7 @@ def cells(misses: Sequence[Miss], flights: int) -> dict[str, Cell]:
     return found
 
 
-def table(kept: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
+def table(rows: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
     """Lines of a table with one row per recorder: for each readout, the percentage within two standard deviations.
 
     A cell is `measured/within/grave`: the percentage of flights that have the readout, and among these the percentage
@@ -141,9 +141,9 @@ def table(kept: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
     """
     yield "| recorder | " + " | ".join(READOUTS) + " |"
     yield "|---" * (len(READOUTS) + 1) + "|"
-    for name, row in kept.items():
+    for name, row in rows.items():
         yield f"| {name} | " + " | ".join(str(row[readout]) for readout in READOUTS) + " |"
-    columns = {readout: [row[readout] for row in kept.values()] for readout in READOUTS}
+    columns = {readout: [row[readout] for row in rows.values()] for readout in READOUTS}
     yield "| **all** | " + " | ".join(str(_sum(column)) for column in columns.values()) + " |"
     for title, part in (("error, %", "error"), ("sd, %", "sd")):
         middle = (np.median([getattr(c, part) for c in column if c.measured] or [0.0]) for column in columns.values())

@@ -105,7 +105,7 @@ def known_device(name: str) -> Protocol:
 def logs_in(file: Path) -> list[Log]:
     """The logs in a capture, ready for parsers, given either of its files. Raises CaptureTrouble."""
     captured = read_capture(file)
-    found = known_devices().get(captured.device) or _overheard(captured.raw)
+    found = known_devices().get(captured.device) or _sender_of(captured.raw)
     logs = found.logs(captured) if found else as_it_came(captured)
     if not logs:
         raise CaptureTrouble(
@@ -114,7 +114,7 @@ def logs_in(file: Path) -> list[Log]:
     return logs
 
 
-def _overheard(raw: bytes) -> Protocol | None:
+def _sender_of(raw: bytes) -> Protocol | None:
     """The only protocol that can have sent these bytes, for a journal that does not name it."""
     fitting = [one for one in known_devices().values() if one.recognizes_stream(raw)]
     return fitting[0] if len(fitting) == 1 else None

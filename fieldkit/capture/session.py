@@ -213,7 +213,7 @@ def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
         if not chunk:
             continue
         heard = (heard + chunk)[-RECOGNITION_BYTES:]
-        names = _overheard(heard)
+        names = _senders_of(heard)
         if len(names) == 1:
             _become(link, names[0], rates[at_rate], heard)
             yield Recognised(names[0])
@@ -231,7 +231,7 @@ _NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(ran
 """Bytes that no text contains, which result from a wrong baud rate."""
 
 
-def _overheard(heard: bytes) -> list[str]:
+def _senders_of(heard: bytes) -> list[str]:
     return [name for name, one in known_devices().items() if one.recognizes_stream(heard)]
 
 

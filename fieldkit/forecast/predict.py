@@ -99,7 +99,7 @@ def predict(
     DamagedModel if the learned hyperprior cannot be read.
     """
 
-    def said(rows: Sequence[int]) -> list[Prediction]:
+    def predict_rows(rows: Sequence[int]) -> list[Prediction]:
         own, flight_index = [planned[row] for row in rows], [len(flown) + row for row in rows]
         fitted = learn(
             flown,
@@ -116,7 +116,7 @@ def predict(
         )
         return fly_ahead(fitted, paired=True)
 
-    return by_kind(flown, planned, said)
+    return by_kind(flown, planned, predict_rows)
 
 
 def learn(

@@ -52,13 +52,13 @@ def _words(head: bytes) -> tuple[str, frozenset[str]]:
 def likeness(parser: Parser, log: bytes) -> Likeness:
     """The signs of a parser that a file contains."""
     text, words = _words(log[:HEAD])
-    there = [any(_bears(text, words, one) for one in sign.lower().split("|")) for sign in parser.signs]
+    there = [any(_contains_sign(text, words, one) for one in sign.lower().split("|")) for sign in parser.signs]
     spelled = [sign.partition("|")[0] for sign in parser.signs]
     found = tuple(sign for sign, is_there in zip(spelled, there, strict=True) if is_there)
     return Likeness(found, tuple(sign for sign, is_there in zip(spelled, there, strict=True) if not is_there))
 
 
-def _bears(text: str, words: frozenset[str], sign: str) -> bool:
+def _contains_sign(text: str, words: frozenset[str], sign: str) -> bool:
     sign = " ".join(sign.replace('"', "").split())
     return sign in words or (len(sign) >= _MAX_WHOLE_WORD and _pattern(sign).search(text) is not None)
 

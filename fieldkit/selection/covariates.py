@@ -36,7 +36,7 @@ def known_before(name: str, flights: Sequence[Flight]) -> bool:
     numbers = own_numbers(name, flights)
     apogee = recorded(flights, "apogee")
     scale = LENGTHS.get(re.split(r"[^a-z]+", name.casefold())[-1])
-    if scale and _alike(scale * numbers, apogee):
+    if scale and _are_similar(scale * numbers, apogee):
         return False
     return not any(_restates(numbers, recorded(flights, column.name)) for column in READOUTS)
 
@@ -67,7 +67,7 @@ def _restates(numbers: Float[Array, "flight"], readout: Float[Array, "flight"]) 
     return bool(np.var(ratio) < SAME_RATIO * np.var(varies))
 
 
-def _alike(lengths: Float[Array, "flight"], apogee: Float[Array, "flight"]) -> bool:
+def _are_similar(lengths: Float[Array, "flight"], apogee: Float[Array, "flight"]) -> bool:
     both = np.isfinite(lengths) & np.isfinite(apogee) & (lengths > 0)
     return bool(both.any() and np.median(np.abs(np.log(lengths[both] / apogee[both]))) < SAME_LENGTH)
 

@@ -22,7 +22,7 @@ Weigh = Callable[[Sequence[Flight]], Array]
 component."""
 Kind = Mapping[str, Weigh]
 """Patterns of one kind, by name."""
-ODD_DRAG = 0.15
+PATTERN_DRAG_SD = 0.15
 """Prior standard deviation of the log drag in a pattern. [1]"""
 SMOOTH_LENGTH = 1.0
 """Correlation length of a smooth pattern, in standard deviations of its number. [1]"""
@@ -38,7 +38,11 @@ def pattern_candidates(model: Model) -> list[Candidate]:
     """Patterns in thrust, drag and mass that no effect explains, each kind with the same odds."""
     kinds = known_patterns(model.flights)
     return [
-        Candidate(Place("", where), _odd(where, weigh(model.flights)), log_share=float(-np.log(len(kind) * len(kinds))))
+        Candidate(
+            Place("", where),
+            _pattern_terms(where, weigh(model.flights)),
+            log_share=float(-np.log(len(kind) * len(kinds))),
+        )
         for kind in kinds
         for where, weigh in kind.items()
     ]
@@ -48,7 +52,7 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
     """A pattern found in a model's first `flown` flights, as terms of all its flights; none if they do not show it."""
     for kind in known_patterns(model.flights[:flown]):
         if place.where in kind:
-            return _odd(place.where, _weighed(kind[place.where], model, flown))
+            return _pattern_terms(place.where, _weighed(kind[place.where], model, flown))
     return ()
 
 
@@ -169,15 +173,15 @@ def hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     return np.array([at.hour + at.minute / 60 if at != time() else np.nan for at in times])
 
 
-def _odd(name: str, weight: Array) -> tuple[Term, ...]:
+def _pattern_terms(name: str, weight: Array) -> tuple[Term, ...]:
     """Terms for a change in drag, thrust and mass; only drag for a smooth pattern."""
     if weight.ndim == 2:
         return tuple(
-            Term(f"drag {number} with {name}", "drag", 0.0, ODD_DRAG, weight[:, number])
+            Term(f"drag {number} with {name}", "drag", 0.0, PATTERN_DRAG_SD, weight[:, number])
             for number in range(weight.shape[1])
         )
     return (
-        Term(f"drag with {name}", "drag", 0.0, ODD_DRAG, weight),
+        Term(f"drag with {name}", "drag", 0.0, PATTERN_DRAG_SD, weight),
         Term(f"thrust with {name}", "thrust", 0.0, 0.06, weight),
         Term(f"mass with {name}", "mass", 0.0, 0.08, weight),
     )

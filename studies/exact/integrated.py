@@ -199,7 +199,7 @@ def _fitted(
     mean, root = normal.mean.copy(), normal.root.copy()
     size = mean.shape[1]
     for flight in range(len(mean)):
-        weight = _evened(log_weight[flight])
+        weight = _equalized(log_weight[flight])
         mean[flight] = weight @ values[flight]
         off = values[flight] - mean[flight]
         trust = 1 / (1 + 4 * size * (weight**2).sum())
@@ -208,7 +208,7 @@ def _fitted(
     return _Proposal(mean, root, STUDENT)
 
 
-def _evened(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
+def _equalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
     """Weights tempered by the largest power of 0.8 that gives `LEAST_SIZE` effective draws."""
     log_weight = np.maximum(log_weight - log_weight.max(), -700.0)
     for power in 0.8 ** np.arange(40):

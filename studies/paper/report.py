@@ -70,7 +70,7 @@ def report(ensemble: Ensemble | None = None) -> PaperReport:
         published={
             "stated": dict(STATED_FIGURES),
             "reconstruction": _errors(flights, flights.published_apogee),
-            "parameters_reflown": _reflown(flights),
+            "parameters_reflown": _simulated_again(flights),
         },
         next_flight=_errors(flights, left_out),
         history_network=history_errors(flights, by_history),
@@ -89,7 +89,7 @@ def _errors(flights: Reference, forecast: Float[Array, "flight"]) -> dict[str, f
     return errors(forecast[flights.valid], flights.apogee[flights.valid])
 
 
-def _reflown(flights: Reference) -> dict[str, float]:
+def _simulated_again(flights: Reference) -> dict[str, float]:
     """Differences between apogees simulated here from the published parameters and the published apogees. [m]"""
     here = heights(flights, flights.published_cd, flights.published_alpha, paper.paper_burns())
     return {"largest_difference_m": float(np.abs(here - flights.published_apogee).max())}

@@ -16,7 +16,7 @@ from fieldkit.model.hyperprior import learned
 from fieldkit.shapes import Array
 from studies.reference_posterior.cases import SEED, cases
 from studies.reference_posterior.readouts import linear
-from studies.reference_posterior.sampler import FIGURES, Case, fitted, quantiles, said_by_fit, sampled, target_of
+from studies.reference_posterior.sampler import FIGURES, Case, fitted, quantiles, sampled, summary_of_fit, target_of
 from studies.reference_posterior.summaries import Reference, off, read, stored, summarized, write
 
 DRAWS = 40_000
@@ -74,7 +74,7 @@ HEAD = (
 
 def table(found: Sequence[Reference]) -> list[str]:
     """The current fit compared with stored references: one line per case, and the differences of quantiles over all."""
-    by_fit = np.array([off(quantiles(said_by_fit(one.case, DRAWS, 0)), one.quantiles) for one in found])
+    by_fit = np.array([off(quantiles(summary_of_fit(one.case, DRAWS, 0)), one.quantiles) for one in found])
     by_linear = np.array([off(one.linear, one.quantiles) for one in found])
     lines = [
         f"{one.name:52s} {_percent(fit)} {100 * one.excess_crps:6.2f} {_percent(line)}  "

@@ -124,7 +124,7 @@ def next_flight(
     return _figures(FittedForecast(plan, terms.mean(axis=0), terms, scales, len(case.flown), "field", rng))
 
 
-def said_by_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:
+def summary_of_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:
     """`FIGURES` of the next flight from the fit's forecast."""
     return _figures(
         learn(case.flown, [case.plan], shared=case.shared, hyperprior=case.hyperprior, draws=draws, seed=seed)

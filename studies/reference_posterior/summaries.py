@@ -14,7 +14,7 @@ from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array, Float
-from studies.reference_posterior.sampler import FIGURES, Case, Sampled, next_flight, quantiles, said_by_fit
+from studies.reference_posterior.sampler import FIGURES, Case, Sampled, next_flight, quantiles, summary_of_fit
 
 LEVELS = (0.05, 0.5, 0.95)
 THINNED = 200
@@ -46,7 +46,7 @@ def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int
     figures = next_flight(case, exact.terms, exact.scales, seed)
     thin = figures[np.linspace(0, len(figures) - 1, THINNED).astype(int)]
     by_linear = quantiles(next_flight(case, linear.terms, linear.scales, seed), LEVELS)
-    forecast = said_by_fit(case, len(figures), seed)
+    forecast = summary_of_fit(case, len(figures), seed)
     excess = excess_crps(np.exp(forecast[:, 0]), np.exp(figures[:, 0]))
     return Reference(name, case, quantiles(figures, LEVELS), by_linear, thin, exact.r_hat, exact.effective, excess)
 

@@ -112,8 +112,8 @@ def test_spikes_from_charges_near_apogee_are_not_the_apogee() -> None:
 def test_two_devices_on_one_flight_agree() -> None:
     _, one = flown("perfectflite__pnut_top_shot.pf2")
     _, other = flown("raven_fip__top_shot.csv")
-    for name, apart in {"apogee": 2.0, "top_speed": 6.0, "duration": 1.5, "descent_speed": 0.3}.items():
-        assert abs(one.figures[name].value - other.figures[name].value) < apart
+    for name, difference in {"apogee": 2.0, "top_speed": 6.0, "duration": 1.5, "descent_speed": 0.3}.items():
+        assert abs(one.figures[name].value - other.figures[name].value) < difference
 
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude", "pressure")

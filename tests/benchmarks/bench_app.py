@@ -84,7 +84,7 @@ ROWS = (
 )
 """The app until the rows of its first page are painted."""
 
-TOOK: dict[str, list[float]] = {}
+SECONDS: dict[str, list[float]] = {}
 """Seconds of every round, by benchmark."""
 
 
@@ -93,7 +93,7 @@ def measure(benchmark: BenchmarkFixture, code: str) -> None:
         subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.DEVNULL)
 
     benchmark.pedantic(start, rounds=9, warmup_rounds=1)
-    TOOK[benchmark.name] = benchmark.stats.stats.data
+    SECONDS[benchmark.name] = benchmark.stats.stats.data
 
 
 @pytest.mark.benchmark(group="first paint", timer=of_children)
@@ -105,7 +105,7 @@ def test_an_empty_app_is_painted(benchmark: BenchmarkFixture) -> None:
 def test_the_app_is_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
     season(tmp_path / "ledger.db")
     measure(benchmark, OURS.format(str(tmp_path / "ledger.db"), tmp_path / "settings.json"))
-    empty, ours = (float(np.median(TOOK[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
+    empty, ours = (float(np.median(SECONDS[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
     assert beside(benchmark, ours, empty, "an empty app") < PAINT
 
 
@@ -113,7 +113,7 @@ def test_the_app_is_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None
 def test_the_first_rows_are_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
     season(tmp_path / "ledger.db")
     measure(benchmark, ROWS.format(str(tmp_path / "ledger.db"), tmp_path / "settings.json"))
-    empty, ours = (float(np.median(TOOK[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
+    empty, ours = (float(np.median(SECONDS[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
     assert beside(benchmark, ours, empty, "an empty app") < FIRST_ROWS
 
 
@@ -214,14 +214,14 @@ def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextM
     answers = session.answers[:]
     session.press("")
     session.loop.close()
-    TOOK[benchmark.name] = benchmark.stats.stats.data
+    SECONDS[benchmark.name] = benchmark.stats.stats.data
     return answers
 
 
-def shares(name: str, took: Sequence[float]) -> dict[str, Any]:
+def shares(name: str, seconds: Sequence[float]) -> dict[str, Any]:
     """Quantiles of the response times, and the slowest keys."""
-    slowest = sorted(zip(took, cycle(KEYS), strict=False), reverse=True)[:5]
-    within = {f"within_{share:.0%}_{name}_ms": round(float(np.quantile(took, share)) * 1e3, 1) for share in SHARES}
+    slowest = sorted(zip(seconds, cycle(KEYS), strict=False), reverse=True)[:5]
+    within = {f"within_{share:.0%}_{name}_ms": round(float(np.quantile(seconds, share)) * 1e3, 1) for share in SHARES}
     return within | {f"slowest_{name}_ms": [f"{key} {one * 1e3:.0f}" for one, key in slowest]}
 
 
@@ -236,7 +236,7 @@ def test_a_key_is_answered_with_five_thousand_flights(
 ) -> None:
     monkeypatch.chdir(crowded.parent)  # a folder with few files for the Import page
     answers = answer(benchmark, lambda: opened(crowded, stays=True))
-    empty, ours = TOOK["test_an_empty_app_hears_a_key"], TOOK[benchmark.name]
+    empty, ours = SECONDS["test_an_empty_app_hears_a_key"], SECONDS[benchmark.name]
     benchmark.extra_info |= shares("answered", answers) | shares("done", ours)
     beside(benchmark, float(np.median(ours)), float(np.median(empty)), "an empty app")
     sys.stdout.write(f"{benchmark.extra_info}\n")

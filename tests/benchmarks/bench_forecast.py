@@ -31,12 +31,12 @@ def numpy_import() -> float:
 
 
 @pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
-@pytest.mark.parametrize("kept", [("apogee",), OBSERVED_READOUTS], ids=["apogees", "all readouts"])
+@pytest.mark.parametrize("recorded", [("apogee",), OBSERVED_READOUTS], ids=["apogees", "all readouts"])
 def test_from_flights_to_a_forecast(
-    benchmark: BenchmarkFixture, kept: tuple[str, ...], wind: float | None, numpy_import: float
+    benchmark: BenchmarkFixture, recorded: tuple[str, ...], wind: float | None, numpy_import: float
 ) -> None:
-    flown = season(np.random.default_rng(7), kept, FLIGHTS, wind)
+    flown = season(np.random.default_rng(7), recorded, FLIGHTS, wind)
     plan, found = flown[0]
-    planned = [(plan.with_changes(flight_id="next", **dict.fromkeys(kept)), found)]
-    took = measured(benchmark, lambda: predict(flown, planned))
-    beside(benchmark, took, numpy_import, "the import of numpy")
+    planned = [(plan.with_changes(flight_id="next", **dict.fromkeys(recorded)), found)]
+    seconds = measured(benchmark, lambda: predict(flown, planned))
+    beside(benchmark, seconds, numpy_import, "the import of numpy")

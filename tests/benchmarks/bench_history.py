@@ -28,38 +28,38 @@ from tests.seasons import season
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 FLIGHTS = 20
 MOTORS = 200
-KEPT = ("apogee", "top_speed", "coast_to_apogee")
+RECORDED = ("apogee", "top_speed", "coast_to_apogee")
 
 
 @pytest.fixture(scope="module")
 def flown() -> list[tuple[Flight, Found]]:
-    return season(np.random.default_rng(7), KEPT, FLIGHTS, 3.0)
+    return season(np.random.default_rng(7), RECORDED, FLIGHTS, 3.0)
 
 
 def test_the_quick_search(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     used = [True] * FLIGHTS
-    took = measured(benchmark, lambda: quick_look("Test", flown, used))
+    seconds = measured(benchmark, lambda: quick_look("Test", flown, used))
     flights = [flight for flight, _ in flown]
     began = time.process_time()
     diagnose(rocket_model(flights, [found for _, found in flown]), observe(flights, used))
-    beside(benchmark, took, time.process_time() - began, "the search of the loop")
+    beside(benchmark, seconds, time.process_time() - began, "the search of the loop")
 
 
 def test_the_next_apogee(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, found = flown[0]
-    plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
-    took = measured(benchmark, lambda: forecast_at_once(flown, plan))
+    plan = flight.with_changes(flight_id="next", **dict.fromkeys(RECORDED)), found
+    seconds = measured(benchmark, lambda: forecast_at_once(flown, plan))
     spent = []
     for _ in range(3):
         began = time.process_time()
         predict(flown, [plan])
         spent.append(time.process_time() - began)
-    beside(benchmark, took, min(spent), "the forecast of the fit")
+    beside(benchmark, seconds, min(spent), "the forecast of the fit")
 
 
 def test_the_network_without_its_features(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, found = flown[0]
-    plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
+    plan = flight.with_changes(flight_id="next", **dict.fromkeys(RECORDED)), found
     began = time.process_time()
     features = forecast_at_once(flown, plan).summary.features
     whole = time.process_time() - began
@@ -76,8 +76,10 @@ def test_one_more_readout(benchmark: BenchmarkFixture, flown: list[tuple[Flight,
     whole = time.process_time() - began
     ready = prepare_at_once(flown, [plan], [True] * FLIGHTS)
     others = [one for one, _ in flown[:-1]]
-    took = measured(benchmark, lambda: answer_at_once(ready, [*others, flight.with_changes(top_speed=60.0)]), rounds=20)
-    assert beside(benchmark, took, whole, "the forecast from the start") < 1
+    seconds = measured(
+        benchmark, lambda: answer_at_once(ready, [*others, flight.with_changes(top_speed=60.0)]), rounds=20
+    )
+    assert beside(benchmark, seconds, whole, "the forecast from the start") < 1
 
 
 def test_two_hundred_motors(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
@@ -85,9 +87,9 @@ def test_two_hundred_motors(benchmark: BenchmarkFixture, flown: list[tuple[Fligh
     listings = [one for some in catalogue().listings.values() for one in some]
     motors = [motor for motor in (one.motor() for one in listings) if lifts(motor, flight.dry_mass or 0.0)][:MOTORS]
     assert len(motors) == MOTORS
-    plan = flight.with_changes(flight_id="next", delay=None, **dict.fromkeys(KEPT))
+    plan = flight.with_changes(flight_id="next", delay=None, **dict.fromkeys(RECORDED))
     plans = [(plan.with_changes(motor=motor.name), Found(motor, None)) for motor in motors]
-    took = measured(benchmark, lambda: forecasts_at_once(flown, plans), rounds=3)
+    seconds = measured(benchmark, lambda: forecasts_at_once(flown, plans), rounds=3)
     began = time.process_time()
     predict(flown, plans, draws=SLANTED_PATH_DRAWS)
-    assert beside(benchmark, took, time.process_time() - began, "the fit of the motor guide") < 1
+    assert beside(benchmark, seconds, time.process_time() - began, "the fit of the motor guide") < 1

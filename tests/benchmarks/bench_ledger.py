@@ -95,5 +95,5 @@ def test_a_question(benchmark: BenchmarkFixture, question: str, size: int) -> No
     benchmark.group = question
     ask, rounds = QUESTIONS[question]
     with Ledger.open(ledger(size)) as opened:
-        took = measured(benchmark, ask, opened, rounds=rounds)
-    beside(benchmark, took, FIRST.setdefault(question, took), f"{question} of 100 flights")
+        seconds = measured(benchmark, ask, opened, rounds=rounds)
+    beside(benchmark, seconds, FIRST.setdefault(question, seconds), f"{question} of 100 flights")

@@ -20,7 +20,7 @@ BARE = "import os, sqlalchemy.dialects.sqlite.pysqlite, typer.main; os._exit(0)"
 """Exit without freeing memory, like the commands."""
 SCREEN = 24
 """Lines of a terminal. [1]"""
-TOOK: dict[str, float] = {}
+SECONDS: dict[str, float] = {}
 """Times of the baselines. [s]"""
 
 
@@ -41,14 +41,14 @@ LEAST = {"fieldkit --version": COMMAND.format(["--version"]), "bare imports": BA
 @pytest.mark.parametrize("what", LEAST)
 def test_the_least_that_it_could_be(benchmark: BenchmarkFixture, what: str) -> None:
     benchmark.group = what
-    TOOK[what] = measured(benchmark, printed, LEAST[what], rounds=9)
-    beside(benchmark, TOOK[what], TOOK["fieldkit --version"], "fieldkit --version")
+    SECONDS[what] = measured(benchmark, printed, LEAST[what], rounds=9)
+    beside(benchmark, SECONDS[what], SECONDS["fieldkit --version"], "fieldkit --version")
 
 
 @pytest.mark.parametrize(("size", "lines"), [(100, SCREEN), (100_000, SCREEN), (100, None), (10_000, None)])
 def test_the_command_flights(benchmark: BenchmarkFixture, size: int, lines: int | None) -> None:
     benchmark.group = "the first screen of `flights`" if lines else "all of `flights`"
     code = COMMAND.format(["--ledger", str(ledger(size)), "flights"])
-    took = measured(benchmark, printed, code, lines, rounds=9)
-    ratio = beside(benchmark, took, TOOK["bare imports"], "bare imports")
+    seconds = measured(benchmark, printed, code, lines, rounds=9)
+    ratio = beside(benchmark, seconds, SECONDS["bare imports"], "bare imports")
     assert ratio < (2.0 if lines else 4.0)

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.benchmark(timer=of_children)
 COMMAND = "import sys; sys.argv[1:] = {!r}; from fieldkit.cli.main import run; run()"
 COMMANDS = {"loop": ["loop", "--rocket", "Astra"], "report": ["report", "Astra", "--force", "--out"]}
 FEWEST = 10
-TOOK: dict[str, float] = {}
+SECONDS: dict[str, float] = {}
 """Time of each command with the fewest flights. [s]"""
 
 
@@ -31,5 +31,5 @@ def test_a_command_on_one_rocket(benchmark: BenchmarkFixture, command: str, coun
     arguments = ["--ledger", str(file), *COMMANDS[command]]
     arguments += [str(tmp_path / "astra.html")] if command == "report" else []
     benchmark.pedantic(whole_process, [COMMAND.format(arguments)], rounds=1)
-    took = float(benchmark.stats.stats.min)
-    beside(benchmark, took, TOOK.setdefault(command, took), f"`{command}` of {FEWEST} flights")
+    seconds = float(benchmark.stats.stats.min)
+    beside(benchmark, seconds, SECONDS.setdefault(command, seconds), f"`{command}` of {FEWEST} flights")

@@ -63,9 +63,9 @@ def one(ledger: Ledger, motors: Catalogue) -> float:
 
 def timed(benchmark: BenchmarkFixture, one: float, work: Callable[[], Any]) -> float:
     """The minimum time of some work, relative to one forecast. [s]"""
-    took = measured(benchmark, work, rounds=3)
-    beside(benchmark, took, one, "one predict")
-    return took
+    seconds = measured(benchmark, work, rounds=3)
+    beside(benchmark, seconds, one, "one predict")
+    return seconds
 
 
 PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")

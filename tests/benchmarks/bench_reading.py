@@ -59,13 +59,13 @@ def test_a_log_of_a_hundred_megabytes(benchmark: BenchmarkFixture, tmp_path: Pat
     file = tmp_path / "big.csv"
     write_waiting(file, SIZE, flown=True)
     times = whole_process(BOTH.format(file=str(file), rounds=ROUNDS, alone=False))
-    took, least = map(float, times.split())
+    seconds, least = map(float, times.split())
     memory = float(whole_process(BOTH.format(file=str(file), rounds=ROUNDS, alone=True)))
     benchmark.pedantic(lambda: None, rounds=1)
-    benchmark.extra_info |= {"megabytes_per_second": round(SIZE / 1e6 / took, 1), "memory_mb": round(memory)}
-    benchmark.extra_info |= {"min_s": took, "median_s": took}
+    benchmark.extra_info |= {"megabytes_per_second": round(SIZE / 1e6 / seconds, 1), "memory_mb": round(memory)}
+    benchmark.extra_info |= {"min_s": seconds, "median_s": seconds}
     assert memory < MEMORY
-    assert beside(benchmark, took, least, f"pandas' {SIZE / 1e6 / least:.0f} MB/s of the same columns") < MAX_RATIO
+    assert beside(benchmark, seconds, least, f"pandas' {SIZE / 1e6 / least:.0f} MB/s of the same columns") < MAX_RATIO
 
 
 @pytest.mark.benchmark(group="ensemble")
@@ -76,9 +76,9 @@ def test_flights_inferred_together(benchmark: BenchmarkFixture, count: int, tmp_
     motors = catalogue()
     known = read(REFERENCE_FLIGHTS.read_bytes(), REFERENCE_FLIGHTS.name, any_motor).flights
     flights = [known[n % len(known)].with_changes(flight_id=str(n)) for n in range(count)]
-    took = measured(benchmark, infer, flights, motors)
-    benchmark.extra_info["flights_per_second"] = round(count / took, 1)
-    beside(benchmark, took / count, ALONE.setdefault(0, took), "one flight alone")
+    seconds = measured(benchmark, infer, flights, motors)
+    benchmark.extra_info["flights_per_second"] = round(count / seconds, 1)
+    beside(benchmark, seconds / count, ALONE.setdefault(0, seconds), "one flight alone")
 
 
 ALONE: dict[int, float] = {}

@@ -75,19 +75,21 @@ def by_scipy(row: int, **options: Any) -> float:
     return float(result.y[0].max())
 
 
-def turns(t: float, y: Any) -> float:
+def ends_climb(t: float, y: Any) -> float:
     """Upward speed after lift-off, for the event of apogee."""
     return 1.0 if t < 0.3 else float(y[1])
 
 
-turns.terminal, turns.direction = True, -1  # type: ignore[attr-defined]
+ends_climb.terminal, ends_climb.direction = True, -1  # type: ignore[attr-defined]
 
 
 def loosest() -> dict[str, Any]:
     """The loosest tolerances of solve_ivp, ended at apogee, with an error below `CLOSE`."""
-    exact = [by_scipy(row, method="DOP853", rtol=1e-9, atol=1e-9, max_step=0.01, events=turns) for row in range(12)]
+    exact = [
+        by_scipy(row, method="DOP853", rtol=1e-9, atol=1e-9, max_step=0.01, events=ends_climb) for row in range(12)
+    ]
     for rtol in 10.0 ** -np.arange(2, 9):
-        options = {"rtol": rtol, "atol": rtol, "events": turns}
+        options = {"rtol": rtol, "atol": rtol, "events": ends_climb}
         if max(abs(by_scipy(row, **options) - exact[row]) for row in range(12)) < CLOSE:
             return options
     raise AssertionError("solve_ivp does not come close at any tolerance")
@@ -96,7 +98,9 @@ def loosest() -> dict[str, Any]:
 def test_flights_in_the_papers_physics(benchmark: BenchmarkFixture) -> None:
     setup = paper_draws(MILLION)
     heights = timed(benchmark, "paper, apogees", MILLION, lambda: apogees(setup))
-    exact = [by_scipy(row, method="DOP853", rtol=1e-9, atol=1e-9, max_step=0.01, events=turns) for row in range(12)]
+    exact = [
+        by_scipy(row, method="DOP853", rtol=1e-9, atol=1e-9, max_step=0.01, events=ends_climb) for row in range(12)
+    ]
     np.testing.assert_allclose(apogees(SAMPLE), exact, atol=CLOSE)
     assert heights.shape == (MILLION,)
 
@@ -156,7 +160,7 @@ def test_flights_with_an_effect(benchmark: BenchmarkFixture, name: str) -> None:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _told() -> Iterator[None]:
+def _rates_printed() -> Iterator[None]:
     """Print the rates and their ratios at the end."""
     yield
     sys.stdout.write("\n" + "".join(f"{name:28s}{rate:14,.1f} flights/s\n" for name, rate in RATES.items()))

@@ -28,7 +28,7 @@ def nothing() -> None:
 app(["--help"])
 """
 FIELDKIT = "import sys; sys.argv[1:] = {!r}; from fieldkit.cli.main import run; run()"
-WOKEN = """
+STARTED = """
 import contextlib, io, sys
 from fieldkit.cli.main import main
 with contextlib.redirect_stdout(io.StringIO()):
@@ -84,21 +84,21 @@ def least(code: str, rounds: int = 5) -> float:
 
 
 def test_help(benchmark: BenchmarkFixture) -> None:
-    took = measured(benchmark, whole_process, FIELDKIT.format(["--help"]))
-    assert beside(benchmark, took, least(EMPTY), "an empty typer program") <= HELP
+    seconds = measured(benchmark, whole_process, FIELDKIT.format(["--help"]))
+    assert beside(benchmark, seconds, least(EMPTY), "an empty typer program") <= HELP
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command(benchmark: BenchmarkFixture, command: str, ledger: str, tmp_path: Path) -> None:
     arguments = ["--ledger", ledger, command, *COMMANDS[command]]
-    woken = whole_process(WOKEN.format(arguments)).split()
-    took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
-    beside(benchmark, took, least(BARE.format(woken)), "bare imports")
+    started = whole_process(STARTED.format(arguments)).split()
+    seconds = measured(benchmark, whole_process, FIELDKIT.format(arguments))
+    beside(benchmark, seconds, least(BARE.format(started)), "bare imports")
 
 
 @pytest.mark.parametrize("what", ["12 apogees", "20 flights with all readouts"])
 def test_a_prediction(benchmark: BenchmarkFixture, what: str, ledger: str, whole: str) -> None:
     """Relative to the program's libraries."""
     arguments = ["--ledger", ledger if what == "12 apogees" else whole, "predict", *COMMANDS["predict"]]
-    took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
-    assert beside(benchmark, took, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT
+    seconds = measured(benchmark, whole_process, FIELDKIT.format(arguments))
+    assert beside(benchmark, seconds, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT

@@ -11,9 +11,9 @@ from typing import Any
 from pytest_benchmark.fixture import BenchmarkFixture
 
 ROOT = Path(__file__).parents[2]
-UNLIKE_A_FLYERS = ("FIELDKIT_CHECK_SHAPES", "PYTHONDONTWRITEBYTECODE")
+ONLY_IN_TESTS = ("FIELDKIT_CHECK_SHAPES", "PYTHONDONTWRITEBYTECODE")
 """Settings for tests: an installed program is compiled once and not at every start."""
-FLYER = {k: v for k, v in os.environ.items() if k not in UNLIKE_A_FLYERS}
+FLYER = {k: v for k, v in os.environ.items() if k not in ONLY_IN_TESTS}
 FLYER |= {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
 
 

@@ -468,10 +468,10 @@ def test_a_stream_over_two_ports_loses_only_the_interrupted_line(
     tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
 ) -> None:
     half = len(lines) // 2
-    said = len(devices.IDENTITY) if device == "teledongle" else 0
-    after = said + len(b"".join(lines[:half])) + 2
+    identity = len(devices.IDENTITY) if device == "teledongle" else 0
+    after = identity + len(b"".join(lines[:half])) + 2
     with played(devices.pulled(unit(lines[: half + 1]), after)) as first, played(unit(lines[half + 1 :])) as second:
-        content = b"".join([*lines[:half], *lines[half + 1 :]]) + (said + 1) * 2 * b"?"
+        content = b"".join([*lines[:half], *lines[half + 1 :]]) + (identity + 1) * 2 * b"?"
         end = pulled_and_back(device, first, second, tmp_path, devices.arrived(tmp_path, content))
     (log,) = logs_in(end.file)
     kept = [line.rpartition(b",")[2] if device == "stratologger" else line for line in log.content.splitlines()]
@@ -506,10 +506,10 @@ def test_a_megabyte_of_noise_in_a_stream_loses_only_the_interrupted_line(
     tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
 ) -> None:
     half = len(lines) // 2
-    said = devices.IDENTITY if device == "teledongle" else b""
-    after = len(said + b"".join(lines[:half])) + 2
+    identity = devices.IDENTITY if device == "teledongle" else b""
+    after = len(identity + b"".join(lines[:half])) + 2
     with played(devices.flooded(unit(lines), after, FLOOD)) as wire:
-        stop = devices.arrived(tmp_path, said + b"".join(lines) + FLOOD)
+        stop = devices.arrived(tmp_path, identity + b"".join(lines) + FLOOD)
         both = device == "blue_raven"
         end = ended(heard(wire, device, tmp_path, BOTH_RATES if both else LASTING, (lambda: False) if both else stop))
     (log,) = logs_in(end.file)

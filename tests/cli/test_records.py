@@ -23,7 +23,7 @@ TABLE = """flight_id,rocket,config,motor,dry_mass_g,diameter_mm,apogee_m,tags,no
 """
 
 
-class Said:
+class Output:
     """The output and exit status of a command."""
 
     def __init__(self, status: int, out: str, err: str) -> None:
@@ -34,7 +34,7 @@ class Said:
         return json.loads(self.out)
 
 
-Run = Callable[..., Said]
+Run = Callable[..., Output]
 
 
 @pytest.fixture(autouse=True)
@@ -48,10 +48,10 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
     """Runs a command line on a separate ledger."""
 
-    def run(*arguments: object) -> Said:
+    def run(*arguments: object) -> Output:
         capsys.readouterr()
         status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return Said(status, *capsys.readouterr())
+        return Output(status, *capsys.readouterr())
 
     return run
 
@@ -329,16 +329,16 @@ def test_edit_accepts_units_in_the_name_or_with_the_value(full: Run) -> None:
 
 
 def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
-    said = full("edit", "1", "lift_off_mass=395g")
-    assert "note: dry mass 332 g, without F24-4W" in said.err
+    output = full("edit", "1", "lift_off_mass=395g")
+    assert "note: dry mass 332 g, without F24-4W" in output.err
     assert full("show", "1", "--json").document["dry_mass_g"] == pytest.approx(332, abs=1)
     for wrong, why in (
         (("lift_off_mass=60g",), "alone weighs 63 g"),
         (("lift_off_mass=1", "dry_mass=2"), "one of them"),
     ):
-        said = full("edit", "1", *wrong)
-        assert said.status == 1
-        assert why in said.err
+        output = full("edit", "1", *wrong)
+        assert output.status == 1
+        assert why in output.err
 
 
 @pytest.mark.parametrize(

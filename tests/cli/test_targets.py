@@ -102,7 +102,7 @@ def home(three_flights: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     return tmp_path
 
 
-def kept(home: Path) -> list[Path]:
+def own_files(home: Path) -> list[Path]:
     """Every path by which a command could reach fieldkit's files, and paths that would harm them if created."""
     (backup, *_) = (home / "ledger.db-backups").iterdir()
     names = (
@@ -133,7 +133,7 @@ def test_no_command_overwrites_fieldkits_own_files(
     home: Path, names: tuple[str, ...], parameter: Any, command: Any
 ) -> None:
     before = bytes_of(home)
-    for file in part(kept(home), WITH_FILES.index((names, parameter, command))):
+    for file in part(own_files(home), WITH_FILES.index((names, parameter, command))):
         for suffix in ("", *_suffixes(parameter)):
             target = file if not suffix else _under(home, file, suffix)
             force = ["--force"] if any("--force" in one.opts for one in command.params) else []

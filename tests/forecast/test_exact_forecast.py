@@ -57,15 +57,15 @@ def quantiles(values: Array, weight: Array) -> Array:
 
 
 @pytest.mark.parametrize(
-    ("kept", "effective", "off"),
+    ("recorded", "effective", "off"),
     [(OBSERVED_READOUTS, 0.3, 0.05), (("apogee", "top_speed"), 0.3, 0.17), (("apogee",), 0.03, 0.25)],
     ids=["all", "apogee and speed", "apogee"],
 )
-def test_a_forecast_agrees_with_exactly_weighted_draws(kept: tuple[str, ...], effective: float, off: float) -> None:
+def test_a_forecast_agrees_with_exactly_weighted_draws(recorded: tuple[str, ...], effective: float, off: float) -> None:
     """The tolerance is a fraction of the width before scatter; from apogees alone drag and thrust lie on a curved
     ridge."""
     rng = np.random.default_rng(5)
-    flights, found = map(list, zip(*season(rng, kept), strict=True))
+    flights, found = map(list, zip(*season(rng, recorded), strict=True))
     model = replace(forecast_model(flights, found), coarse=True)
     result = fit_robustly(model, observe(flights, [True] * len(flights), model.hyperprior))
     drawn = weighed(result, rng)

@@ -77,9 +77,9 @@ def test_a_new_motor_is_less_certain_if_motors_disagree() -> None:
         low, _, high = next_on(motor, flown).apogee_quantiles()
         return float(np.log(high / low))
 
-    same_motors, apart = season({}), season({"F24": 1.25, "E35": 0.85})
-    assert width("F52", apart) > 1.25 * width("F39", apart)
-    assert width("F52", apart) > 1.25 * width("F52", same_motors)
+    same_motors, different_motors = season({}), season({"F24": 1.25, "E35": 0.85})
+    assert width("F52", different_motors) > 1.25 * width("F39", different_motors)
+    assert width("F52", different_motors) > 1.25 * width("F52", same_motors)
 
 
 def test_a_device_that_misreads_speed_and_coast_does_not_bias_apogees() -> None:

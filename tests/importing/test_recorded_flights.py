@@ -50,7 +50,7 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 
 
 @pytest.fixture(autouse=True)
-def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def _plug_in_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     known = {**parsers(), "lark": LARK}
     monkeypatch.setattr(recognize, "parsers", lambda: known)
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))

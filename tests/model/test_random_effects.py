@@ -18,8 +18,8 @@ MOTORS = flown_motors(catalogue().motors)[::60]
 def test_every_effect_can_act_in_simulated_flights(name: str) -> None:
     plain = simulate(np.random.default_rng(1), MOTORS, 60)
     bent = simulate(np.random.default_rng(1), MOTORS, 60, [name])
-    alike = len(plain) == len(bent) and np.allclose(plain.readouts, bent.readouts, equal_nan=True)
-    assert not alike
+    equal = len(plain) == len(bent) and np.allclose(plain.readouts, bent.readouts, equal_nan=True)
+    assert not equal
     assert np.isfinite(bent.readouts[:, 0]).all()
 
 

@@ -92,8 +92,8 @@ def test_files_of_two_cats_flights_in_a_folder_are_not_mixed_up() -> None:
     info, positions = BY_NAME["cats__flight_info.csv"], BY_NAME["cats__positions.csv"]
     together = [("a/1.csv", info), ("a/2.csv", info.replace(b".0000,", b".0001,")), ("a/3.csv", positions)]
     assert [len(intake.flights) for intake in read_together(together, any_motor)] == [1, 1, 1]
-    apart = [("a/1.csv", info), ("b/1.csv", info.replace(b".0000,", b".0001,")), ("a/2.csv", positions)]
-    assert [len(intake.flights) for intake in read_together(apart, any_motor)] == [1, 1, 0]
+    separate = [("a/1.csv", info), ("b/1.csv", info.replace(b".0000,", b".0001,")), ("a/2.csv", positions)]
+    assert [len(intake.flights) for intake in read_together(separate, any_motor)] == [1, 1, 0]
 
 
 def test_each_cats_sensor_in_a_file_has_its_own_clock() -> None:

@@ -252,15 +252,15 @@ def test_a_truncated_row_does_not_restore_heights_from_after_the_loss_of_power()
     assert whole == torn
 
 
-@pytest.mark.parametrize(("cut", "kept"), [(0, 0), (1, 1), (2, 1)])
-def test_a_last_cell_truncated_within_its_digits_is_not_a_number(cut: int, kept: int) -> None:
+@pytest.mark.parametrize(("cut", "remaining"), [(0, 0), (1, 1), (2, 1)])
+def test_a_last_cell_truncated_within_its_digits_is_not_a_number(cut: int, remaining: int) -> None:
     """A file that ends without a line ending may be complete, but missing digits there cannot be restored."""
     rows = [f"{number / 20:.2f},{number % 40 + 0.25:.2f}" for number in range(200)]
     log = ("time (s),altitude (m)\n" + "\n".join(rows)).encode()
     items = parsers()["mapped_table"].read(log[: len(log) - cut])
     (reading,) = (one for one in items if isinstance(one, Reading))
-    assert len(reading.clocks[0].time) == 200 - kept
-    assert sum("cut off" in getattr(one, "text", "") for one in items) == kept
+    assert len(reading.clocks[0].time) == 200 - remaining
+    assert sum("cut off" in getattr(one, "text", "") for one in items) == remaining
 
 
 def test_a_table_with_a_date_and_readouts_is_a_table_of_flights() -> None:

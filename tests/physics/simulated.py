@@ -31,9 +31,9 @@ class Push:
         return float(self.time[-1])
 
 
-STEADY = Push((0.0, 1.5), (30.0, 30.0))
+CONSTANT = Push((0.0, 1.5), (30.0, 30.0))
 """Constant thrust and negligible propellant."""
-ROUGH = Push((0.0, 0.1, 0.4, 1.5, 1.6), (0.0, 45.0, 30.0, 22.0, 0.0), 0.03, 0.02)
+NOISY = Push((0.0, 0.1, 0.4, 1.5, 1.6), (0.0, 45.0, 30.0, 22.0, 0.0), 0.03, 0.02)
 """A thrust curve with a rise, a peak, a sag and a tail."""
 LONG = Push((0.0, 0.2, 0.5, 4.0, 4.2), (0.0, 30.0, 14.0, 12.0, 0.0), 0.04, 0.03)
 

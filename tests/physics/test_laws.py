@@ -32,7 +32,7 @@ from fieldkit.physics.flight import apogees, fly
 from fieldkit.physics.state import FlightResult, Setup, State
 from fieldkit.physics.thrust_steps import Curve
 from tests.effort import examples
-from tests.physics.simulated import DENSITY, EVEN_AIR, LONG, ROUGH, STANDARD_AIR, STEADY, Push, rocket
+from tests.physics.simulated import CONSTANT, DENSITY, EVEN_AIR, LONG, NOISY, STANDARD_AIR, Push, rocket
 
 NAN = np.asarray(np.nan)
 SLACK = 0.03
@@ -40,7 +40,7 @@ SLACK = 0.03
 CASES = examples(25)
 masses = st.floats(0.2, 1.0)
 areas = st.floats(1e-4, 8e-3)
-curves = st.sampled_from([STEADY, ROUGH, LONG])
+curves = st.sampled_from([CONSTANT, NOISY, LONG])
 
 
 def nothing(state: State, strength: Any) -> Any:
@@ -53,7 +53,7 @@ def nothing(state: State, strength: Any) -> Any:
 
 @pytest.mark.parametrize("changes", [{}, {"forces": ((nothing, np.asarray(1.0)),)}, {"rail_angle": 1e-9}])
 def test_a_coast_without_drag_gains_half_v_squared_over_g(changes: dict[str, Any]) -> None:
-    setup = rocket(ROUGH, drag_area=0.0, **changes)
+    setup = rocket(NOISY, drag_area=0.0, **changes)
     track = burn(setup.flat((1,)))
     flown = fly(setup)
     gain = flown.apogee - track.position[0]
@@ -64,7 +64,7 @@ def test_a_coast_without_drag_gains_half_v_squared_over_g(changes: dict[str, Any
 def test_burnout_and_coast_agree_with_fehskens_and_malewicki() -> None:
     mass, thrust, time = 0.4, 30.0, 1.5
     area = np.linspace(2e-4, 6e-3, 9)
-    flown = fly(rocket(STEADY, steps=48, air=EVEN_AIR, dry_mass=mass, drag_area=area))
+    flown = fly(rocket(CONSTANT, steps=48, air=EVEN_AIR, dry_mass=mass, drag_area=area))
     k = 0.5 * DENSITY * area
     balance = np.sqrt((thrust - mass * GRAVITY) / k)
     speed = balance * np.tanh(k * balance * time / mass)
@@ -119,7 +119,7 @@ def test_doubling_the_layers_of_a_coast_divides_the_error_according_to_its_order
 ) -> None:
     def end(count: int) -> np.ndarray[Any, Any]:
         monkeypatch.setattr(coasting, "_count", lambda wanted: np.full_like(wanted, count))
-        return np.asarray(fly(rocket(ROUGH, drag_area=3e-3, **changes)).apogee)
+        return np.asarray(fly(rocket(NOISY, drag_area=3e-3, **changes)).apogee)
 
     for ratio in ends(end, counts, finest):
         assert ratio == pytest.approx(2**order, rel=0.25)
@@ -160,7 +160,7 @@ def test_there_is_one_optimum_mass_and_beyond_it_more_is_never_higher(motor: Pus
     never_rises(heights[best::-1])
 
 
-@pytest.mark.parametrize("motor", [STEADY, ROUGH, LONG])
+@pytest.mark.parametrize("motor", [CONSTANT, NOISY, LONG])
 def test_more_wind_is_never_higher(motor: Push) -> None:
     flown = fly(rocket(motor, wind=np.linspace(0, 9, 40)))
     never_rises(flown.apogee)
@@ -170,19 +170,19 @@ def test_more_wind_is_never_higher(motor: Push) -> None:
 
 
 def test_a_tilted_rail_is_never_higher_and_drifts_in_the_direction_of_its_tilt() -> None:
-    flown = fly(rocket(ROUGH, rail_angle=np.radians(np.linspace(0, 40, 40))))
+    flown = fly(rocket(NOISY, rail_angle=np.radians(np.linspace(0, 40, 40))))
     never_rises(flown.apogee)
     assert np.all(np.diff(flown.drift) > 0)
 
 
 def test_friction_on_the_rail_lowers_the_speed_off_it() -> None:
-    flown = fly(rocket(ROUGH, rail_friction=np.linspace(0, 30, 20), rail_length=1.5))
+    flown = fly(rocket(NOISY, rail_friction=np.linspace(0, 30, 20), rail_length=1.5))
     assert np.all(np.diff(flown.rail_speed) < 0)
     never_rises(flown.apogee)
 
 
 def test_a_longer_rail_increases_the_exit_speed_and_changes_nothing_else() -> None:
-    flown = fly(rocket(ROUGH, rail_length=np.linspace(0.5, 3, 20)))
+    flown = fly(rocket(NOISY, rail_length=np.linspace(0.5, 3, 20)))
     assert np.all(np.diff(flown.rail_speed) > 0)
     assert np.ptp(flown.apogee) == 0
 
@@ -198,7 +198,7 @@ def points(setup: Setup, track: AscentState) -> Iterator[Any]:
 @pytest.mark.parametrize("changes", [{}, {"forces": ((nothing, np.asarray(1.0)),)}, {"rail_angle": 0.3}])
 def test_energy_is_constant_without_drag_and_never_increases_with_it(changes: dict[str, Any]) -> None:
     for area, conserved in ((0.0, True), (3e-3, False)):
-        setup = rocket(ROUGH, drag_area=area, **changes).flat((1,))
+        setup = rocket(NOISY, drag_area=area, **changes).flat((1,))
         track = burn(setup)
         energy = [0.5 * (p.upward**2 + p.sideways**2) + GRAVITY * p.height for p in points(setup, track)]
         change = np.diff(np.ravel(energy))
@@ -217,7 +217,7 @@ def mixed(rows: int = 24) -> Setup:
     upright = rng.random(rows) < 0.5
     tiny = Push((0.0, 0.2), (2.0, 1.0), 0.01)
     return rocket(
-        [ROUGH, STEADY, LONG, tiny],
+        [NOISY, CONSTANT, LONG, tiny],
         motor=rng.integers(0, 4, rows),
         dry_mass=rng.uniform(0.1, 0.8, rows),
         drag_area=rng.uniform(0, 2e-2, rows),
@@ -252,9 +252,9 @@ def test_a_batch_equals_its_members_simulated_alone(monkeypatch: pytest.MonkeyPa
 
 def test_axes_of_a_batch_are_preserved() -> None:
     area, mass = np.array([[1e-3], [2e-3]]), np.array([0.3, 0.4, 0.5])
-    grid = apogees(rocket(ROUGH, drag_area=area, dry_mass=mass))
+    grid = apogees(rocket(NOISY, drag_area=area, dry_mass=mass))
     assert grid.shape == (2, 3)
-    np.testing.assert_allclose(grid[1, 2], apogees(rocket(ROUGH, drag_area=2e-3, dry_mass=0.5)), rtol=1e-12)
+    np.testing.assert_allclose(grid[1, 2], apogees(rocket(NOISY, drag_area=2e-3, dry_mass=0.5)), rtol=1e-12)
 
 
 def test_an_upright_planar_flight_is_the_vertical_one() -> None:
@@ -270,7 +270,7 @@ def test_an_upright_planar_flight_is_the_vertical_one() -> None:
 
 def test_mirroring_changes_only_the_side() -> None:
     wind, angle = np.array([0.0, 3.0, 6.0]), np.radians([5.0, -3.0, 0.0])
-    here, there = fly(rocket(ROUGH, wind=wind, rail_angle=angle)), fly(rocket(ROUGH, wind=-wind, rail_angle=-angle))
+    here, there = fly(rocket(NOISY, wind=wind, rail_angle=angle)), fly(rocket(NOISY, wind=-wind, rail_angle=-angle))
     np.testing.assert_allclose(here.apogee, there.apogee, rtol=1e-12)
     np.testing.assert_allclose(here.drift, -there.drift, rtol=1e-12)
     assert np.all(np.abs(here.drift) > 1)
@@ -292,7 +292,7 @@ def test_large_steps_agree_with_small_steps(rail_angle: float, monkeypatch: pyte
 
 
 def test_a_motor_that_cannot_lift_its_rocket_gives_zeros() -> None:
-    flown = fly(rocket(ROUGH, dry_mass=np.array([0.4, 40.0]), delay=4.0, drag_area=np.array([0.0, 2e-3])))
+    flown = fly(rocket(NOISY, dry_mass=np.array([0.4, 40.0]), delay=4.0, drag_area=np.array([0.0, 2e-3])))
     np.testing.assert_array_equal(flown.lift_off, [1, 0])
     assert flown.apogee[0] > 10
     for field in fields(FlightResult):
@@ -315,9 +315,9 @@ def test_a_rocket_that_turns_down_under_power_has_its_apogee_there() -> None:
 
 
 def test_a_charge_before_apogee_lowers_it_and_the_later_the_less() -> None:
-    plain = fly(rocket(ROUGH, dry_mass=0.3))
-    burnout, top = ROUGH.burnout, plain.burn_time + plain.coast_to_apogee
-    flown = fly(rocket(ROUGH, dry_mass=0.3, delay=np.linspace(0, 1.2 * float(top) - burnout, 200)))
+    plain = fly(rocket(NOISY, dry_mass=0.3))
+    burnout, top = NOISY.burnout, plain.burn_time + plain.coast_to_apogee
+    flown = fly(rocket(NOISY, dry_mass=0.3, delay=np.linspace(0, 1.2 * float(top) - burnout, 200)))
     assert np.all(np.diff(flown.apogee) > -1e-3)
     early = flown.apogee_to_eject < -0.5
     assert early.sum() > 20
@@ -327,9 +327,9 @@ def test_a_charge_before_apogee_lowers_it_and_the_later_the_less() -> None:
 
 @pytest.mark.parametrize("changes", [{}, {"rail_angle": 1e-9}], ids=["layers", "steps"])
 def test_a_charge_at_apogee_does_not_change_it(changes: dict[str, Any]) -> None:
-    at_apogee = 9.0 - fly(rocket(ROUGH, delay=9.0, **changes)).apogee_to_eject
+    at_apogee = 9.0 - fly(rocket(NOISY, delay=9.0, **changes)).apogee_to_eject
     around = at_apogee + np.array([-1.0, -0.55, -0.51, -0.49, -0.01, -1e-6, 1e-6, 0.1])
-    flown = fly(rocket(ROUGH, delay=around, **changes))
+    flown = fly(rocket(NOISY, delay=around, **changes))
     assert np.abs(np.diff(flown.apogee[2:])).max() < 0.01
     assert np.all(flown.eject_altitude <= flown.apogee + 1e-6)
     np.testing.assert_allclose(flown.apogee_to_eject[-3:], [-1e-6, 1e-6, 0.1], atol=1e-7)
@@ -352,7 +352,7 @@ def test_readouts_are_consistent_with_each_other() -> None:
 
 
 def test_an_altimeters_gain_scales_only_heights() -> None:
-    plain, shown = (fly(rocket(ROUGH, altimeter_gain=gain, delay=5.0)) for gain in (1.0, 0.93))
+    plain, shown = (fly(rocket(NOISY, altimeter_gain=gain, delay=5.0)) for gain in (1.0, 0.93))
     readings, others = shown.readouts(), plain.readouts()
     for name, value in readings.items():
         share = 0.93 if name in ("apogee", "eject_altitude") else 1.0
@@ -361,7 +361,7 @@ def test_an_altimeters_gain_scales_only_heights() -> None:
 
 
 def test_a_descent_under_a_parachute_takes_height_over_speed() -> None:
-    flown = fly(rocket(ROUGH, air=EVEN_AIR, descent_speed=4.0, delay=7.0, opening_time=0.0))
+    flown = fly(rocket(NOISY, air=EVEN_AIR, descent_speed=4.0, delay=7.0, opening_time=0.0))
     charge = flown.burn_time + flown.coast_to_apogee + flown.apogee_to_eject
     slows = 4.0 / GRAVITY * np.log(2 / (1 + flown.eject_speed / 4.0))
     np.testing.assert_allclose(flown.duration, charge + flown.eject_altitude / 4.0 + slows, rtol=1e-9)
@@ -369,12 +369,12 @@ def test_a_descent_under_a_parachute_takes_height_over_speed() -> None:
 
 @pytest.mark.parametrize("area", [0.0, 1e-9])
 def test_no_drag_is_the_limit_of_little_drag(area: float) -> None:
-    flown = fly(rocket(ROUGH, drag_area=area, delay=9.0))
+    flown = fly(rocket(NOISY, drag_area=area, delay=9.0))
     none = {field.name: float(getattr(flown, field.name)) for field in fields(FlightResult)}
     assert all(np.isfinite(value) for value in none.values()), none
     wait = none["apogee_to_eject"]
     assert none["eject_altitude"] == pytest.approx(none["apogee"] - 0.5 * GRAVITY * wait**2, rel=1e-4)
-    never = fly(rocket(ROUGH, drag_area=area, delay=60.0))
+    never = fly(rocket(NOISY, drag_area=area, delay=60.0))
     fall = np.sqrt(2 * never.apogee / GRAVITY)
     np.testing.assert_allclose(never.duration, never.burn_time + never.coast_to_apogee + fall, rtol=1e-4)
 
@@ -441,16 +441,16 @@ def test_altimeters_show_the_pressure_altitude_of_the_standard_atmosphere(
 def test_motors_of_every_kind_become_thrust_curves() -> None:
     assert isinstance(catalogue().motors[0], Curve)
     assert isinstance(paper.MOTORS[0], Curve)
-    assert isinstance(ROUGH, Curve)
+    assert isinstance(NOISY, Curve)
     assert not isinstance(object(), Curve)
 
 
 @pytest.mark.parametrize("steps", [1, 12, 40])
 def test_propellant_burns_off_with_the_impulse_and_ends_at_burnout(steps: int) -> None:
-    table = rocket([ROUGH, LONG], steps).burns
+    table = rocket([NOISY, LONG], steps).burns
     assert np.all(table.spent[0, 0] == 0)
     assert np.all(table.spent[-1, -1] == 1)
-    for column, motor in enumerate((ROUGH, LONG)):
+    for column, motor in enumerate((NOISY, LONG)):
         length = np.diff(table.edge[:, column])
         start, middle, end = (table.thrust[:, stage, column] for stage in range(3))
         delivered = np.cumsum(length * (start + 4 * middle + end) / 6)

@@ -13,7 +13,7 @@ from fieldkit.physics.flight import apogees, fly
 from tests.physics.simulated import rocket
 
 GRAVITY = 9.80665
-LAPSE, WARMTH, PRESSURE, GAS = 0.0065, 288.15, 101325.0, 287.05287
+LAPSE, TEMPERATURE, PRESSURE, GAS = 0.0065, 288.15, 101325.0, 287.05287
 CLOSE = 0.1
 """Maximum difference between the two. [m]"""
 MOTORS = 40
@@ -46,7 +46,9 @@ class Reference:
     def density(self, height: float) -> float:
         if self.as_paper:
             return float(1.225 * np.exp(-height / 8500))
-        return float(PRESSURE / (GAS * WARMTH) * (1 - LAPSE * height / WARMTH) ** (GRAVITY / (GAS * LAPSE) - 1))
+        return float(
+            PRESSURE / (GAS * TEMPERATURE) * (1 - LAPSE * height / TEMPERATURE) ** (GRAVITY / (GAS * LAPSE) - 1)
+        )
 
     def slopes(self, time: float, state: Any, knot: int | None) -> list[float]:
         height, speed = state
@@ -70,11 +72,11 @@ class Reference:
     def leg(self, start: float, end: float, state: Any, knot: int | None, *, to_apogee: bool) -> tuple[Any, float]:
         """State at the end, and the apogee if it is on the way."""
 
-        def turns(time: float, state: Any, knot: int | None) -> float:
+        def ends_climb(time: float, state: Any, knot: int | None) -> float:
             return float(state[1])
 
-        turns.terminal, turns.direction = to_apogee, -1  # type: ignore[attr-defined]
-        options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-10, "events": turns, "args": (knot,)}
+        ends_climb.terminal, ends_climb.direction = to_apogee, -1  # type: ignore[attr-defined]
+        options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-10, "events": ends_climb, "args": (knot,)}
         result = solve_ivp(self.slopes, (start, end), state, **options)
         return result.y[:, -1], max([0.0, *(state[0] for state in result.y_events[0])])
 

@@ -9,7 +9,7 @@ from fieldkit.physics import unique
 from fieldkit.physics.flight import fly
 from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.physics.unique import fly_unique, kinds
-from tests.physics.simulated import LONG, ROUGH, rocket
+from tests.physics.simulated import LONG, NOISY, rocket
 
 pytestmark = pytest.mark.fast
 
@@ -19,7 +19,7 @@ def doubled() -> Setup:
     """Twenty draws, each present four times, on two axes."""
     rng = np.random.default_rng(1)
     mass, wind = (np.tile(rng.uniform(low, high, 5), (4, 1)) for low, high in ((0.3, 0.5), (0.0, 6.0)))
-    return rocket([ROUGH, LONG], dry_mass=mass, wind=wind, motor=np.arange(5) % 2, delay=np.full(5, np.nan))
+    return rocket([NOISY, LONG], dry_mass=mass, wind=wind, motor=np.arange(5) % 2, delay=np.full(5, np.nan))
 
 
 def _same(one: FlightResult, other: FlightResult) -> None:
@@ -44,7 +44,7 @@ def test_only_one_of_each_kind_is_simulated(doubled: Setup, monkeypatch: pytest.
 
 
 def test_a_single_draw_is_simulated() -> None:
-    _same(fly_unique(rocket(ROUGH)), fly(rocket(ROUGH)))
+    _same(fly_unique(rocket(NOISY)), fly(rocket(NOISY)))
 
 
 @pytest.mark.parametrize("name", ["dry_mass", "wind", "opening_time", "altimeter_gain"])

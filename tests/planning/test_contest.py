@@ -168,14 +168,14 @@ def falls(count: int, rng: np.random.Generator, spread: float) -> tuple[list[tup
     found, pace = catalogue().resolve("F24-4W"), float(np.exp(rng.normal(np.log(9.0), 0.3)))
     flights = []
     for row in range(count):
-        flight = Flight(dry_mass=float(rng.uniform(0.3, 0.6)), temperature=WARMTH[row % 2])
+        flight = Flight(dry_mass=float(rng.uniform(0.3, 0.6)), temperature=TEMPERATURES[row % 2])
         speed = pace * np.sqrt(landing_mass(flight, found) / DENSITY[row % 2]) * np.exp(spread * rng.normal())
         flights.append((flight.with_changes(descent_speed=float(speed)), found))
     return flights, pace
 
 
-WARMTH = (275.0, 310.0)
-DENSITY = [air_of(Flight(temperature=temperature)).density for temperature in WARMTH]
+TEMPERATURES = (275.0, 310.0)
+DENSITY = [air_of(Flight(temperature=temperature)).density for temperature in TEMPERATURES]
 
 
 def test_descent_speed_is_proportional_to_the_root_of_mass_over_area_and_density() -> None:

@@ -141,10 +141,10 @@ def test_motors_that_fit_are_safe_and_sensible_and_the_others_have_a_reason(
     assert main([*ledger, "motors", "--fit", "Fresh", *body]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "excluded by ceiling" in text
-    fitting = [one for one in found if one["fits"]]
-    for check in {line["check"] for one in fitting for line in one["safety"] if line["verdict"] == "caution"}:
+    that_fit = [one for one in found if one["fits"]]
+    for check in {line["check"] for one in that_fit for line in one["safety"] if line["verdict"] == "caution"}:
         assert text.count(f"! {check}: caution: ") == 1, "one line per check, however many motors it concerns"
-    weak = [one["motor"] for one in fitting if verdict_of(one, "thrust to weight") == "caution"]
+    weak = [one["motor"] for one in that_fit if verdict_of(one, "thrust to weight") == "caution"]
     assert f"! thrust to weight: caution: {', '.join(weak)} " in text
 
 
@@ -207,12 +207,12 @@ def test_every_name_in_the_guide_identifies_its_motor(tmp_path: Path, capsys: py
     command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", "--dry-mass", "65g"]
     command += ["--diameter", "42mm", "--mount", "18mm", "--rail-length", "3ft"]
     assert main([*command, "--json"]) == 0
-    fitting = {(one["maker"], one["motor"]) for one in json.loads(capsys.readouterr().out)["motors"] if one["fits"]}
+    that_fit = {(one["maker"], one["motor"]) for one in json.loads(capsys.readouterr().out)["motors"] if one["fits"]}
     assert main(command) == 0
     rows = re.findall(r"^(\S.*?) \*? +\d+ +\d+-\d+ ", capsys.readouterr().out, re.MULTILINE)
     read = (catalogue().resolve(name.strip(" *")).motor for name in rows)
-    assert {(motor.maker, motor.designation) for motor in read} == fitting
-    assert ("Quest", "C6") in fitting
+    assert {(motor.maker, motor.designation) for motor in read} == that_fit
+    assert ("Quest", "C6") in that_fit
 
 
 def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -141,10 +141,10 @@ def test_declared_weather_and_rail_act_on_plans(rocket: Rocket, plan: Flight, mo
         plan.with_changes(rail_angle=0.35),
         plan.with_changes(rail_length=2.0),
     ]
-    still, windy, hot, slanted, railed = forecasts(rocket, [(day, found) for day in days], draws=80)
+    still, windy, hot, slanted, long_rail = forecasts(rocket, [(day, found) for day in days], draws=80)
     assert np.median(windy.apogee) < np.median(still.apogee)
     assert np.median(slanted.apogee) < np.median(still.apogee)
-    assert np.median(railed.rail_speed) > 1.2 * np.median(still.rail_speed)
+    assert np.median(long_rail.rail_speed) > 1.2 * np.median(still.rail_speed)
     assert np.median(hot.true_apogee) > np.median(still.true_apogee)
     assert np.median(hot.apogee) < np.median(hot.true_apogee)  # 308 K while the altimeter assumes 288
 
@@ -165,12 +165,12 @@ def test_the_first_half_second_is_averaged(motors: Catalogue) -> None:
 
 
 def test_wind_raises_the_required_rail_speed(prediction: Prediction) -> None:
-    steady = replace(prediction, rail_speed=np.full_like(prediction.rail_speed, 16.0))
-    calm, gusty = (lines_of(steady, wind=wind, rail_length=1.0) for wind in (1.0, 9.5))
+    with_rail_speed = replace(prediction, rail_speed=np.full_like(prediction.rail_speed, 16.0))
+    calm, gusty = (lines_of(with_rail_speed, wind=wind, rail_length=1.0) for wind in (1.0, 9.5))
     assert calm["rail exit speed"].verdict == calm["ground wind"].verdict == "ok"
     assert gusty["rail exit speed"].verdict == gusty["ground wind"].verdict == "unsafe"
     assert "4 times the wind" in gusty["rail exit speed"].text
-    assumed = lines_of(steady, wind=9.5)["rail exit speed"]
+    assumed = lines_of(with_rail_speed, wind=9.5)["rail exit speed"]
     assert assumed.verdict == "caution"  # of a rail that was not given
     assert "rail length not given, 1.0 m assumed" in assumed.text
     assert "rail length not given, 3.3 ft assumed" in assumed.words("US")

@@ -251,7 +251,7 @@ def test_residuals_that_are_all_equal_have_a_dash(run_command: Run) -> None:
     assert "nan" not in out
 
 
-ODD_BUT_POSSIBLE = (
+UNUSUAL_BUT_POSSIBLE = (
     {"dry_mass": 1.5, "apogee": 20.0},
     {"rail_angle": math.radians(40)},
     {"diameter": 0.3},
@@ -262,7 +262,7 @@ ODD_BUT_POSSIBLE = (
 )
 
 
-@pytest.mark.parametrize("changes", ODD_BUT_POSSIBLE, ids=str)
+@pytest.mark.parametrize("changes", UNUSUAL_BUT_POSSIBLE, ids=str)
 def test_a_merely_unusual_flight_passes(changes: dict[str, object]) -> None:
     assert implausible(GOOD.with_changes(**changes), F24) is None
 

@@ -58,10 +58,10 @@ def test_the_page_is_the_output_of_the_command(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     written = (ROOT / "docs" / "reference-study.md").read_text(encoding="utf-8")
     here = (tmp_path / "page.md").read_text(encoding="utf-8")
-    assert_alike(written, here)
+    assert_similar(written, here)
 
 
-def assert_alike(written: str, here: str) -> None:
+def assert_similar(written: str, here: str) -> None:
     """Check for the same words, and for figures that differ by no more than rounding on another machine."""
     assert NUMBER.sub("#", " ".join(written.split())) == NUMBER.sub("#", " ".join(here.split()))
     for stated, computed in zip(NUMBER.findall(written), NUMBER.findall(here), strict=True):
@@ -198,4 +198,4 @@ def test_the_page_on_the_journal_is_the_output_of_the_command(tmp_path: Path) ->
     assert main(["--ledger", ledger, "import", *tables]) == 0
     assert main(["--ledger", ledger, "study", "rockets", "--unnamed", "--out", str(tmp_path / "page.md")]) == 0
     _, _, written = (ROOT / "docs" / "journal.md").read_text(encoding="utf-8").partition("---\n\n")
-    assert_alike(written, (tmp_path / "page.md").read_text(encoding="utf-8"))
+    assert_similar(written, (tmp_path / "page.md").read_text(encoding="utf-8"))

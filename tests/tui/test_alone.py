@@ -26,15 +26,15 @@ async def test_a_reload_due_while_the_app_closes_is_skipped(tmp_path: Path) -> N
 async def test_a_request_is_canceled_by_the_next_and_when_the_app_closes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun: list[int] = []
+    started: list[int] = []
     running: list[int] = []
     most = [0]
     lock = threading.Lock()
 
-    def looks_for_ever(_desk: Any, _rocket: str, on_progress: Any) -> None:
+    def look_forever(_resources: Any, _rocket: str, on_progress: Any) -> None:
         with lock:
-            begun.append(len(begun))
-            running.append(begun[-1])
+            started.append(len(started))
+            running.append(started[-1])
             most[0] = max(most[0], len(running))
         ends = time.monotonic() + PATIENCE
         try:
@@ -45,14 +45,14 @@ async def test_a_request_is_canceled_by_the_next_and_when_the_app_closes(
             with lock:
                 running.pop()
 
-    monkeypatch.setattr(loop_page, "look", looks_for_ever)
+    monkeypatch.setattr(loop_page, "look", look_forever)
     season(tmp_path / "ledger.db")
     began = time.monotonic()
     async with opened(tmp_path / "ledger.db") as pilot:
         await press(pilot, "5")
         for count in (1, 2, 3):
             await pilot.press("S")
-            while len(begun) < count:
+            while len(started) < count:
                 await pilot.pause(0.01)
         assert most == [1]
         pilot.app.workers.cancel_all()

@@ -24,7 +24,7 @@ from tests.pressing import frozen, opened, press, season, typed, words
 pytestmark = pytest.mark.fast
 
 LOGGED = {"stated_apogee_m": "161.544", "time_to_apogee_s": "5.707", "time_to_apogee_sd_s": "0.12"}
-KEPT = {"mach_delay_s": "2", "log_format": "perfectflite", "Platz": "Süd", "other_logs": "ab12 cd34"}
+EXTRA = {"mach_delay_s": "2", "log_format": "perfectflite", "Platz": "Süd", "other_logs": "ab12 cd34"}
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def test_a_readout_measured_in_a_log_has_its_uncertainty_in_the_displayed_units(
 
 
 def test_values_from_a_log_are_described_in_words_with_units() -> None:
-    assert logged.beside(LOGGED | KEPT, "SI") == [
+    assert logged.beside(LOGGED | EXTRA, "SI") == [
         ("Apogee, stated", "161.5 m"),
         ("Time to apogee", "5.707 ± 0.12 s"),
         ("Other logs of it", "2"),

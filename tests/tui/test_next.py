@@ -80,7 +80,7 @@ async def test_an_unrecognized_file_is_reported_and_changes_nothing(file: Path) 
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "no parser recognizes this file" in text_of(pilot, "#said")
+        assert "no parser recognizes this file" in text_of(pilot, "#preview")
         await press(pilot, "enter", "enter")
         assert "✗ error photo.jpg: no parser recognizes this file" in words(pilot)
         await press(pilot, "escape")
@@ -122,7 +122,7 @@ async def test_values_that_a_file_lacks_can_be_set_and_folders_browsed(file: Pat
         await press(pilot, "e", *["down"] * 5, *typed("4o0"), "ctrl+s")
         assert "found the unit 'o0'" in words(pilot)
         await press(pilot, "escape")
-        assert "no rocket, no motor in the file" in text_of(pilot, "#said")
+        assert "no rocket, no motor in the file" in text_of(pilot, "#preview")
         await press(pilot, "enter")
         assert "Not in the file" in words(pilot)
         await press(pilot, "escape", "enter", "ctrl+s")
@@ -151,14 +151,14 @@ async def test_several_logs_of_one_flight_can_be_marked_and_read_together(file: 
         (folder / name).write_text("time (s),altitude (m)\n" + rows)
     async with opened(file) as pilot:
         await press(pilot, "3", "space", "down", "space", "down", "space")
-        assert "recognized as 2 files together" in text_of(pilot, "#said")
+        assert "recognized as 2 files together" in text_of(pilot, "#preview")
         assert "+ a.csv" in shown(pilot)
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
-        brought = text_of(pilot, "#said")
+        brought = text_of(pilot, "#preview")
         assert "+ a.csv" not in shown(pilot)
         assert "Imported" in words(pilot), brought
         await press(pilot, "up")
-        assert "1 duplicate," in text_of(pilot, "#said")
+        assert "1 duplicate," in text_of(pilot, "#preview")
     with Ledger.open(file) as ledger:
         assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
 
@@ -169,22 +169,22 @@ async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> Non
         (file.parent / "field" / name).write_text("quux;frob\n" + rows)
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "is read with m, then time=its column; altitude=its column [m]" in text_of(pilot, "#said")
+        assert "is read with m, then time=its column; altitude=its column [m]" in text_of(pilot, "#preview")
         await press(pilot, "m", *typed("quux"), "down", *typed("frobb"))
         assert "found no column 'frobb'" in words(pilot)
         await press(pilot, "backspace", "ctrl+s")
-        assert "would add 1 flight" in text_of(pilot, "#said")
+        assert "would add 1 flight" in text_of(pilot, "#preview")
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "Imported 1" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
-        assert "would add 1 flight" in text_of(pilot, "#said")
+        assert "would add 1 flight" in text_of(pilot, "#preview")
         await press(pilot, "M")
         assert "time=quux; altitude=frob" in words(pilot)
         await press(pilot, "x")
         assert "time=quux" not in words(pilot)
         await press(pilot, "escape")
-        assert "would add" not in text_of(pilot, "#said")
+        assert "would add" not in text_of(pilot, "#preview")
 
 
 async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None:
@@ -200,7 +200,7 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
         await press(pilot, "m", *keys, "backspace")
         assert "found no column 'how hig'" in words(pilot)
         await press(pilot, *typed("h [ft]"), "ctrl+s")
-        assert "would add 2 flights" in text_of(pilot, "#said")
+        assert "would add 2 flights" in text_of(pilot, "#preview")
 
 
 async def test_a_log_is_plotted_before_it_is_stored(file: Path) -> None:
@@ -221,7 +221,7 @@ async def test_a_log_is_plotted_before_it_is_stored(file: Path) -> None:
         for what in ("altitude (m)", "1 flight, 0 rejected", "Apogee", "baro", "format", "140 used"):
             assert what in facts
         await press(pilot, "escape")
-        assert "would add 1 flight" in text_of(pilot, "#said")
+        assert "would add 1 flight" in text_of(pilot, "#preview")
 
 
 # Next flight

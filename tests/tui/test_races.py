@@ -226,11 +226,11 @@ async def test_a_motor_beyond_the_first_ones_is_forecast_when_the_cursor_reaches
     with patch("fieldkit.tui.next.motor_list.MAX_FORECAST_MOTORS", 3), patch("fieldkit.tui.next.motor_list.AT_ONCE", 2):
         async with opened(file, page="next_flight") as pilot:
             table = pilot.app.screen.query_one(Table)
-            fitting = [motor for motor in table.keys if not table.cells(motor)[0].startswith("✗")]
-            assert table.cells(fitting[-1])[1] == "…"
-            table.move_to(fitting[-1])
+            that_fit = [motor for motor in table.keys if not table.cells(motor)[0].startswith("✗")]
+            assert table.cells(that_fit[-1])[1] == "…"
+            table.move_to(that_fit[-1])
             await press(pilot, "_")
-            assert table.current == fitting[-1]
+            assert table.current == that_fit[-1]
             assert table.cells(table.current)[1] != "…"
             await press(pilot, "enter", "_")
             assert "Saved forecast" in words(pilot)

@@ -41,8 +41,8 @@ def blueraven_app() -> dict[str, bytes]:
     high += "Accel_X,Accel_Y,Accel_Z,Quat_1,Quat_2,Quat_3,Quat_4\n"
     for t, a, side in zip(fast, felt, noise(15, len(fast), 0.02), strict=True):
         now = LAUNCH + timedelta(seconds=round(float(t), 3))
-        turns = f"2026,5,2,{clock(now)},{t:.3f},{int(t * 1000) % 250},0.1,0.2,-0.1"
-        high += f"{turns},{-a:.3f},{side:.3f},{-side:.3f},1,0,0,0\n"
+        row = f"2026,5,2,{clock(now)},{t:.3f},{int(t * 1000) % 250},0.1,0.2,-0.1"
+        high += f"{row},{-a:.3f},{side:.3f},{-side:.3f},1,0,0,0\n"
     return {"blueraven_app__low_rate.csv": low.encode(), "blueraven_app__high_rate.csv": high.encode()}
 
 

@@ -122,7 +122,7 @@ def linear_fit(
     """The posterior given the first flights of a model, those in `data`, with the drag moved from `start` to its
     posterior mean."""
     flown = len(data.values)
-    model, fresh = _taught(model, flown)
+    model, fresh = _constrained_part(model, flown)
     past = model.part(slice(flown))
     level = drag_term(past)
     offset = start
@@ -139,7 +139,7 @@ def linear_fit(
     return LinearFit(model, flown, offset, near, fit, moved, fresh)
 
 
-def _taught(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:
+def _constrained_part(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:
     """A model with only the terms that its flown flights or other rockets constrain, and the remaining terms."""
     shared = model.shared.names if model.shared else ()
     known = [i for i, term in enumerate(model.terms) if term.weight[:flown].any() or term.name in shared]

@@ -41,7 +41,7 @@ def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "
     simulated separately."""
     if all(kind.bends != "tilt" for kind in model.scatter):
         return np.zeros((len(model.flights), len(OBSERVED_READOUTS)))
-    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
+    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _tilts(model)}))
     return np.asarray(leaning - upright)
 
 
@@ -59,7 +59,7 @@ def coast_times(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"
     return np.asarray(shown(model, at[None], {})["coast_time"][0])
 
 
-def _lean(model: Model) -> Float[Array, "2 flight"]:
+def _tilts(model: Model) -> Float[Array, "2 flight"]:
     """The model without a launch angle, and with one unit of it."""
     return np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))
 

@@ -69,7 +69,7 @@ def day_sheet(title: str, site: Site, planned: Sequence[PlannedFlight], suffix: 
         figures = []
         for first in range(0, len(planned), ROWS):
             part = planned[first : first + ROWS]
-            rows, room = _told(part, own[first : first + ROWS], shown), _room(len(part))
+            rows, room = _plan_rows(part, own[first : first + ROWS], shown), _room(len(part))
             if kind != "pdf" and len(rows) > room:
                 rows = [
                     *rows[: room - 1],
@@ -202,7 +202,7 @@ def _verdicts(lines: Sequence[SafetyCheck]) -> str:
     return " ".join(f"{count}{MARKS[verdict]}" for verdict, count in counts.items() if count) or MARKS["ok"]
 
 
-def _told(planned: Sequence[PlannedFlight], own: Sequence[str], shown: ShownUnits) -> list[str]:
+def _plan_rows(planned: Sequence[PlannedFlight], own: Sequence[str], shown: ShownUnits) -> list[str]:
     """Each flight's `own` site and weather if they differ, the recommended rail angle, its safety checks that did not
     pass, and the names of the unknown ones."""
     lines_below: list[str] = []

@@ -61,13 +61,13 @@ def _files(book: FlightReport, path: Path, on_progress: ReportProgress) -> Itera
         with styled():
             sheets = list(pages(book))
             if kind == ".pdf":
-                yield path, bound(_told(sheets, on_progress))
-            for number, sheet in enumerate(_told(sheets, on_progress) if kind == ".png" else [], start=1):
+                yield path, bound(_with_progress(sheets, on_progress))
+            for number, sheet in enumerate(_with_progress(sheets, on_progress) if kind == ".png" else [], start=1):
                 name = path if len(sheets) == 1 else path.with_stem(f"{path.stem}-{number}")
                 yield name, drawn(sheet, "png")
 
 
-def _told(pages: Sequence[T], on_progress: ReportProgress) -> Iterator[T]:
+def _with_progress(pages: Sequence[T], on_progress: ReportProgress) -> Iterator[T]:
     """The pages in order, each reported before it is drawn."""
     for number, page in enumerate(pages):
         on_progress(f"page {number + 1} of {len(pages)}", number / len(pages))
@@ -91,7 +91,7 @@ def content(book: FlightReport, on_progress: ReportProgress = no_op) -> dict[str
             {"rocket": one.rocket, "pictures": [embedded(svg(name, one, book.system)) for name in ON_THE_LOOPS_PAGE]}
             for one in book.loops
         ],
-        "cards": [_card(card) for card in _told(book.cards, on_progress)],
+        "cards": [_card(card) for card in _with_progress(book.cards, on_progress)],
         "foot": FOOT_LINE,
     }
 
@@ -139,7 +139,7 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         yield beside("flights", _overview(book, "png"), "Forecast and flown")
         lines += [*_grid(headers, rows), ""]
         lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
-    for number, card in enumerate(_told(book.cards, on_progress), start=1):
+    for number, card in enumerate(_with_progress(book.cards, on_progress), start=1):
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]

@@ -66,7 +66,7 @@ def flight_force(flight_id: str, recording: Recorded, rocket: RocketInputs) -> F
     """The missing force of one flight, or the reason its log does not show it."""
     if recording.forces is None:
         return "; ".join(recording.notes) or TOO_SHORT
-    track = _told(recording.forces)
+    track = _climb_track(recording.forces)
     if (track.speed > MIN_SPEED).sum() < FEWEST_SAMPLES:
         return TOO_SHORT
     missing = missing_force(track, rocket, FELT_GUARD)
@@ -83,7 +83,7 @@ def flight_force(flight_id: str, recording: Recorded, rocket: RocketInputs) -> F
     )
 
 
-def _told(forces: Forces) -> ClimbTrack:
+def _climb_track(forces: Forces) -> ClimbTrack:
     """The informative part of a climb: all of it with an accelerometer, only the coast with smoothed heights."""
     track = track_of(forces)
     if forces.window is not None:

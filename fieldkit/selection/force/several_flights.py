@@ -74,7 +74,7 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
     known = {term.name: term for term in terms}
     scatters = {term.name: term.random_draw_sd for term in terms if term.random_draw_sd}
     candidates = [name for name in known if sum(name in climb.columns for climb in climbs) >= MIN_CLIMBS]
-    chosen = forward(candidates, partial(_steady_gain, climbs, scatters, len(candidates)))
+    chosen = forward(candidates, partial(_robust_gain, climbs, scatters, len(candidates)))
     names = [one.name for one in chosen]
     law = []
     for place, one in enumerate(chosen):
@@ -85,7 +85,7 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
     return tuple(law)
 
 
-def _steady_gain(
+def _robust_gain(
     climbs: Sequence[Regression], scatters: Mapping[str, float], candidates: int, chosen: list[str], name: str
 ) -> float:
     """A term's reduction of the criterion without the flight that supports it most; zero if flights disagree."""

@@ -62,7 +62,7 @@ class AddScreen(PageScreen):
         super().__init__()
         self._sheet = Sheet(self)
         self._units: dict[str, str] = {}
-        self._said = Answered(Flight(), {}, {})
+        self._answered = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
         self._pen = DraftPen(self)
 
@@ -155,18 +155,18 @@ class AddScreen(PageScreen):
 
     def _look(self) -> None:
         """Read all answers into a flight, and note unreadable or implausible ones."""
-        self._said = self._read()
+        self._answered = self._read()
         system = self.resources.settings.units
         for name, question in BY_NAME.items():
-            self.field(name).note(beside(question, self._said, self._unit_of_answer(question), system))
+            self.field(name).note(beside(question, self._answered, self._unit_of_answer(question), system))
         self._in_hand()
-        self.query_one(EstimateLine).follow(self._said.flight, self._said.lift_off)
+        self.query_one(EstimateLine).follow(self._answered.flight, self._answered.lift_off)
 
     def _unit_of_answer(self, question: Question) -> str:
         """The unit that was typed with an answer, else that of a number without one."""
         from fieldkit.services.manual_entry import typed_unit
 
-        known = question.column is not None and self._said.number(question) is not None
+        known = question.column is not None and self._answered.number(question) is not None
         return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
 
     def _read(self) -> Answered:
@@ -175,7 +175,7 @@ class AddScreen(PageScreen):
 
     def _ask_usual(self) -> None:
         """Look up this rocket's readouts on this motor, to detect mistakes."""
-        self.ask(partial(self._draft.usual, self._said.flight), self._know_usual, "usual")
+        self.ask(partial(self._draft.usual, self._answered.flight), self._know_usual, "usual")
 
     def _know_usual(self, usual: dict[str, float]) -> None:
         self._usual = usual
@@ -186,9 +186,9 @@ class AddScreen(PageScreen):
         field, hand = self._sheet.take_in_hand(self.focused), self.query_one(Hand)
         system = self.resources.settings.units
         if field is not None:
-            hand.show(field, self._said, self.unit(field.question), system)
+            hand.show(field, self._answered, self.unit(field.question), system)
         else:
-            hand.rest(self._said, system)
+            hand.rest(self._answered, system)
             self.query_one(KeyBar).follow()  # the action of Enter depends on the answers
 
     def _answers(self) -> dict[str, str]:
@@ -253,7 +253,7 @@ class AddScreen(PageScreen):
             return
         question, column = field.question, field.question.column
         unit = typed_unit(event.value)
-        if column is not None and unit and self._said.number(question) is not None:
+        if column is not None and unit and self._answered.number(question) is not None:
             self._units[kind(column)] = unit
             self._look()
         if question.name in ("rocket", "config"):

@@ -53,8 +53,8 @@ class Saving:
             self.object_to(saved.trouble)
             self._page.set_focus(self._sheet.field(saved.wrong).line)
             return
-        for mended in self._objections:
-            self._page.field_app.withdraw(mended)
+        for objection in self._objections:
+            self._page.field_app.withdraw(objection)
         self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
         self._page.show_notice(f"Saved flight {saved.id}. u to undo.{silent}" if saved.id else DUPLICATE)

@@ -72,7 +72,7 @@ class CaptureScreen(PageScreen):
     CaptureScreen #live { height: 1fr; padding: 0 1; border-top: solid $border-blurred; }
     CaptureScreen #happened { height: auto; max-height: 4; scrollbar-size-vertical: 1; }
     CaptureScreen.-tall #happened { max-height: 8; }
-    CaptureScreen #said { height: auto; }
+    CaptureScreen #events { height: auto; }
     CaptureScreen #count { height: 1; text-style: bold; }
     CaptureScreen #now { height: 3; }
     CaptureScreen #big { width: 34; color: $accent; }
@@ -92,7 +92,7 @@ class CaptureScreen(PageScreen):
         self._device: str | None = None
         self._stop = Flag()
         self._capturing = False
-        self._said: list[str] = []
+        self._events: list[str] = []
         self._heights: list[float] = []
 
     def body(self) -> Iterable[Widget]:
@@ -100,7 +100,7 @@ class CaptureScreen(PageScreen):
         yield Table(id="ports", empty="no serial port; plug in the logger, then press r", enter="Capture")
         with Vertical(id="live"):
             with VerticalScroll(id="happened", can_focus=False):
-                yield Static("", id="said")
+                yield Static("", id="events")
             yield Static("", id="count")
             with Horizontal(id="now"):
                 yield Big(id="big")
@@ -188,8 +188,8 @@ class CaptureScreen(PageScreen):
             self._say(f"! {line}" if isinstance(message.event, capture.Lost) else line)
 
     def _say(self, text: str) -> None:
-        self._said = [*self._said, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
-        self.query_one("#said", Static).update(hanging(map(shortened, self._said)))
+        self._events = [*self._events, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
+        self.query_one("#events", Static).update(hanging(map(shortened, self._events)))
         self.query_one("#happened").scroll_end(animate=False)
 
     def _progress(self, progress: "Progress") -> None:
@@ -269,7 +269,7 @@ class CaptureScreen(PageScreen):
 
     def copied(self) -> str:
         """The events so far."""
-        return "\n".join(self._said)
+        return "\n".join(self._events)
 
 
 def _check_device(name: str) -> None:

@@ -68,7 +68,7 @@ class ImportScreen(PageScreen):
     ImportScreen #files { width: 34; }
     ImportScreen.-wide #files { width: 60; }
     ImportScreen #look { width: 1fr; padding: 0 1; border-left: solid $border-blurred; }
-    ImportScreen #said { height: auto; margin-bottom: 1; }
+    ImportScreen #preview { height: auto; margin-bottom: 1; }
     ImportScreen #more { height: auto; }
     ImportScreen.-narrow #split { layout: vertical; }
     ImportScreen.-narrow #files { width: 1fr; height: 7; }
@@ -87,7 +87,7 @@ class ImportScreen(PageScreen):
         with Horizontal(id="split"):
             yield Table(id="files", empty="empty", enter="Import")
             with VerticalScroll(id="look"):
-                yield Static("", id="said")
+                yield Static("", id="preview")
                 yield Static("", id="more")
 
     def on_mount(self) -> None:
@@ -133,15 +133,15 @@ class ImportScreen(PageScreen):
         self._look = None
         self.query_one("#more", Static).update("")
         if is_folder:
-            self.query_one("#said", Static).update("Enter to open the folder")
+            self.query_one("#preview", Static).update("Enter to open the folder")
             return
-        self.query_one("#said", Static).update("reading ...")
+        self.query_one("#preview", Static).update("reading ...")
         self.ask(partial(look_at, self.resources, path, self._reading), self._examined, "look")
 
     def _examined(self, look: Look) -> None:
         self._look = look
         system = self.resources.settings.units
-        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given, system))
+        self.query_one("#preview", Static).update(what_it_brings(look, self._reading.given, system))
         parts = (left_out(look), what_it_holds(look, system))
         self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
 
@@ -294,4 +294,4 @@ class ImportScreen(PageScreen):
 
     def copied(self) -> str:
         """The preview as text."""
-        return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#more"))
+        return "\n".join(str(self.query_one(name, Static).content) for name in ("#preview", "#more"))

@@ -254,8 +254,8 @@ class LoopScreen(PageScreen):
         work = partial(self.resources.ledger.activate, rocket, number or None)
         self.change(work, partial(self._used, f"{rocket} forecasts with {named}"))
 
-    def _used(self, said: str, _: None) -> None:
-        self.show_notice(f"{said}. u to undo")
+    def _used(self, done: str, _: None) -> None:
+        self.show_notice(f"{done}. u to undo")
         self.field_app.changed()
 
     def action_report(self) -> None:

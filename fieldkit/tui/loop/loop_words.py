@@ -123,7 +123,7 @@ def fingerprint(found: Findings, turn: int, *, narrow: bool = False) -> Content:
             parts.append(f"\n{title:{name}}{'not recorded':^{2 * wide}}")
             continue
         similar = "similar" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
-        bars = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
+        bars = (_signed_bar(figure, largest, cells) for figure in (mark.expected, mark.found))
         parts.append(f"\n{title:{name}}{''.join(bars)} {similar}")
     return Content.assemble(*parts)
 
@@ -212,7 +212,7 @@ TICKS = 6
 """Maximum number of labels below an axis of whole numbers, minus one. [1]"""
 
 
-def _lean(value: float, largest: float, most: int) -> str:
+def _signed_bar(value: float, largest: float, most: int) -> str:
     """A figure with a bar to the left or right of zero, up to a width in cells."""
     cells = round(abs(value) / (largest or 1.0) * most)
     left = ("█" * cells).rjust(most) if value < 0 else " " * most

@@ -128,7 +128,7 @@ class NextScreen(PageScreen):
         self.query_one("#plan", Static).update(Content(plan.line(self.resources.settings)))
 
     @on(Input.Changed)
-    def _search_anew(self) -> None:
+    def _search_again(self) -> None:
         """Start a new search at its first motor."""
         self.query_one(Table).by_hand = False
         self._search_now()
@@ -212,7 +212,7 @@ class NextScreen(PageScreen):
     def action_toggle_fit(self) -> None:
         """Show only motors that fit, or all."""
         self._motors.fitting = not self._motors.fitting
-        self._search_anew()
+        self._search_again()
 
     def action_compare(self) -> None:
         """Show all figures instead of the card, or the card again."""

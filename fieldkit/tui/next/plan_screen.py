@@ -120,7 +120,7 @@ class PlanScreen(PageScreen):
 
         self._view, self._aim, self._share = 0, 0, SHARES.index(1.0)
         self._season = season_of(date.today(), data_file("seasons"))
-        self._said = Answer(())
+        self._shown_answer = Answer(())
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the current one with its picture."""
@@ -150,7 +150,7 @@ class PlanScreen(PageScreen):
         self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan", alone=True)
 
     def _say(self, answer: Answer) -> None:
-        self._said = answer
+        self._shown_answer = answer
         self.query_one("#figure").set_class(bool(answer.large), "-shown")
         self.query_one(Big).show(answer.large)
         self.query_one("#about", Static).update(Content("\n".join(map(printable, answer.about))).stylize("bold"))
@@ -249,4 +249,4 @@ class PlanScreen(PageScreen):
 
     def copied(self) -> str:
         """The answer as text."""
-        return "\n".join(map(printable, self._said.text.splitlines()))
+        return "\n".join(map(printable, self._shown_answer.text.splitlines()))

@@ -16,7 +16,7 @@ READOUTS = ("apogee", "top_speed", "coast_to_apogee")
 
 
 def history(
-    count: int, *, wear: float = 0.0, scatter: float = 0.02, seed: int = 0, kept: tuple[str, ...] = READOUTS
+    count: int, *, wear: float = 0.0, scatter: float = 0.02, seed: int = 0, recorded: tuple[str, ...] = READOUTS
 ) -> History:
     """A rocket on two motors and the plan to fly the first again; drag grows by the fraction `wear` per flight, and
     single flights have the standard deviation `scatter` in drag and thrust."""
@@ -39,7 +39,7 @@ def history(
     drag = np.log1p(wear * np.arange(count + 1)) + scatter * rng.normal(size=count + 1)
     readings = shown(model, truth, {"drag": drag[None], "thrust": scatter * rng.normal(size=(1, count + 1))})
     flown = [
-        plan.with_changes(**{name: float(readings[name][0, number]) for name in kept})
+        plan.with_changes(**{name: float(readings[name][0, number]) for name in recorded})
         for number, plan in enumerate(plans[:-1])
     ]
     return History((*flown, plans[-1]), tuple(found), (True,) * count, certified(), learned())

@@ -42,7 +42,7 @@ def fleet(rocket_sd: float, flight_sd: float, seed: int = 3) -> list[list[tuple[
 
 
 @cache
-def taught(rocket_sd: float, flight_sd: float) -> Hyperprior:
+def learned(rocket_sd: float, flight_sd: float) -> Hyperprior:
     return learn_hyperprior([fleet(rocket_sd, flight_sd)], COARSE, rounds=1, steps=12)
 
 
@@ -52,23 +52,23 @@ def test_a_step_of_learning_has_the_annotated_shapes() -> None:
 
 
 def test_larger_scatter_of_flights_is_learned() -> None:
-    calm, wild = taught(0.3, 0.02), taught(0.3, 0.15)
+    calm, wild = learned(0.3, 0.02), learned(0.3, 0.15)
     assert calm.sd("apogee", "flight") < START.sd("apogee", "flight") < wild.sd("apogee", "flight")
     assert wild.sd("apogee", "flight") == pytest.approx(0.15, rel=0.4)
 
 
 def test_larger_differences_between_rockets_are_learned() -> None:
-    assert taught(0.05, 0.03).sd("drag", "rocket") < 0.75 * taught(0.6, 0.03).sd("drag", "rocket")
+    assert learned(0.05, 0.03).sd("drag", "rocket") < 0.75 * learned(0.6, 0.03).sd("drag", "rocket")
 
 
 def test_learning_increases_the_likelihood_of_the_flights() -> None:
     flights = [fleet(0.3, 0.15)]
-    assert evidence(flights, taught(0.3, 0.15)) > evidence(flights, COARSE) + 1.0
+    assert evidence(flights, learned(0.3, 0.15)) > evidence(flights, COARSE) + 1.0
 
 
 def test_effects_absent_at_the_start_stay_absent() -> None:
-    assert set(taught(0.3, 0.02).sds) == set(START.sds)
-    assert taught(0.3, 0.02).reading.log_sd == START.reading.log_sd
+    assert set(learned(0.3, 0.02).sds) == set(START.sds)
+    assert learned(0.3, 0.02).reading.log_sd == START.reading.log_sd
 
 
 def fleets_known_to(variance: float, flyers: int) -> list[SharedPrior]:
@@ -99,6 +99,6 @@ def test_a_new_flyer_may_differ_by_both() -> None:
 
 
 def test_a_learned_card_states_the_uncertainty_of_each_mean() -> None:
-    found = taught(0.3, 0.02)
+    found = learned(0.3, 0.02)
     assert set(found.mean_sds) == set(found.means) == {"drag", "apogee"}
     assert found.mean_sds["drag"] < MEAN_SD

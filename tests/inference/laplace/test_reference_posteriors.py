@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from fieldkit.shapes import Array
-from studies.reference_posterior.sampler import FIGURES, said_by_fit
+from studies.reference_posterior.sampler import FIGURES, summary_of_fit
 from studies.reference_posterior.summaries import Reference, excess_crps, off, quantiles, read
 
 CHECK_SHAPES = False
@@ -31,7 +31,7 @@ adds 0.005 on average, and up to 0.035 in one case of a thousand (Cramér and vo
 @pytest.fixture(scope="module")
 def forecasts() -> dict[str, Array]:
     """The fit's forecast of the next flight of every case."""
-    return {one.name: said_by_fit(one.case, DRAWS, 0) for one in REFERENCES}
+    return {one.name: summary_of_fit(one.case, DRAWS, 0) for one in REFERENCES}
 
 
 def gaps(one: Reference, forecasts: dict[str, Array]) -> Array:

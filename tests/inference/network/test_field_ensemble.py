@@ -126,8 +126,8 @@ def test_an_inconsistent_readout_is_named(name: str, factor: float, field: Ensem
     readouts = some.readouts.copy()
     readouts[:, READOUT_NAMES.index(name)] *= factor
     which = misfit(field, some.with_readouts(readouts))
-    alike = {"apogee": ("apogee", "eject_altitude")}.get(name, (name,))  # either of two heights may be the wrong one
-    assert np.isin(which, [INDEPENDENT_READOUTS.index(one) for one in alike]).mean() > 0.6
+    possible = {"apogee": ("apogee", "eject_altitude")}.get(name, (name,))  # either of two heights may be the wrong one
+    assert np.isin(which, [INDEPENDENT_READOUTS.index(one) for one in possible]).mean() > 0.6
 
 
 def test_an_inconsistent_readout_is_left_out_and_the_interval_widens(field: Ensemble) -> None:

@@ -26,14 +26,14 @@ from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
 CHECK_SHAPES = False
 FLIGHTS = 6
-LUCK = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
+SCATTER_SDS = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
 """Scatter of single flights in thrust, drag and burn time, as in the model. [1]"""
 
 
 @cache
 def flown(term: str, strength: float, seed: int, random_draw_sd: tuple[float, ...] | None = None) -> Regression:
-    """A flight compared with the model without its force and scatter, which is random unless given as in `LUCK`."""
-    thrust, drag, stretch = np.exp(random_draw_sd or np.random.default_rng(seed).normal(size=3) * LUCK)
+    """A flight compared with the model without its force and scatter, which is random unless it is `random_draw_sd`."""
+    thrust, drag, stretch = np.exp(random_draw_sd or np.random.default_rng(seed).normal(size=3) * SCATTER_SDS)
     motor = replace(SLOW.motor, time=SLOW.motor.time * stretch, thrust=SLOW.motor.thrust * thrust / stretch)
     rocket = replace(SLOW, motor=motor, drag_area=SLOW.drag_area * drag)
     return regression(missing_force(noisy(climb(rocket, term, strength), seed, smooth=5), SLOW), library(), FREE_TERMS)
@@ -74,10 +74,10 @@ def test_equal_motor_errors_by_chance_are_not_a_law() -> None:
 
 
 def test_a_coefficient_varies_with_its_part_of_the_scatter() -> None:
-    lucks = {term.name: term.random_draw_sd for term in library() if term.random_draw_sd}
+    scatter_sds = {term.name: term.random_draw_sd for term in library() if term.random_draw_sd}
     climb = flown("", 0.0, 0)
-    both = climb.random_draw_sd(["thrust", "longer burn"], lucks)
-    assert both == pytest.approx([lucks["thrust"], lucks["longer burn"]])
+    both = climb.random_draw_sd(["thrust", "longer burn"], scatter_sds)
+    assert both == pytest.approx([scatter_sds["thrust"], scatter_sds["longer burn"]])
     pushed = replace(climb, wanted=climb.wanted + 0.025 * climb.columns["thrust"])
     moved = pushed.solve(["rail"])[0] - climb.solve(["rail"])[0]
     assert abs(moved) == pytest.approx(climb.random_draw_sd(["rail"], {"thrust": 0.025}))
