@@ -97,7 +97,8 @@ which warns about unusual flights, has a separate prior.
 |---|---|---|---|
 {chr(10).join(data)}
 {chr(10).join(_high_power(card.about.get("high_power_flights", {})))}
-{chr(10).join(_left_out_tables(card.about.get("scores", {})))}"""
+{chr(10).join(_left_out_tables(card.about.get("scores", {})))}
+{chr(10).join(_step_tables(card.about.get("scores_by_readouts", {})))}"""
 
 
 def _high_power(record: Mapping[str, Any]) -> Iterator[str]:
@@ -160,3 +161,28 @@ the 90% interval."""
                 )
                 cells = " | ".join(f"{100 * figure:.1f}" for figure in figures)
                 yield f"| {row['name']} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
+
+
+def _step_tables(steps: Mapping[str, Any]) -> Iterator[str]:
+    """Scores on held-out rockets from more and more readouts."""
+    if not steps:
+        return
+    yield """
+## Whether more readouts help
+
+The same forecasts of held-out rockets, from some readouts of the earlier flights and from all. *Less* is how much
+smaller the CRPS is than in the row above, with its 90% bootstrap interval: an interval that contains zero shows no
+difference either way. The log score is the mean log density of the flown apogee [nat]; larger is better."""
+    for flyer, tables in steps.items():
+        for title, rows in tables.items():
+            yield f"\n### {flyer.replace('_', ' ')}, {title}\n"
+            yield "| readouts | flights | median error | mean error | CRPS | less | log score | coverage |"
+            yield "|---|---|---|---|---|---|---|---|"
+            for row in rows:
+                cells = " | ".join(f"{100 * row[name]:.1f}" for name in ("median_share", "mean_share", "crps"))
+                less = ""
+                if "crps_less" in row:
+                    low, high = (100 * end for end in row["crps_less90"])
+                    less = f"{100 * row['crps_less']:+.1f} ({low:+.1f} to {high:+.1f})"
+                log_score, coverage = f"{row['log_score']:+.2f}", f"{row['coverage90']:.0%}"
+                yield f"| {row['name']} | {row['flights']} | {cells} | {less} | {log_score} | {coverage} |"

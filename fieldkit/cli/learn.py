@@ -79,7 +79,7 @@ def learn(
     from fieldkit.model.hyperprior import START, learned
     from fieldkit.parallel import workers
     from fieldkit.services.learn import check as left_out
-    from fieldkit.services.learn import keep_card, own_card, read_flyer, scores
+    from fieldkit.services.learn import keep_card, own_card, read_flyer, scores, scores_by_readouts
     from fieldkit.services.learn import learn as learned_from
     from fieldkit.services.learn_high_power import learn_from_table, read_table
 
@@ -102,7 +102,8 @@ def learn(
             progress("cross-validating each rocket") as on_progress,
         ):
             checked = left_out(flyers, found, from_start=from_start, pool=pool, on_progress=on_progress)
-        found = replace(found, about={**found.about, "scores": scores(checked)})
+        by_readouts = {"scores_by_readouts": scores_by_readouts(checked)}
+        found = replace(found, about={**found.about, "scores": scores(checked), **by_readouts})
     if high_power:
         with progress("learning from high-power flights"):
             found = learn_from_table(read_table(high_power, motors), found)
@@ -136,6 +137,15 @@ def _print(found: "Hyperprior") -> None:
                 [_scored(row) for row in rows],
                 ["flights", "median", "mean", "CRPS", "interval score", "coverage"],
             )
+    for flyer, tables in found.about.get("scores_by_readouts", {}).items():
+        for title, rows in tables.items():
+            say()
+            say_wrapped(f"{flyer}, the same from more and more readouts of the earlier flights: {title}")
+            print_table(
+                ["readouts", "flights", "median", "mean", "CRPS", "less than before", "log score"],
+                [_step(row) for row in rows],
+                ["flights", "median", "mean", "CRPS", "log score"],
+            )
 
 
 def _fitted_to(about: Mapping[str, Any]) -> Iterator[str]:
@@ -157,6 +167,13 @@ def _fitted_to(about: Mapping[str, Any]) -> Iterator[str]:
 def _row(name: str, sd: float) -> tuple[str, str, str]:
     quantity, _, level = name.partition(".")
     return quantity.replace("_", " "), level.replace("_", " x "), f"{sd:.3f}"
+
+
+def _step(row: Mapping[str, Any]) -> tuple[str, ...]:
+    percents = tuple(f"{100 * row[name]:.1f}%" for name in ("median_share", "mean_share", "crps"))
+    low, high = (100 * end for end in row.get("crps_less90", (0.0, 0.0)))
+    less = f"{100 * row['crps_less']:+.1f} ({low:+.1f} to {high:+.1f})" if "crps_less" in row else ""
+    return (row["name"], str(row["flights"]), *percents, less, f"{row['log_score']:+.2f}")
 
 
 def _scored(row: dict[str, float | str | int]) -> tuple[str, ...]:

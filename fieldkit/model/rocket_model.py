@@ -221,7 +221,7 @@ def _quantity_terms(
             continue
         group = groups(flights, found, "motor" if level == "rocket_motor" else level)
         for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
-            weight = np.array([own == kind for own in group], float)
+            weight = every * np.array([own == kind for own in group], float)
             joint = "on" if level in ("rocket_motor", "day") else "of"
             name = config_term(quantity, kind) if level == "config" else f"{quantity} {joint} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")

@@ -1,7 +1,7 @@
 """Fit the hyperprior to the exports of several flyers, and cross-validate it by rocket."""
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
 from datetime import date
@@ -15,14 +15,16 @@ from fieldkit.files import read
 from fieldkit.files import replace as replace_file
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
-from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
-from fieldkit.forecast.evaluation.forward_in_time import Forecast, forward
+from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, scores_of_flights, tally
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, forward, with_stacked
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior, learned
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.motors import Catalogue, Found
 from fieldkit.paths import hyperprior_file
 from fieldkit.progress import ReportProgress, no_op
+from fieldkit.scoring.bootstrap import paired
 from fieldkit.services.imports import gather
 from fieldkit.services.plausible_flights import implausible_flights
 
@@ -32,6 +34,16 @@ FULL_ROUNDS, FULL_STEPS = 4, 25
 """Number of linearizations, and steps for each, in the fit to all flights. [1]"""
 LEFT_OUT_ROUNDS, LEFT_OUT_STEPS = 1, 12
 """The same for a fit without one rocket, which starts from the fit to all, because one rocket changes little."""
+ALL_READOUTS = "all readouts"
+READOUT_STEPS: Mapping[str, Collection[str]] = {
+    "apogee alone": ("apogee",),
+    "and top speed": ("apogee", "top_speed"),
+    "and coast, ejection": ("apogee", "top_speed", "coast_to_apogee", "apogee_to_eject"),
+    ALL_READOUTS: OBSERVED_READOUTS,
+}
+"""Readouts from which flights are forecast, each step with more than the one before."""
+StepForecasts = dict[str, list[Forecast]]
+"""Forecasts of flights by the names of `READOUT_STEPS`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,9 +139,9 @@ def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, from_start: boo
             yield HeldOutRocket(tuple(flyers), number, rocket, hyperprior, from_start)
 
 
-def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
-    """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them. Raises DamagedModel."""
-
+def forecasts_of(work: HeldOutRocket) -> StepForecasts:
+    """Forecasts, forward in time, of a rocket's flights by a hyperprior fitted without them, from some readouts of the
+    earlier flights and from all. Raises DamagedModel."""
     fleets = [
         [own for rocket, own in flyer.rockets.items() if (number, rocket) != (work.flyer, work.rocket)]
         for number, flyer in enumerate(work.flyers)
@@ -141,7 +153,19 @@ def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
         LEFT_OUT_STEPS,
         begin=work.hyperprior,
     )
-    return forward(work.flyers[work.flyer].flown, work.rocket, hyperprior=without)
+    flown = work.flyers[work.flyer].flown
+    found: StepForecasts = {}
+    for step, readouts in READOUT_STEPS.items():
+        known = [(_restricted(flight, readouts), motor) for flight, motor in flown]
+        if step == ALL_READOUTS or known != flown:
+            found[step] = forward(known, work.rocket, hyperprior=without)
+    return found
+
+
+def _restricted(flight: Flight, readouts: Collection[str]) -> Flight:
+    """A flight without the readouts that are compared with the model, except some."""
+    left_out = [name for name in OBSERVED_READOUTS if name not in readouts and flight.number(name) is not None]
+    return flight.with_changes(**dict.fromkeys(left_out)) if left_out else flight
 
 
 def check(
@@ -151,32 +175,69 @@ def check(
     from_start: bool = False,
     pool: Executor | None = None,
     on_progress: ReportProgress = no_op,
-) -> "dict[str, list[Forecast]]":
-    """Cross-validated forecasts of all flights, the hyperprior fitted without the rocket of each, by flyer, in the
-    order flown."""
+) -> dict[str, StepForecasts]:
+    """Cross-validated forecasts of all flights, the hyperprior fitted without the rocket of each, by flyer and by the
+    readouts of earlier flights, in the order flown."""
     works = list(left_out(flyers, hyperprior, from_start=from_start))
-    apply: "Callable[..., Iterator[list[Forecast]]]" = pool.map if pool else map
-    found: "dict[str, list[Forecast]]" = {flyer.name: [] for flyer in flyers}
-    for number, (work, rows) in enumerate(zip(works, apply(forecasts_of, works), strict=True)):
+    apply: Callable[..., Iterator[StepForecasts]] = pool.map if pool else map
+    found: dict[str, StepForecasts] = {flyer.name: {} for flyer in flyers}
+    for number, (work, steps) in enumerate(zip(works, apply(forecasts_of, works), strict=True)):
         on_progress(f"without {work.rocket}", (number + 1) / len(works))
-        found[flyers[work.flyer].name] += rows
+        for step, rows in steps.items():
+            found[flyers[work.flyer].name].setdefault(step, []).extend(rows)
     for flyer in flyers:
         order = {(one.rocket, one.flight_id): place for place, (one, _) in enumerate(flyer.flown)}
-        found[flyer.name].sort(key=lambda row: order[row.rocket, row.flight_id])
+        for step, rows in found[flyer.name].items():
+            rows.sort(key=lambda row: order[row.rocket, row.flight_id])
+            found[flyer.name][step] = with_stacked(rows)
     return found
 
 
-def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
+def scores(checked: Mapping[str, StepForecasts]) -> dict[str, Any]:
     """Scores of cross-validated forecasts and of their rivals, by flyer, for the card: of flights whose rocket had
     flown before, and of all flights, first flights included."""
 
-    def ways(rows: "Sequence[Forecast]") -> list[dict[str, Any]]:
+    def ways(rows: Sequence[Forecast]) -> list[dict[str, Any]]:
         return [asdict(one) for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights]
 
+    found = {name: steps[ALL_READOUTS] for name, steps in checked.items()}
     return {
         name: {"after earlier flights of the rocket": ways([row for row in rows if row.earlier]), "all": ways(rows)}
-        for name, rows in checked.items()
+        for name, rows in found.items()
     }
+
+
+def scores_by_readouts(checked: Mapping[str, StepForecasts]) -> dict[str, Any]:
+    """Scores of cross-validated forecasts from more and more readouts, by flyer, for the card; without flyers whose
+    flights have no other readout than the apogee. Each step has its mean log score [nat] and, with its 90% bootstrap
+    interval, how much smaller its CRPS is than that of the step before."""
+    return {
+        name: {
+            "after earlier flights of the rocket": _steps(steps, later=True),
+            "first flights": _steps(steps, later=False),
+        }
+        for name, steps in checked.items()
+        if len(steps) > 1
+    }
+
+
+def _steps(steps: StepForecasts, *, later: bool) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = []
+    before: Any = None
+    for step in (name for name in READOUT_STEPS if name in steps):
+        rows = [row for row in steps[step] if bool(row.earlier) is later]
+        if not rows:
+            continue
+        crps = scores_of_flights(rows, OWN_FORECAST).crps
+        less = paired(crps, before) if before is not None else None
+        log_score = sum(row.log_scores[0] for row in rows) / len(rows)
+        found.append(
+            asdict(tally(rows, OWN_FORECAST))
+            | {"name": step, "log_score": log_score}
+            | ({"crps_less": less.less, "crps_less90": list(less.interval)} if less else {})
+        )
+        before = crps
+    return found
 
 
 def own_card() -> bytes:

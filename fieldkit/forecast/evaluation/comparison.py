@@ -134,7 +134,7 @@ def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
     )
 
 
-def scores(rows: Sequence[Forecast], way: str) -> Scores:
+def scores_of_flights(rows: Sequence[Forecast], way: str) -> Scores:
     """Scores of the model (`OWN_FORECAST`) or a rival on the flights with its forecast."""
     flown = np.array([row.flown for row in rows])
     drawn = [(row.draws if way == OWN_FORECAST else row.rivals[way]) / row.flown for row in rows]
@@ -162,7 +162,7 @@ def tally(rows: Sequence[Forecast], way: str) -> Tally:
     name = LABELS.get(way, way)
     if not both:
         return Tally(name, 0, *[float("nan")] * 8)
-    found, flown = scores(both, way), np.array([row.flown for row in both])
+    found, flown = scores_of_flights(both, way), np.array([row.flown for row in both])
     return Tally(
         name,
         len(both),
@@ -180,7 +180,7 @@ def tally(rows: Sequence[Forecast], way: str) -> Tally:
 def against(rows: Sequence[Forecast], rival: str) -> Against:
     """Fieldkit and a rival on the flights that both forecast."""
     both = forecast_by(rows, rival)
-    ours, theirs = scores(both, OWN_FORECAST), scores(both, rival)
+    ours, theirs = scores_of_flights(both, OWN_FORECAST), scores_of_flights(both, rival)
     return Against(
         rival,
         paired(ours.error, theirs.error),

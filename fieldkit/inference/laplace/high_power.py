@@ -3,8 +3,9 @@ the apogee.
 
 Derivation: each flight has the apogee and top speed that a design program forecast. The dry mass and Cd of the rocket
 follow from these two, and its readouts are linear around them. The log ratio of flown to forecast apogee is then normal
-with variance u + s^2 v + d^2 w: u is the variance of single flights in thrust and drag; s (`Hyperprior.high_power`)
-scales the other random effects of mass, thrust and apogee, whose variance is v; d (`Hyperprior.design_drag`) is the
+with mean s m and variance u + s^2 v + d^2 w: u is the variance of single flights in thrust and drag; s
+(`Hyperprior.high_power`) scales the other random effects of mass, thrust and apogee, whose mean effect on the apogee is
+m and whose variance is v; d (`Hyperprior.design_drag`) is the
 standard deviation of the log Cd around that of a design, and w the square of the effect of drag. s and d maximize the
 likelihood times a scaled inverse chi-squared prior for each square, as do the other variances (see `learning`).
 """
@@ -80,7 +81,7 @@ def departure(forecast: DesignForecast, hyperprior: Hyperprior) -> Departure:
     return Departure(
         rocket=flight.rocket,
         ratios=tuple(float(np.log(flown / apogee)) for apogee in forecast.apogees),
-        mean=hyperprior.mean("apogee"),
+        mean=sum(slope.get(fleet_term(name), 0.0) * hyperprior.mean(name) for name in CLOSER_AT_HIGH_POWER),
         of_flights=float((tangent.scatter_slope[0, 0] ** 2).sum()) + reading**2,
         scaled=float(np.square([*scaled, *apogee_scatter(model)]).sum()),
         by_drag=slope["drag"] ** 2,

@@ -100,5 +100,5 @@ def test_a_new_flyer_may_differ_by_both() -> None:
 
 def test_a_learned_card_states_the_uncertainty_of_each_mean() -> None:
     found = learned(0.3, 0.02)
-    assert set(found.mean_sds) == set(found.means) == {"drag", "apogee"}
+    assert set(found.mean_sds) == set(found.means) == {"drag", "mass", "apogee"}
     assert found.mean_sds["drag"] < MEAN_SD
