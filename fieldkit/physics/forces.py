@@ -20,15 +20,17 @@ class EquationsOfMotion:
     """Acceleration of all draws: thrust, drag and the effects' forces, less gravity. [m/s^2]
 
     `thrust` [N] and `mass` [kg] belong to one stage of a step. Position and velocity are [axis draw]: upward, downwind
-    in a planar flight, and to the right of the wind for a rail with a crosswind angle.
+    in a planar flight, and to the right of the wind for a rail with a crosswind angle; `axes` is their number, by
+    default as many as any draw needs.
     """
 
-    def __init__(self, setup: Setup, *, burning: bool) -> None:
+    def __init__(self, setup: Setup, *, burning: bool, axes: int | None = None) -> None:
         self.setup = setup
         self.burning = burning
         self.half_drag_area = 0.5 * setup.drag_area * setup.air.density
-        self.planar = bool(planar(setup).any())
-        self.axes = 1 + int(self.planar) + int(bool((setup.rail_across != 0).any()))
+        across = bool((setup.rail_across != 0).any())
+        self.axes = axes or 1 + int(bool(planar(setup).any())) + int(across)
+        self.planar = self.axes > 1
         if self.planar:
             self.rail = rail_axis(setup)[: self.axes]
             self.turned = setup.rail_length + setup.turn_length

@@ -215,6 +215,7 @@ def mixed(rows: int = 24) -> Setup:
     """Draws that differ in everything; some fly vertically, some at an angle, some not at all, some eject early."""
     rng = np.random.default_rng(4)
     upright = rng.random(rows) < 0.5
+    level = upright | (rng.random(rows) < 0.5)
     tiny = Push((0.0, 0.2), (2.0, 1.0), 0.01)
     return rocket(
         [ROUGH, STEADY, LONG, tiny],
@@ -225,7 +226,13 @@ def mixed(rows: int = 24) -> Setup:
         burn_stretch=rng.uniform(0.5, 1.5, rows),
         wind=np.where(upright, 0.0, rng.uniform(0, 8, rows)),
         rail_angle=np.where(upright, 0.0, rng.uniform(0, 0.2, rows)),
+        rail_across=np.where(level, 0.0, rng.uniform(-0.2, 0.2, rows)),
+        rail_friction=np.where(rng.random(rows) < 0.7, 0.0, rng.uniform(0, 20, rows)),
         rail_length=rng.uniform(0.5, 3, rows),
+        turn_length=rng.uniform(2, 8, rows),
+        power_off_drag=rng.uniform(1, 1.2, rows),
+        opening_time=rng.uniform(0.1, 1, rows),
+        descent_speed=rng.uniform(2, 9, rows),
         delay=np.where(rng.random(rows) < 0.3, np.nan, rng.uniform(0, 9, rows)),
         air=Air(rng.uniform(0.8, 1.3, rows), rng.uniform(270, 310, rows)),
     )
