@@ -276,10 +276,10 @@ def _step(
 def _stop_on_rail(track: AscentState, rate: EquationsOfMotion, position: Array) -> None:
     """Stop draws that friction would push back along the rail: it only resists the motion."""
     setup = rate.setup
-    back = (setup.rail_friction > 0) & (rate.along_rail(position) < setup.rail_length)
+    back = setup.rail_friction > 0
     if not back.any():
         return
-    back = back & (rate.along_rail(track.velocity) < 0)
+    back = back & (rate.along_rail(position) < setup.rail_length) & (rate.along_rail(track.velocity) < 0)
     higher = back & (position[0] > track.highest)
     track.highest_time = np.where(higher, track.time, track.highest_time)
     track.highest = np.where(higher, position[0], track.highest)
