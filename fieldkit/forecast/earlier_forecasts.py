@@ -21,7 +21,7 @@ from fieldkit.shapes import Array, Float
 class EarlierForecasts:
     """The results of a flyer's earlier forecasts: how many there are, the factor on the width of the next interval
     (None with too few), and the stacking weights of the model and of `STACKED_RIVALS` for a rocket that has flown and
-    for a first flight. [1]
+    for a first flight, the next one of a rocket without an apogee. [1]
 
     `flown` are the flights of all rockets in the order flown, from which the rivals forecast.
     """
@@ -37,12 +37,13 @@ class EarlierForecasts:
         return [one.corrected(self.stretch, self.count) for one in self._mixed(made)]
 
     def _mixed(self, made: Sequence[Prediction]) -> Sequence[Prediction]:
-        weights = [self.weights if one.rests_on else self.weights_of_first for one in made]
+        known = {flight.rocket for flight, _ in self.flown if flight.clean and flight.apogee is not None}
+        weights = [self.weights if one.plan.rocket in known else self.weights_of_first for one in made]
         if all(one == MODEL_ALONE for one in weights):
             return made
-        known = [one for one in simulate(self.flown) if one.flight.clean and one.flight.apogee is not None]
+        earlier = [one for one in simulate(self.flown) if one.flight.clean and one.flight.apogee is not None]
         plans = simulate([(one.plan, one.found) for one in made])
-        rivals = [rival_draws(known, plan) for plan in plans]
+        rivals = [rival_draws(earlier, plan) for plan in plans]
         return [_mixture(*each) for each in zip(made, rivals, weights, strict=True)]
 
 

@@ -50,9 +50,10 @@ class AscentState:
 
 
 def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
-    """Time at which thrust first exceeds weight; inf if it never does. [s]"""
+    """Time at which thrust first exceeds weight and friction on the rail; inf if it never does. [s]"""
     burns, motor = setup.burns, setup.motor
-    weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
+    mass = setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]
+    weight = mass * (setup.gravity + setup.rail_friction)
     needed = weight * setup.burn_stretch / setup.thrust_factor
     result = np.where(burns.rise_thrust[0][motor] > needed, burns.rise_time[0][motor], np.inf)
     for knot in range(len(burns.rise_time) - 1):
@@ -222,7 +223,7 @@ def _advance(
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
             setup = setup.part(kept)
-            rate = EquationsOfMotion(setup, burning=True)
+            rate = EquationsOfMotion(setup, burning=True, axes=len(moving.position))
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
@@ -266,8 +267,24 @@ def _step(
     track.velocity = v + sixth * a2
     track.time = track.time + dt
     track.flying = track.flying + dt
+    if rate.planar:
+        _stop_on_rail(track, rate, x)
     if track.velocity[0].min() < 0:
         _turn_over(track, dt, x[0], v[0])
+
+
+def _stop_on_rail(track: AscentState, rate: EquationsOfMotion, position: Array) -> None:
+    """Stop draws that friction would push back along the rail: it only resists the motion."""
+    setup = rate.setup
+    back = setup.rail_friction > 0
+    if not back.any():
+        return
+    back = back & (rate.along_rail(position) < setup.rail_length) & (rate.along_rail(track.velocity) < 0)
+    higher = back & (position[0] > track.highest)
+    track.highest_time = np.where(higher, track.time, track.highest_time)
+    track.highest = np.where(higher, position[0], track.highest)
+    track.position = np.where(back, position, track.position)
+    track.velocity = np.where(back, 0.0, track.velocity)
 
 
 def _turn_over(track: AscentState, dt: Array, height: Array, upward: Array) -> None:

@@ -20,15 +20,17 @@ class EquationsOfMotion:
     """Acceleration of all draws: thrust, drag and the effects' forces, less gravity. [m/s^2]
 
     `thrust` [N] and `mass` [kg] belong to one stage of a step. Position and velocity are [axis draw]: upward, downwind
-    in a planar flight, and to the right of the wind for a rail with a crosswind angle.
+    in a planar flight, and to the right of the wind for a rail with a crosswind angle; `axes` is their number, by
+    default as many as any draw needs.
     """
 
-    def __init__(self, setup: Setup, *, burning: bool) -> None:
+    def __init__(self, setup: Setup, *, burning: bool, axes: int | None = None) -> None:
         self.setup = setup
         self.burning = burning
         self.half_drag_area = 0.5 * setup.drag_area * setup.air.density
-        self.planar = bool(planar(setup).any())
-        self.axes = 1 + int(self.planar) + int(bool((setup.rail_across != 0).any()))
+        across = bool((setup.rail_across != 0).any())
+        self.axes = axes or 1 + int(bool(planar(setup).any())) + int(across)
+        self.planar = self.axes > 1
         if self.planar:
             self.rail = rail_axis(setup)[: self.axes]
             self.turned = setup.rail_length + setup.turn_length
@@ -63,7 +65,7 @@ class EquationsOfMotion:
 
     def _planar(self, position: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         height = position[0]
-        path = self._path(position)
+        path = self.along_rail(position)
         if (path >= self.turned).all():
             return self._turned(height, velocity, thrust, mass)
         free = smooth_step((path - self.setup.rail_length) / self.setup.turn_length)
@@ -74,7 +76,7 @@ class EquationsOfMotion:
         axis = self.rail + free * (heading - self.rail)
         acceleration = axis * (thrust / mass) - heading * self.drag_like(height, speed, mass)
         acceleration[0] -= self.setup.gravity
-        along = self._path(acceleration) - self.setup.rail_friction * (path < self.setup.rail_length)
+        along = self.along_rail(acceleration) - self.setup.rail_friction * (path < self.setup.rail_length)
         return np.asarray(free * acceleration + (1 - free) * self.rail * along)
 
     def _turned(self, height: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
@@ -97,9 +99,10 @@ class EquationsOfMotion:
         """Wind at a height [m]. [m/s]"""
         return wind_at(height, self.setup.wind, self.setup.wind_power, self.setup.wind_top)
 
-    def _path(self, position: Array) -> Array:
-        path = position[0] * self.rail[0] + position[1] * self.rail[1]
-        return np.asarray(path + position[2] * self.rail[2] if self.axes == 3 else path)
+    def along_rail(self, vector: Array) -> Array:
+        """The part of a vector along the rail, in its unit; only for planar flights."""
+        path = vector[0] * self.rail[0] + vector[1] * self.rail[1]
+        return np.asarray(path + vector[2] * self.rail[2] if self.axes == 3 else path)
 
 
 def rail_axis(setup: Setup) -> Array:

@@ -7,8 +7,9 @@ transform (PIT), is uniform over flights if forecasts are calibrated (Dawid, 198
 what chance allows.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -37,8 +38,17 @@ def interval_score(low: float, high: float, flown: float, level: float = 0.9) ->
 
 
 def pit(draws: Float[Array, "draw"], flown: float) -> float:
-    """The fraction of a forecast's draws below the flight, plus half of the draws equal to it. [1]"""
-    return float((draws < flown).mean() + (draws == flown).mean() / 2)
+    """The fraction of a forecast's draws below the flight, plus half of the draws equal to it. [1]
+
+    Between two draws it is interpolated, because a saved forecast has only a few dozen: each stands for the quantile in
+    the middle of its part of the distribution (Hazen, 1914).
+    """
+    ordered, count = np.sort(draws), len(draws)
+    below, upto = (int(np.searchsorted(ordered, flown, side)) for side in ("left", "right"))
+    if upto > below or below in (0, count):
+        return (below + upto) / 2 / count
+    part = (flown - ordered[below - 1]) / (ordered[below] - ordered[below - 1])
+    return float((below - 0.5 + part) / count)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +74,16 @@ class Calibration:
     intervals: tuple[Reliability, ...]
 
 
-def calibration(pits: Sequence[float], levels: Sequence[float] = LEVELS) -> Calibration:
-    """How uniform the PITs of flights are: each count and fraction with its binomial 90% range."""
+def calibration(
+    pits: Sequence[float],
+    levels: Sequence[float] = LEVELS,
+    inside: Mapping[float, Sequence[bool]] = MappingProxyType({}),
+) -> Calibration:
+    """How uniform the PITs of flights are: each count and fraction with its binomial 90% range.
+
+    `inside` is whether each flight was in the interval of a level whose ends were issued; other intervals follow from
+    the PITs.
+    """
     from scipy.stats import binom
 
     values = np.asarray(pits, float)
@@ -74,7 +92,7 @@ def calibration(pits: Sequence[float], levels: Sequence[float] = LEVELS) -> Cali
     low, high = (float(binom.ppf(end, count, 1 / BINS)) for end in (0.05, 0.95))
     found = []
     for level in levels:
-        held = float((np.abs(values - 0.5) <= level / 2).mean()) if count else float("nan")
+        held = float(np.mean(inside.get(level, np.abs(values - 0.5) <= level / 2))) if count else float("nan")
         ends = [float(binom.ppf(end, count, level)) / max(count, 1) for end in (0.05, 0.95)]
         found.append(Reliability(level, held, (ends[0], ends[1])))
     return Calibration(tuple(int(one) for one in counts), (low, high), tuple(found))

@@ -6,6 +6,7 @@ each effect in its most probable place.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -127,11 +128,14 @@ def quick_look(
 
 
 def _verdict(estimate: QuickAnswer) -> tuple[str, float]:
-    """The verdict of lowest expected cost, as in `fieldkit.selection.verdict`, and its probability."""
+    """The verdict of lowest expected cost, as in `fieldkit.selection.verdict`, and its probability.
+
+    The network gives the probability of each effect, not of several together, so they count as independent.
+    """
     ranked = sorted(estimate.inclusion, key=lambda name: -estimate.inclusion[name])
     likely = [name for name in ranked if estimate.inclusion[name] > NAMING_PROBABILITY]
     if likely:
-        return "+".join(likely), min(estimate.inclusion[name] for name in likely)
+        return "+".join(likely), prod(estimate.inclusion[name] for name in likely)
     if 1 - estimate.none > NAMING_PROBABILITY:
         return "unexplained", 1 - estimate.none
     return "none", estimate.none

@@ -14,7 +14,7 @@ from fieldkit.services.plausible_flights import plausible
 from fieldkit.services.saved_forecasts import of_flight
 
 SURPRISING = 0.001
-"""Probability of a good flight's apogee being questioned before it is saved. [1]"""
+"""Probability that the apogee of a good flight is questioned because it is too low, and because it is too high. [1]"""
 
 Interval = tuple[float, float, float]
 """An apogee at 5, 50 and 95%. [m]"""
@@ -24,7 +24,7 @@ Interval = tuple[float, float, float]
 class Outcome:
     """Forecast of a flight, forecast of the next flight like it, and Cd before and after the flight. [m, 1]
 
-    `kept` states whether the forecast was saved before the flight; otherwise it is computed from the earlier flights.
+    `kept` states whether the forecast was saved before the flight; otherwise it is computed from the other flights.
     `after` is the forecast of the next flight like it.
     """
 

@@ -109,7 +109,12 @@ def learn(
         "command": " ".join(["fieldkit learn", *_options(from_start, since), *(flyer.name for flyer in flyers)]),
         "made_with": {"fieldkit": __version__},
         "data": [
-            {"flyer": flyer.name, "flights": len(flyer.flown), "rockets": len(flyer.rockets), "sha256": flyer.digests}
+            {
+                "flyer": flyer.name,
+                "flights": sum(len(own) for own in flyer.rockets.values()),
+                "rockets": len(flyer.rockets),
+                "sha256": flyer.digests,
+            }
             for flyer in flyers
         ],
         "log_evidence": {"before": evidence(fleets, start), "after": evidence(fleets, found)},

@@ -181,6 +181,19 @@ def test_friction_on_the_rail_lowers_the_speed_off_it() -> None:
     never_rises(flown.apogee)
 
 
+def test_friction_on_the_rail_holds_a_rocket_and_never_pushes_it_back() -> None:
+    held = fly(rocket(STEADY, rail_friction=30 / 0.4 - GRAVITY + np.array([-1.0, 1.0])))
+    np.testing.assert_array_equal(held.lift_off, [1, 0])
+    late = Push((0.0, 0.5, 0.500001, 1.5), (0.0, 15.0, 40.0, 40.0))
+    soon = Push((0.0, 1e-6, 1.0), (0.0, 40.0, 40.0))
+    flown = [fly(rocket(push, rail_friction=40.0)) for push in (late, soon)]
+    np.testing.assert_allclose(flown[0].apogee, flown[1].apogee, rtol=0.01)
+    stops = Push((0.0, 0.05, 0.050001, 2.0), (40.0, 40.0, 12.0, 12.0))  # then thrust exceeds the weight, not friction
+    stuck = fly(rocket(stops, rail_friction=40.0))
+    assert 0 < stuck.apogee < 0.1
+    assert stuck.top_speed < 0.05 * (40 / 0.4 - GRAVITY - 40) + 1e-6
+
+
 def test_a_longer_rail_increases_the_exit_speed_and_changes_nothing_else() -> None:
     flown = fly(rocket(NOISY, rail_length=np.linspace(0.5, 3, 20)))
     assert np.all(np.diff(flown.rail_speed) > 0)
@@ -215,6 +228,7 @@ def mixed(rows: int = 24) -> Setup:
     """Draws that differ in everything; some fly vertically, some at an angle, some not at all, some eject early."""
     rng = np.random.default_rng(4)
     upright = rng.random(rows) < 0.5
+    level = upright | (rng.random(rows) < 0.5)
     tiny = Push((0.0, 0.2), (2.0, 1.0), 0.01)
     return rocket(
         [NOISY, CONSTANT, LONG, tiny],
@@ -225,7 +239,13 @@ def mixed(rows: int = 24) -> Setup:
         burn_stretch=rng.uniform(0.5, 1.5, rows),
         wind=np.where(upright, 0.0, rng.uniform(0, 8, rows)),
         rail_angle=np.where(upright, 0.0, rng.uniform(0, 0.2, rows)),
+        rail_across=np.where(level, 0.0, rng.uniform(-0.2, 0.2, rows)),
+        rail_friction=np.where(rng.random(rows) < 0.7, 0.0, rng.uniform(0, 20, rows)),
         rail_length=rng.uniform(0.5, 3, rows),
+        turn_length=rng.uniform(2, 8, rows),
+        power_off_drag=rng.uniform(1, 1.2, rows),
+        opening_time=rng.uniform(0.1, 1, rows),
+        descent_speed=rng.uniform(2, 9, rows),
         delay=np.where(rng.random(rows) < 0.3, np.nan, rng.uniform(0, 9, rows)),
         air=Air(rng.uniform(0.8, 1.3, rows), rng.uniform(270, 310, rows)),
     )

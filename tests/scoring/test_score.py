@@ -33,6 +33,18 @@ def test_the_range_expected_by_chance_is_binomial() -> None:
     assert pit(np.array([1.0, 2.0, 3.0]), 2.0) == 0.5
 
 
+def test_few_draws_have_the_quantiles_of_their_distribution() -> None:
+    levels = np.array([0.03, 0.04, 0.06, 0.5, 0.94, 0.97])
+    draws = ndtri((np.arange(40) + 0.5) / 40)
+    assert [pit(draws, value) for value in ndtri(levels)] == pytest.approx(levels, abs=4e-3)
+    assert [pit(draws, value) for value in (-9.0, 9.0)] == [0.0, 1.0]
+    assert pit(np.array([0.0, 0.0, 1.0, 1.0, 1.0]), 1.0) == pytest.approx(0.7)
+
+
+def test_the_coverage_of_an_issued_interval_is_that_of_its_ends() -> None:
+    assert [one.held for one in calibration([0.5, 0.96], inside={0.9: [True, True]}).intervals] == [0.5, 0.5, 1.0]
+
+
 def test_the_score_of_an_interval_is_its_width_and_twenty_times_a_miss() -> None:
     assert interval_score(180.0, 220.0, 200.0) == 40.0
     assert interval_score(180.0, 220.0, 230.0) == pytest.approx(40 + 20 * 10)

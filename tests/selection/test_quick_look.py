@@ -1,10 +1,13 @@
 """The quick search: its added plan does not change the results of the flown flights."""
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.inference.network.history import QuickAnswer, quick_answer
+from fieldkit.selection import quick_look as quick_looks
 from fieldkit.selection.quick_look import quick_look
 from tests.inference.history.histories import history
 
@@ -16,6 +19,18 @@ def test_strong_wear_is_the_verdict() -> None:
     assert look.candidates[0].effect == "wear"
     assert look.candidates[0].log_bayes > 5
     assert look.after.mae < look.before.mae
+
+
+def test_the_confidence_in_several_effects_is_that_all_are_present(monkeypatch: pytest.MonkeyPatch) -> None:
+    chances = {"wear": 0.9, "wind": 0.8, "flutter": 0.1}
+
+    def likely(*known: Any) -> QuickAnswer:
+        return replace(quick_answer(*known), inclusion=chances, none=0.01)
+
+    monkeypatch.setattr(quick_looks, "quick_answer", likely)
+    flights = history(6)
+    look = quick_look("Test", list(zip(flights.flights[:-1], flights.found[:-1], strict=True)), flights.used_in_fit)
+    assert (look.effect, look.confidence) == ("wear+wind", pytest.approx(0.9 * 0.8))
 
 
 def test_a_plan_without_a_name_is_forecast_like_one_with_a_name() -> None:

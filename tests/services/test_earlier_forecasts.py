@@ -98,6 +98,17 @@ def test_the_model_forecasts_alone_if_no_rival_did_better_at_such_flights(
     assert float(np.median(found.apogee)) == pytest.approx(float(np.median(alone.apogee)))
 
 
+def test_the_next_flight_of_a_rocket_without_an_apogee_is_a_first_flight_as_in_the_scores(book: Path) -> None:
+    other = flown(FLIGHTS).with_changes(rocket="Bumble", flight_id="b1", apogee=None, top_speed=70.0)
+    with Ledger.open(book) as ledger:
+        ledger.add([other])
+        remembered(ledger, 2.0, first=True)
+        (made,) = predict_plans(ledger, catalogue(), [unflown(other).with_changes(flight_id="")], keep=False)
+        assert made.rests_on == 1
+        assert made.mixed_with["fleet_ratio"] > 0.6
+        assert not forecast(ledger).mixed_with
+
+
 def test_scores_of_flights_that_changed_no_longer_count(book: Path) -> None:
     with Ledger.open(book) as ledger:
         remembered(ledger, 2.0)

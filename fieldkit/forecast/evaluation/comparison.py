@@ -124,12 +124,13 @@ def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
     """The full evaluation of forecasts of flown flights."""
     rockets = dict.fromkeys(row.rocket for row in rows)
     own = {rocket: against([row for row in rows if row.rocket == rocket], BAR) for rocket in rockets}
+    inside = scores(rows, OWN_FORECAST).inside.tolist()
     return ScoreReport(
         tuple(rows),
         tuple(one for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights),
         tuple(pair for name in LABELS if (pair := against(rows, name)).flights),
         tuple((rocket, one) for rocket, one in own.items() if one.flights and not one.error.less > 0),
-        calibration([pit(row.draws, row.flown) for row in rows]),
+        calibration([pit(row.draws, row.flown) for row in rows], inside={0.9: inside}),
         float(np.mean([crps(row.draws, row.flown) for row in rows])) if rows else float("nan"),
     )
 
@@ -137,15 +138,15 @@ def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
 def scores_of_flights(rows: Sequence[Forecast], way: str) -> Scores:
     """Scores of the model (`OWN_FORECAST`) or a rival on the flights with its forecast."""
     flown = np.array([row.flown for row in rows])
-    drawn = [(row.draws if way == OWN_FORECAST else row.rivals[way]) / row.flown for row in rows]
+    drawn = [row.draws if way == OWN_FORECAST else row.rivals[way] for row in rows]
     ends = [
-        row.interval if way == OWN_FORECAST else quantiles(draws * row.flown, LEVELS)
+        row.interval if way == OWN_FORECAST else quantiles(draws, LEVELS)
         for draws, row in zip(drawn, rows, strict=True)
     ]
     low, middle, high = (np.array(ends, float).reshape(-1, 3) / flown[:, None]).T
     return Scores(
         middle - 1,
-        np.array([crps(draws, 1.0) for draws in drawn]),
+        np.array([crps(draws / row.flown, 1.0) for draws, row in zip(drawn, rows, strict=True)]),
         np.array([interval_score(*both, 1.0) for both in zip(low, high, strict=True)]),
         (low <= 1) & (high >= 1),
     )

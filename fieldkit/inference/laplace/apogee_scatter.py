@@ -31,10 +31,6 @@ class ScatterWeights:
         """Mean square of the factor from all flights but each one. [1]"""
         return np.asarray(FACTORS**2 @ self.weight_without)
 
-    def draw(self, draws: int, rng: np.random.Generator) -> Float[Array, "draw"]:
-        """Draws of the factor. [1]"""
-        return np.asarray(rng.choice(FACTORS, draws, p=self.weight))
-
 
 def apogee_spread(
     error: Float[Array, "flight"], known: Float[Array, "flight"], own: Float[Array, "flight"], seen: Flags

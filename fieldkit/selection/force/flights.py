@@ -21,7 +21,7 @@ FREE_TERMS = ("drag",)
 """Terms that are free in every flight: the level of drag is a parameter of the plain model, and missing effects bias
 its fit."""
 FEWEST_SAMPLES = 30
-"""Duration of a climb below which its missing force is not computed. [s]"""
+"""Number of samples in a climb below which its missing force is not computed. [1]"""
 BOOST_POINTS, COAST_POINTS = 4, 8
 """Number of points that summarize each phase of a climb. [1]"""
 TOO_SHORT = "too few samples between lift-off and apogee to separate thrust from drag"

@@ -77,6 +77,21 @@ def test_rivals_are_compared_on_the_same_flights_with_an_interval() -> None:
     assert against(half, "scalar").flights == 20
 
 
+def test_the_same_forecasts_have_the_same_scores() -> None:
+    rows = [replace(row, rivals={"stacked": row.draws, "fleet_ratio": row.draws[::-1]}) for row in season(40)]
+    rows = [replace(row, p05=p05, p50=p50, p95=p95) for row in rows for p05, p50, p95 in [row.issued]]
+    for rival in ("stacked", "fleet_ratio"):
+        found = against(rows, rival)
+        assert (found.error.less, found.crps.less, found.interval_score.less) == (0.0, 0.0, 0.0)
+        assert found.verdict == "unclear"
+
+
+def test_the_coverage_of_the_90_percent_interval_is_one_figure() -> None:
+    rows = [replace(row, p05=row.p05 - 30.0, p95=row.p95 + 30.0) for row in season(60)]
+    found = judged_report(rows)
+    assert found.coverage90 == found.calibration.intervals[-1].held == 1.0
+
+
 def test_if_the_scalar_correction_is_better_it_is_reported() -> None:
     rows = season(30, bias=0.15) + season(30, seed=2, rocket="Luna")
     report = judged_report(rows)
