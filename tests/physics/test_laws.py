@@ -182,7 +182,7 @@ def test_friction_on_the_rail_lowers_the_speed_off_it() -> None:
 
 
 def test_friction_on_the_rail_holds_a_rocket_and_never_pushes_it_back() -> None:
-    held = fly(rocket(STEADY, rail_friction=30 / 0.4 - GRAVITY + np.array([-1.0, 1.0])))
+    held = fly(rocket(CONSTANT, rail_friction=30 / 0.4 - GRAVITY + np.array([-1.0, 1.0])))
     np.testing.assert_array_equal(held.lift_off, [1, 0])
     late = Push((0.0, 0.5, 0.500001, 1.5), (0.0, 15.0, 40.0, 40.0))
     soon = Push((0.0, 1e-6, 1.0), (0.0, 40.0, 40.0))

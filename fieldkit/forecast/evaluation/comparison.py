@@ -124,7 +124,7 @@ def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
     """The full evaluation of forecasts of flown flights."""
     rockets = dict.fromkeys(row.rocket for row in rows)
     own = {rocket: against([row for row in rows if row.rocket == rocket], BAR) for rocket in rockets}
-    inside = scores(rows, OWN_FORECAST).inside.tolist()
+    inside = scores_of_flights(rows, OWN_FORECAST).inside.tolist()
     return ScoreReport(
         tuple(rows),
         tuple(one for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights),
