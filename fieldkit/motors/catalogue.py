@@ -189,6 +189,7 @@ def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
         " ".join((entry["case"], entry["propellant"])),
         motor,
         former=next((was for field, was, *_ in entry["corrections"] if field == "designation"), ""),
+        propellant=entry["propellant"],
     )
 
 

@@ -8,7 +8,7 @@ from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
-from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
+from fieldkit.motors.names import Name, burns, compatible, is_cluster, parse, squeeze, tidy
 from fieldkit.quantities import rounded
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
@@ -32,7 +32,7 @@ class Listing:
     """An entry for searches; `motor()` is the motor itself with its curve.
 
     `words` are its case and its propellant; `diameter` is in m and `delays` in s; `former` is its previous designation;
-    `own` marks a motor from the user's files.
+    `own` marks a motor from the user's files; `propellant` is empty if unknown.
     """
 
     maker: str
@@ -45,6 +45,7 @@ class Listing:
     motor: Callable[[], Motor]
     own: bool = False
     former: str = ""
+    propellant: str = ""
 
     @property
     def label(self) -> str:
@@ -174,6 +175,11 @@ def _fitting(listings: Listings, name: Name, maker: str) -> list[Listing]:
     fitting = _narrow(fitting, lambda listing: listing.own)
     fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
     fitting = _narrow(fitting, lambda listing: name.letters != "" != listing.letters)
+    if name.letters:
+        fitting = _narrow(fitting, lambda one: one.letters != "" or burns(name.letters, one.propellant))
+        fitting = _narrow(
+            fitting, lambda one: one.letters != "" or not one.propellant or burns(name.letters, one.propellant)
+        )
     exact = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
     sold = [listing for listing in fitting if name.delay in listing.delays]
     return [listing for listing in exact if listing in sold] or sold or exact
@@ -207,7 +213,7 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
 def _found(name: Name, listing: Listing, text: str, note: str = "") -> Found:
     motor, doubt = as_printed(listing.motor(), name), _doubtful_delay(name, listing, text)
     notes = [one for one in (note, doubt) if one]
-    if name.letters and not listing.letters and not doubt:
+    if name.letters and not doubt and not (listing.letters or burns(name.letters, listing.propellant)):
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and motor.delays and name.delay not in motor.delays:
         asked = "plugged" if name.delay == PLUGGED_DELAY else f"with a delay of {name.delay:g} s"
