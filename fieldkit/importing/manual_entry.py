@@ -92,7 +92,7 @@ def field_of(name: str) -> tuple[str, str]:
         return plain, ""
     for column in (*COLUMNS, *LOGGED):
         ending = plain.removeprefix(column.name)
-        if ending == "" or (ending.startswith("_") and ending[1:] in units.UNITS[column.quantity]):
+        if ending == "" or (ending.startswith("_") and units.named(column.quantity, ending[1:])):
             return column.name, ending[1:]
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
     known += [header for column in MEASURED for header in (column.sd_header, column.source_header)]
@@ -195,7 +195,7 @@ def _number(column: Column, text: str, unit: str) -> float | None:
 
 def _example(column: Column, unit: str) -> str:
     """An example of a valid answer, in a unit if that is known: `281.3m`."""
-    unit = unit if unit.lower() in units.UNITS[column.quantity] else column.unit
+    unit = unit if units.named(column.quantity, unit) else column.unit
     scale = units.unit(column.quantity, unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
     return f"{scale.from_si(middle):.3g}{unit}"

@@ -97,7 +97,7 @@ def _places(names: Sequence[str], wanted: str) -> list[int]:
 def stated_unit(name: str) -> str:
     """The unit at the end of a header, or none."""
     ending = plain(name).rpartition("_")[2]
-    return ending if any(ending in known for known in units.UNITS.values()) and "_" in plain(name) else ""
+    return ending if "_" in plain(name) and units.is_unit(ending) else ""
 
 
 def plain(spelled: str) -> str:
@@ -218,7 +218,7 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
         return ColumnRole(spelled.strip(), unit=column_beside.unit, beside=column_beside)
     if name := max((one for one in _beginnings(words) if one in BY_NAME), key=len, default=""):
         column, ending = BY_NAME[name], words.removeprefix(f"{name}_")
-        if ending in units.UNITS[column.quantity]:
+        if ending and units.named(column.quantity, ending):
             return ColumnRole(spelled.strip(), name, ending)
         if strict and "_" not in ending and ending not in NO_UNITS:
             units.unit(column.quantity, ending)
@@ -269,4 +269,4 @@ def mass_column(headings: Sequence[ColumnRole], name: str) -> str:
 def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
     """Whether a column that is not a field of a flight is a mass with one of these names, with its unit."""
     name, _, unit = plain(heading.spelled).rpartition("_")
-    return not heading.field and bool({name, usual_name(name)} & {*words}) and unit in units.UNITS["mass"]
+    return not heading.field and bool({name, usual_name(name)} & {*words}) and bool(units.named("mass", unit))

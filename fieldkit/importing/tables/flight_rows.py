@@ -23,7 +23,7 @@ _SUMMARIES = frozenset(
 def units_in(names: Sequence[str], cells: Sequence[str]) -> list[str] | None:
     """Column names with the units of the row below them, or None if that row does not consist of units."""
     bare = [cell.strip().strip("()[]").strip() for cell in cells]
-    known = [any(cell.lower() in unit for unit in units.UNITS.values()) and bool(cell) for cell in bare]
+    known = [units.is_unit(cell) for cell in bare]
     if not any(known) or len(bare) > len(names):
         return None
     if not all(one or cell.lower() in _NO_UNIT for one, cell in zip(known, bare, strict=True)):

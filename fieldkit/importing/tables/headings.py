@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fieldkit.units import UNITS, Unit
+from fieldkit.units import Unit, named, plain
 
 QUANTITIES: Mapping[str, str] = {
     "time": "time",
@@ -41,35 +41,6 @@ QUANTITIES: Mapping[str, str] = {
 
 DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 """Latitude and longitude are in degrees unless another unit is given."""
-
-_WORDS = {
-    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",
-    "ms": "millisecond milliseconds millis msec",
-    "us": "microsecond microseconds micros usec μs",
-    "ns": "nanosecond nanoseconds nanos nsec",
-    "min": "minute minutes",
-    "m": "meter meters metre metres mtr metro metros mètre mètres metri м",
-    "ft": "foot feet",
-    "in": "inch inches",
-    "pa": "pascal pascals",
-    "hpa": "hectopascal hectopascals",
-    "kpa": "kilopascal kilopascals",
-    "mbar": "millibar millibars mbars",
-    "c": "celsius degreescelsius centigrade",
-    "f": "fahrenheit degreesfahrenheit",
-    "k": "kelvin",
-    "g": "gs g's gee gees gee's",
-    "mg": "mgs millig milligs",
-    "v": "volt volts",
-    "mv": "millivolt millivolts",
-    "n": "newton newtons",
-    "lb": "pound pounds",
-    "oz": "ounce ounces",
-    "kg": "kilogram kilograms",
-    "deg": "degree degrees",
-    "mph": "miles/hour",
-}
-_UNIT_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,24 +73,11 @@ def heading(spelled: str) -> Heading:
     return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", name.lower())), unit)
 
 
-def plain(unit: str) -> str:
-    """A unit in the spelling of `fieldkit.units`: `Feet / Sec` becomes `ft/s`, `m/s²` and `m/s/s` become `m/s2`."""
-    text = unicodedata.normalize("NFKC", unit).lower().replace("per", "/").replace("µ", "μ")
-    parts = [re.sub(r"[\s^*·_.]+", "", part) for part in text.split("/")]
-    parts = [_UNIT_ALIASES.get(part, part) for part in parts]
-    if len(parts) == 3 and parts[1] == parts[2]:
-        parts = [parts[0], f"{parts[1]}2"]
-    return re.sub(r"/(sec|s)2$|/s\^2$", "/s2", "/".join(parts))
-
-
 def unit_named(quantity: str, text: str) -> Unit | None:
     """The unit of a quantity that a text names in any spelling, or None."""
     if quantity == "degree":
         return DEGREES.get(plain(text))
-    known = UNITS[quantity]
-    if quantity == "force" and plain(text) == "lb":
-        return known["lbf"]
-    return known.get(plain(text)) or known.get(text.strip().lower())
+    return named(quantity, text)
 
 
 def stated_unit(head: Heading, channel: str) -> str:
