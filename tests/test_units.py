@@ -1,5 +1,7 @@
 """Numbers as flyers type them, with and without units."""
 
+from datetime import datetime
+
 import pytest
 
 from fieldkit import units
@@ -125,3 +127,13 @@ def test_a_comma_is_read_in_the_unit_of_the_question() -> None:
 def test_the_form_separates_a_number_from_its_unit(text: str, number: str, unit: str) -> None:
     assert (typed_number(text), typed_unit(text)) == (number, unit)
     assert with_unit(text, "m") == (text if unit else f"{text}m")
+
+
+@pytest.mark.parametrize("text", ["2026-05-13T10:30", "13.5.2026 10:30", "5/13/2026 10:30 AM", "May 13, 2026 10:30"])
+def test_a_typed_date_is_read_in_any_unambiguous_spelling(text: str) -> None:
+    assert read_answer("date_time", text) == datetime(2026, 5, 13, 10, 30)
+
+
+def test_a_typed_date_with_two_meanings_is_refused() -> None:
+    with pytest.raises(BadValue, match="expected a date such as 2026-05-01"):
+        read_answer("date_time", "5/6/2026")

@@ -28,6 +28,7 @@ from fieldkit.flight import (
 from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
+from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.quantities import significant
 
 NOT_RECORDED = "-"
@@ -110,7 +111,9 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
         return tuple(check_name(tag) for tag in read_tags(text))
     if name in NAMES:
         return check_name(text)
-    return read_date(_day_in_words(text)) if name == "date_time" else text
+    if name != "date_time":
+        return text
+    return date_of(text, None) or read_date(_day_in_words(text))
 
 
 def read_lift_off_mass(text: str, unit: str = "") -> float | None:

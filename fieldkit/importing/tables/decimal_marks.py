@@ -9,7 +9,7 @@ from fieldkit.flight import BY_NAME, Column
 from fieldkit.importing.tables.flight_headings import ColumnRole, is_mass, plain
 from fieldkit.importing.tables.text import shown
 
-NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
+NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none", "?", "unknown", "null")
 """Cells of a column of numbers without a value."""
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")

@@ -20,8 +20,9 @@ from fieldkit.safe_text import printable
 
 OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
 """Columns of which one is enough to recognize a flight table; a readout with its unit is enough as well."""
-NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
-"""Endings of a header that look like a unit but are not: `wind_direction` is a column of its own."""
+NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw", "mach")
+"""Endings of a header that look like a unit but are not: `wind_direction` is a column of its own, and a Mach number is
+a speed only at a known temperature."""
 _NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?\s*[A-Za-z°/²]{0,6}")
 _LETTER = re.compile(r"[^\W\d_]")
 _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
