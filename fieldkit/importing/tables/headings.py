@@ -57,6 +57,10 @@ def _set(words: str) -> frozenset[str]:
 
 
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+_ABOVE = re.compile(r"(.*?)\s+((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
+"""A unit with the zero of a height: `ft AGL`, `m above sea level`."""
+_REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
+"""Words of a pressure that is that of the day, not that of a sample."""
 _QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
 
 
@@ -67,7 +71,9 @@ def heading(spelled: str) -> Heading:
     for match in reversed(list(_BRACKETS.finditer(spelled))):
         inside = match[1].strip()
         if inside.lower() not in _QUALIFIERS:
-            name, unit = spelled[: match.start()] + " " + spelled[match.end() :], inside
+            above = _ABOVE.fullmatch(inside)
+            unit, zero = (above[1], above[2]) if above else (inside, "")
+            name = f"{spelled[: match.start()]} {zero} {spelled[match.end() :]}"
             break
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", name.lower())), unit)
@@ -90,6 +96,8 @@ def stated_unit(head: Heading, channel: str) -> str:
         return head.unit
     if quantity == "degree":
         return "deg"
+    if " ".join(head.words) in (*_FEET, *map(" ".join, _SECONDS)):
+        return head.words[0]
     for length in (5, 4, 3, 2, 1):
         if len(head.words) > length:
             ending = "".join(head.words[-length:])
@@ -125,6 +133,8 @@ _CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start st
 """Words of a clock that name its origin."""
 _SECONDS = (("sec",), ("secs",), ("seconds",))
 """Names of a clock that are its unit."""
+_FEET = ("feet", "ft", "feet agl", "ft agl", "meters", "meters agl", "metres")
+"""Names of a height that are its unit."""
 _LETTERS = {"h": ("altitude", "length"), "p": ("pressure", "pressure")}
 """Letters that are names if a unit of their quantity is next to them."""
 
@@ -135,6 +145,8 @@ def channel(head: Heading) -> str:
     `acceleration` without a word about gravity may be felt or net: the result is `felt?`.
     """
     words = set(head.words)
+    if " ".join(head.words) in _FEET:
+        return "altitude"
     letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
     if letter and head.unit and unit_named(quantity, head.unit):
         return letter
@@ -170,7 +182,9 @@ def channel(head: Heading) -> str:
     if words & _WORKED_OUT:
         return ""
     if words & _PRESSURE and not words & _SPEED:
-        return "altitude" if head.unit and unit_named("length", head.unit) else "pressure"
+        if head.unit and unit_named("length", head.unit):
+            return "altitude"
+        return "" if words & _REFERENCES else "pressure"
     if words & _SPEED and head.unit and unit_named("pressure", head.unit):
         return ""  # dynamic pressure
     if words & _SPEED:
