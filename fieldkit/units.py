@@ -2,14 +2,17 @@
 
 A number is converted on the line where it enters or leaves the program. A column name or a typed value carries its unit
 as a suffix (`apogee_ft`, `923ft`); which units are allowed follows from the quantity, so the `g` of `dry_mass_g` is a
-gram and the `g` of `peak_accel_g` is the acceleration of free fall.
+gram and the `g` of `peak_accel_g` is the acceleration of free fall. Units may be spelled as flyers do: `29.92 in. Hg`.
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from fieldkit.errors import BadValue
+from fieldkit.typed_amounts import MAX_TYPED_LENGTH, plain_marks, typed_amount, typed_in_two, value_of
 
 STANDARD_GRAVITY = 9.80665
 """Acceleration of free fall, by definition. [m/s^2]"""
@@ -62,6 +65,8 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "ft": Unit(FOOT),
         "feet": Unit(FOOT),
         "'": Unit(FOOT),
+        "yd": Unit(3 * FOOT),
+        "mi": Unit(MILE),
     },
     "mass": {"kg": Unit(1.0), "g": Unit(1e-3), "oz": Unit(POUND / 16), "lb": Unit(POUND), "lbs": Unit(POUND)},
     "speed": {
@@ -114,6 +119,7 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "inhg": Unit(3386.389),
         "mmhg": Unit(133.322),
         "psi": Unit(6894.757),
+        "bar": Unit(1e5),
         "atm": Unit(101325.0),
     },
     "force": {"n": Unit(1.0), "kn": Unit(1e3), "lbf": Unit(POUND * STANDARD_GRAVITY)},
@@ -127,41 +133,116 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 }
 """Units by quantity and lower-case suffix."""
 
-_TYPED_NUMBER = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
-
-
-MAX_TYPED_LENGTH = 200
-"""Size limit of a typed number, including its unit and spaces. [character]"""
+_WORDS = {
+    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",
+    "ms": "millisecond milliseconds millis msec",
+    "us": "microsecond microseconds micros usec μs",
+    "ns": "nanosecond nanoseconds nanos nsec",
+    "min": "minute minutes mins",
+    "m": "meter meters metre metres mtr metro metros mètre mètres metri м",
+    "mm": "millimeter millimeters millimetre millimetres",
+    "cm": "centimeter centimeters centimetre centimetres",
+    "km": "kilometer kilometers kilometre kilometres",
+    "ft": "foot feet '",
+    "in": 'inch inches "',
+    "yd": "yard yards",
+    "mi": "mile miles",
+    "pa": "pascal pascals",
+    "hpa": "hectopascal hectopascals",
+    "kpa": "kilopascal kilopascals",
+    "mbar": "millibar millibars mbars",
+    "inhg": 'inchhg incheshg "hg inchesofmercury inhga',
+    "mmhg": "torr",
+    "atm": "atmosphere atmospheres",
+    "c": "celsius degreescelsius degreec degreesc centigrade",
+    "f": "fahrenheit degreesfahrenheit degreef degreesf",
+    "k": "kelvin",
+    "g": "gs g's gee gees gee's gram grams gramm gramme grammes gm gms",
+    "mg": "mgs millig milligs",
+    "v": "volt volts",
+    "mv": "millivolt millivolts",
+    "n": "newton newtons",
+    "lb": "pound pounds",
+    "oz": "ounce ounces",
+    "kg": "kilogram kilograms kilo kilos",
+    "deg": "degree degrees",
+    "rad": "radian radians",
+    "mph": "mi/h mi/hour mi/hr",
+    "km/h": "kmph km/hr km/hour",
+    "ft/s": "f/s",
+    "knots": "knot kts",
+}
+_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {"ftagl": "ft", "magl": "m"}
+"""Other spellings of units, or of a part of one, such as the `sec` of `ft/sec`."""
+CUSTOMARY_UNITS = frozenset({"ft", "in", "yd", "mi", "mph", "fps", "ft/s", "lb", "lbs", "oz", "inhg", "f", "°f", "psi"})
+"""Units of flyers who write a decimal point."""
+_SMALLER = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
+"""The unit that may follow a larger one, as in `12 ft 6 in`."""
 MAX_TYPED_VALUE = 1e30
 """Largest magnitude of a typed number, in any unit."""
 
 
+@lru_cache(maxsize=1024)
+def plain(unit: str) -> str:
+    """A unit in the spelling of `UNITS`: `Feet / Sec` becomes `ft/s`, `m/s²` and `m/s/s` become `m/s2`."""
+    text = unicodedata.normalize("NFKC", plain_marks(unit)).lower().replace("per", "/").replace("µ", "μ")
+    parts = [re.sub(r"[\s^*·_.]+", "", part) for part in text.split("/")]
+    parts = [_ALIASES.get(part, part) for part in parts]
+    if len(parts) == 3 and parts[1] == parts[2]:
+        parts = [parts[0], f"{parts[1]}2"]
+    whole = re.sub(r"/(sec|s)2$|/s\^2$", "/s2", "/".join(parts))
+    return _ALIASES.get(whole, whole)
+
+
+def named(quantity: str, text: str) -> Unit | None:
+    """The unit of a quantity that a text names in any spelling, or None."""
+    known = UNITS[quantity]
+    name = plain(text[:MAX_TYPED_LENGTH])
+    if text.strip() and not name:
+        return None
+    if quantity == "force" and name == "lb":
+        return known["lbf"]
+    if quantity == "pressure" and name == "in":
+        return known["inhg"]
+    return known.get(text.strip().lower()) or known.get(name)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text names a unit of any quantity."""
+    return bool(text.strip()) and any(named(quantity, text) for quantity in UNITS)
+
+
 def unit(quantity: str, suffix: str) -> Unit:
-    """The unit of a quantity with this suffix in any case.
+    """The unit of a quantity with this suffix in any spelling.
 
     Raises BadValue with the allowed units for an unknown suffix.
     """
-    units = UNITS[quantity]
-    try:
-        return units[suffix.strip().lower()]
-    except KeyError:
-        raise BadValue(f"found the unit {suffix!r}, expected one of {', '.join(units)}") from None
+    if found := named(quantity, suffix):
+        return found
+    raise BadValue(f"found the unit {suffix!r}, expected one of {', '.join(UNITS[quantity])}")
 
 
 def parse(text: str, quantity: str, default: str) -> float:
-    """The SI value of a number typed with or without its unit: `923ft`, `281,3 m`, `12.5`.
+    """The SI value of a number typed with or without its unit: `923ft`, `281,3 m`, `1/2 in`, `1lb 3oz`, `12.5`.
 
-    A number without a unit is in the unit `default`. A comma is a decimal comma. Raises BadValue if the text is not a
-    number with an allowed unit.
+    A number without a unit is in the unit `default`. A comma is a decimal comma, except before three digits: there it
+    separates thousands in a customary unit and is ambiguous in others. Raises BadValue if the text is not an
+    unambiguous number with an allowed unit.
     """
+    two = _in_two(text, quantity)
+    if two is not None:
+        return _bounded(two, text)
     number, scale = _typed(text, quantity, default)
     return _bounded(scale.to_si(number), text)
 
 
 def typed_unit(text: str, default: str) -> str:
-    """The unit of a typed number as `parse` reads it: its own, or `default`."""
-    match = _TYPED_NUMBER.match(text)
-    return match[2].strip() if match and match[2] else default
+    """The unit of a typed number as `parse` reads it: its own, the first of two, or `default`."""
+    two = typed_in_two(text)
+    if two and plain(two.unit) in _SMALLER:
+        return plain(two.unit)
+    one = typed_amount(text)
+    return one.unit if one and one.unit else default
 
 
 def spelled(unit: str) -> str:
@@ -179,11 +260,25 @@ def parse_difference(text: str, quantity: str, default: str) -> float:
 
 def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
     """A typed number and its unit. Raises BadValue if the text is not one."""
-    match = _TYPED_NUMBER.match(text) if len(text) <= MAX_TYPED_LENGTH else None
-    if not match:
+    typed = typed_amount(text)
+    if typed is None:
         raise BadValue(f"found {text.strip()[:40]!r}, expected a number")
-    number, suffix = match.groups()
-    return float(number.replace(",", ".")), unit(quantity, suffix or default)
+    scale = unit(quantity, typed.unit or default)
+    return typed.signed(value_of(typed.digits, customary=plain(typed.unit or default) in CUSTOMARY_UNITS)), scale
+
+
+def _in_two(text: str, quantity: str) -> float | None:
+    """The SI value of a number in two units, such as feet and inches; None if the text is not one. Raises BadValue."""
+    typed = typed_in_two(text)
+    if typed is None:
+        return None
+    larger = plain(typed.unit)
+    larger = "min" if quantity == "time" and larger == "m" else larger
+    smaller = _SMALLER.get(larger, "")
+    if smaller not in UNITS[quantity] or plain(typed.more_unit or smaller) != smaller:
+        return None
+    more = UNITS[quantity][smaller].to_si(value_of(typed.more, customary=True))
+    return typed.signed(UNITS[quantity][larger].to_si(float(typed.digits)) + more)
 
 
 def _bounded(value: float, text: str) -> float:

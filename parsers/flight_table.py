@@ -5,9 +5,9 @@ Columns are those of `fieldkit.flight`, in any order and case; a unit other than
 have columns for its standard deviation (`apogee_sd_m`, `apogee_sd_ft`) and its source (`apogee_source`). Unknown
 columns are kept unchanged.
 
-Other names for these columns are in `fieldkit/data/flight_columns.toml`. An empty cell, `-`, `n/a` or `none` in a
-column of numbers means "not recorded"; `NaN` is the result of failed arithmetic in a program, and is rejected. Tags are
-separated by `;`, `|` or `,`.
+Other names for these columns are in `fieldkit/data/flight_columns.toml`. An empty cell, `-`, `?`, `n/a`, `none` or
+`unknown` in a column of numbers means "not recorded"; `NaN` is the result of failed arithmetic in a program, and is
+rejected. Tags are separated by `;`, `|` or `,`.
 """
 
 import re
@@ -16,7 +16,7 @@ from dataclasses import replace
 from datetime import datetime
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, read_date, read_tags
+from fieldkit.flight import BY_NAME, READOUTS, read_tags
 from fieldkit.flight.readout import ReadoutColumn
 from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
 from fieldkit.importing.tables.decimal_marks import (
@@ -46,9 +46,10 @@ from fieldkit.importing.tables.flight_rows import (
     are_mere_numbers,
     cells_of,
     is_blank,
-    is_summary,
     last_row,
+    left_out,
     units_in,
+    unread_cells,
 )
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
@@ -108,7 +109,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
         table[-1] = last_row(*table[-1], len(headings))
     mark = decimal_mark(_numbers(headings, table), separator)
     found: list[Found] = [_row(row, cells, headings, mark, separator) for row, cells in table]
-    found = found or [Note("found a header and no flights", header_row)]
+    found = [*unread_cells(headings, found), *found] or [Note("found a header and no flights", header_row)]
     if choice is None:
         return found
     line = ", ".join(f"{name} = {shown(column)}" for name, column in choice.channels.items())
@@ -167,10 +168,9 @@ def _holds_numbers(heading: ColumnRole) -> bool:
 
 
 def _row(row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str) -> Found:
-    """The flight of one row, the error in the row, or a note if it sums up the others."""
-    if not isinstance(cells, DamagedLog) and is_summary(cells, headings):
-        return Note("sums up the others, left out", row)
-    return _reading(row, cells, headings, mark, separator)
+    """The flight of one row, the error in the row, or a note if it is no flight."""
+    note = None if isinstance(cells, DamagedLog) else left_out(row, cells, headings)
+    return note or _reading(row, cells, headings, mark, separator)
 
 
 def _reading(
@@ -258,9 +258,9 @@ def _known_header(cell: str, heading: ColumnRole) -> str:
 
 
 def _date(cell: str, heading: ColumnRole) -> datetime | None:
-    """A date: in ISO 8601 under fieldkit's own name, otherwise in any unambiguous spelling. Raises BadValue."""
-    if not cell or is_own_date(heading.spelled):
-        return read_date(cell)
+    """A date in any unambiguous spelling. Raises BadValue."""
+    if not cell:
+        return None
     if (moment := date_of(cell, heading.day_first)) is None:
         raise BadValue(f"found {shown(cell)}, expected a date such as 2026-05-01 or 2026-05-01T10:30")
     return moment

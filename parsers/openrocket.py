@@ -25,6 +25,8 @@ EVENTS = {
     "GROUND_HIT": "landing",
 }
 """Events with a fieldkit name; others keep their own in lower case, and repeated ones are numbered."""
+ZERO = 0.05
+"""Time and height of the first row of a simulation are smaller. [any unit]"""
 MOST_EVENTS = 200
 """Largest number of events. [1]"""
 _EVENT = re.compile(r"Event ([A-Z][A-Z_]{1,40}) occurred at t=([+-]?[\d.]+(?:[eE][+-]?\d+)?) seconds")
@@ -55,10 +57,22 @@ def recognises(head: bytes) -> bool:
     header = _header(text)
     if header is None:
         return False
-    heights = any(channel_of(heading(name)) == "altitude" for name in header.names)
-    if (header.mark and heights) or _EVENT.search(text) or _POINTS.search(text):
+    if (header.mark and _starts_at_zero(text, header)) or _EVENT.search(text) or _POINTS.search(text):
         return True
     return any(" ".join(heading(name).words) in _SIMULATED_CHANNELS for name in header.names)
+
+
+def _starts_at_zero(text: str, header: ExportHeader) -> bool:
+    """Whether time and height begin at zero: a simulation begins at ignition, a logger waits on the pad."""
+    below = (line for line in lines_of(text)[header.row :] if line.strip() and not line.startswith(header.mark))
+    first = next(below, "").replace('"', "")
+    cells = first.split(header.separator) if header.separator else first.split()
+    names = [channel_of(heading(name)) for name in header.names]
+    try:
+        start = [float(cells[names.index(name)].replace(",", ".")) for name in ("time", "altitude")]
+    except (ValueError, IndexError):
+        return False
+    return all(abs(value) < ZERO for value in start)
 
 
 def read(log: bytes) -> list[Found]:

@@ -28,6 +28,7 @@ from fieldkit.flight import (
 from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
+from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.quantities import significant
 
 NOT_RECORDED = "-"
@@ -92,7 +93,7 @@ def field_of(name: str) -> tuple[str, str]:
         return plain, ""
     for column in (*COLUMNS, *LOGGED):
         ending = plain.removeprefix(column.name)
-        if ending == "" or (ending.startswith("_") and ending[1:] in units.UNITS[column.quantity]):
+        if ending == "" or (ending.startswith("_") and units.named(column.quantity, ending[1:])):
             return column.name, ending[1:]
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
     known += [header for column in MEASURED for header in (column.sd_header, column.source_header)]
@@ -110,7 +111,9 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
         return tuple(check_name(tag) for tag in read_tags(text))
     if name in NAMES:
         return check_name(text)
-    return read_date(_day_in_words(text)) if name == "date_time" else text
+    if name != "date_time":
+        return text
+    return date_of(text, None) or read_date(_day_in_words(text))
 
 
 def read_lift_off_mass(text: str, unit: str = "") -> float | None:
@@ -195,7 +198,7 @@ def _number(column: Column, text: str, unit: str) -> float | None:
 
 def _example(column: Column, unit: str) -> str:
     """An example of a valid answer, in a unit if that is known: `281.3m`."""
-    unit = unit if unit.lower() in units.UNITS[column.quantity] else column.unit
+    unit = unit if units.named(column.quantity, unit) else column.unit
     scale = units.unit(column.quantity, unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
     return f"{scale.from_si(middle):.3g}{unit}"

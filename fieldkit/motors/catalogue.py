@@ -16,10 +16,11 @@ import numpy as np
 from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
+from fieldkit.motors.listing import Listing, Listings
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
 from fieldkit.motors.names import MAX_NAME, parse, tidy
 from fieldkit.motors.own_corrections import FILE_NAME, OwnCorrection, corrected
-from fieldkit.motors.search import Found, Listing, Listings
+from fieldkit.motors.search import Found
 from fieldkit.motors.several import Booster, names_several, resolve_several
 from fieldkit.safe_text import printable
 
@@ -189,6 +190,7 @@ def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
         " ".join((entry["case"], entry["propellant"])),
         motor,
         former=next((was for field, was, *_ in entry["corrections"] if field == "designation"), ""),
+        propellant=entry["propellant"],
     )
 
 

@@ -2,20 +2,18 @@
 
 import difflib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
+from fieldkit.motors.listing import Listing, Listings
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
-from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
+from fieldkit.motors.names import Name, burns, compatible, is_cluster, parse, squeeze, tidy
 from fieldkit.quantities import rounded
 
-_NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
 _UNKNOWN_CLASS = re.compile(r"(?:^|\s)[P-Z]\d")
 """Motor classes that nobody sells: `P4935`, `Q99`."""
-_BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
-"""AMW's older designations: propellant, diameter and case."""
 _SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 """Propellant letters and delay in the wrong order, as in `F24-W4`."""
 _ENDING = re.compile(r"\d[A-Z]*-([A-Z]+)$")
@@ -25,45 +23,6 @@ _WORD = 3
 _SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
 _LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by popularity: up to class E, and above it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Listing:
-    """An entry for searches; `motor()` is the motor itself with its curve.
-
-    `words` are its case and its propellant; `diameter` is in m and `delays` in s; `former` is its previous designation;
-    `own` marks a motor from the user's files.
-    """
-
-    maker: str
-    name: str
-    designation: str
-    diameter: float
-    delays: tuple[float, ...]
-    available: bool
-    words: str
-    motor: Callable[[], Motor]
-    own: bool = False
-    former: str = ""
-
-    @property
-    def label(self) -> str:
-        """Maker and designation: `AeroTech F24W`."""
-        return f"{self.maker} {self.designation}"
-
-    @property
-    def letters(self) -> str:
-        """The letters of its designation: for AMW's `GG-54-2550` the first two, for Estes' 13 mm motors the T."""
-        if case := _BY_CASE.fullmatch(self.designation):
-            return case[1]
-        letters = parse(self.designation).letters
-        return "T" if not letters and self.maker == "Estes" and self.diameter == 0.013 else letters
-
-    def mentions(self, word: str) -> bool:
-        """Whether a word in capitals is part of its data; F or F2 match only the start of its name."""
-        if _NAME.fullmatch(word):
-            return self.name.startswith(word)
-        return word in f"{self.label} {self.diameter * 1e3:g}mm {self.words}".upper()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,10 +37,6 @@ class Found:
     delay: float | None
     notes: tuple[str, ...] = ()
     doubt: str = ""
-
-
-Listings = Mapping[str, Sequence[Listing]]
-"""Listings by common name: `F24`."""
 
 
 def find(listings: Listings, text: str, maker: str = "") -> Found:
@@ -174,6 +129,11 @@ def _fitting(listings: Listings, name: Name, maker: str) -> list[Listing]:
     fitting = _narrow(fitting, lambda listing: listing.own)
     fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
     fitting = _narrow(fitting, lambda listing: name.letters != "" != listing.letters)
+    if name.letters:
+        fitting = _narrow(fitting, lambda one: one.letters != "" or burns(name.letters, one.propellant))
+        fitting = _narrow(
+            fitting, lambda one: one.letters != "" or not one.propellant or burns(name.letters, one.propellant)
+        )
     exact = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
     sold = [listing for listing in fitting if name.delay in listing.delays]
     return [listing for listing in exact if listing in sold] or sold or exact
@@ -207,7 +167,7 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
 def _found(name: Name, listing: Listing, text: str, note: str = "") -> Found:
     motor, doubt = as_printed(listing.motor(), name), _doubtful_delay(name, listing, text)
     notes = [one for one in (note, doubt) if one]
-    if name.letters and not listing.letters and not doubt:
+    if name.letters and not doubt and not (listing.letters or burns(name.letters, listing.propellant)):
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and motor.delays and name.delay not in motor.delays:
         asked = "plugged" if name.delay == PLUGGED_DELAY else f"with a delay of {name.delay:g} s"
@@ -287,6 +247,8 @@ def _doubtful_delay(name: Name, listing: Listing, text: str) -> str:
     """The error in what follows the hyphen of a name if it is neither a delay nor part of the motor's designation."""
     ending = _ENDING.search(tidy(text))
     if ending is None or name.delay is not None or squeeze(listing.designation).endswith(ending[1]):
+        return ""
+    if burns(ending[1], listing.propellant):
         return ""
     return f"{text.strip()!r}: found {ending[1]!r} as the delay, expected seconds, or P for plugged"
 

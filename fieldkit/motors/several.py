@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor
-from fieldkit.motors.names import MAX_NAME, is_cluster
+from fieldkit.motors.names import MAX_NAME, count_first, is_cluster
 from fieldkit.motors.search import Found
 from fieldkit.shapes import Array
 
@@ -105,7 +105,7 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
     delays: list[float | None] = []
     notes: list[str] = []
     for group in re.split(r"\s*\+\s*", text.strip()):
-        named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", group))
+        named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", count_first(group)))
         if named is None:
             raise UnknownMotor(f"{text}: found {group!r}, expected motors such as 3 x C6-5")
         found = resolve(named[3])

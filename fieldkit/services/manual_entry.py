@@ -5,6 +5,7 @@ from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
 
+from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column, Flight
 from fieldkit.flight.limits import check
@@ -42,7 +43,12 @@ def kind(column: Column) -> str:
 
 def typed_unit(text: str) -> str:
     """The unit after a number, empty if there is none: `ft` of `923 ft`."""
-    return text.strip().lstrip("+-.,0123456789eE ")
+    return units.typed_unit(text, "") or text.strip().lstrip("+-.,/0123456789eE½¼¾⅛⅜⅝⅞ ")
+
+
+def typed_number(text: str) -> str:
+    """The number without its unit; all of a number in two units: `923` of `923 ft`, but `12'6"`."""
+    return text.strip().removesuffix(typed_unit(text)).strip()
 
 
 def with_unit(text: str, unit: str) -> str:

@@ -58,6 +58,27 @@ UNMISTAKABLE = {
     "micro maxx ii": ("Quest MICRO_MAXX_II", None),
     "F20-7": ("AeroTech F20W/L", 7),
     "Estes C6-5": ("Estes C6", 5),
+    "29/120 G64W-7": ("AeroTech G64W", 7),
+    "RMS 29/40-120 G64W": ("AeroTech G64W", None),
+    "F39T-6 RMS 24/40": ("AeroTech F39T", 6),
+    "Loki 38/240 H144": ("Loki H144-LW", None),
+    "DMS G80T-14A": ("AeroTech G80T", 14),
+    "AeroTech Econojet F20-4W": ("AeroTech F20W/L", 4),
+    "Estes PSII E30-4": ("Estes E30", 4),
+    "P54-4G K940": ("Cesaroni 1633K940-18A", None),
+    "Pro 38 I205": ("Cesaroni I205", None),
+    "1633-K940-WT-18A": ("Cesaroni 1633K940-18A", 18),
+    "H242-M": ("AeroTech H242T", None),
+    "H128W-M": ("AeroTech H128W", None),
+    "G80NBT-10": ("AeroTech G80T", 10),
+    "G76 Mojave Green-10": ("AeroTech G76G", 10),
+    "F36-9A SS": ("Cesaroni 41F36-11A", 9),
+    "F36-BS": ("Cesaroni 51F36-14A", None),
+    "I285 Classic": ("Cesaroni 512I285-15A", None),
+    "I285R": ("AeroTech I285R", None),
+    "C6-5 (Estes)": ("Estes C6", 5),
+    "F 24-4W": ("AeroTech F24W", 4),
+    "F24-4W*": ("AeroTech F24W", 4),
     "F51-6T": ("AeroTech F51NT", 6),
     "F51NT-6": ("AeroTech F51NT", 6),
     "F42-8T": ("AeroTech F42T/L", 8),
@@ -97,6 +118,8 @@ SEVERAL = (
     "E190-H148R",
     "B6-4, 3 A8-3",
     "D12-0 + C6-7",
+    "D12-5 x2",
+    "Estes C6-5 (x3)",
 )
 
 
@@ -120,6 +143,16 @@ def test_a_name_as_flyers_write_it_finds_its_motor(text: str, expected: tuple[st
     found = catalogue().find(text)
     assert (_label(found.motor), found.delay) == expected
     assert catalogue().resolve(text).motor is found.motor
+
+
+@pytest.mark.parametrize("text", ["I285-CL", "K940 White Thunder", "J293BS", "G106SK", "K2045 V-max", "F79-13A SS"])
+def test_the_propellant_in_a_name_is_that_of_the_motor(text: str) -> None:
+    assert catalogue().resolve(text).notes == ()
+
+
+def test_a_propellant_that_a_motor_does_not_burn_gives_a_note() -> None:
+    (note,) = catalogue().resolve("J293WT").notes
+    assert "does not have the letters WT" in note
 
 
 @pytest.mark.parametrize(("text", "expected"), LIKELY.items())

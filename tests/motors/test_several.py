@@ -57,6 +57,7 @@ def test_the_thrusts_and_masses_of_a_cluster_add() -> None:
         ("C6-5 + A10-3", 2.205),
         ("D12-5 + 2 x C6-7@1.5", 3.285),  # 5 s after the burnout of the D12, not of the motors lit later
         ("2 x C6-0", 0.0),
+        ("C6-0 x2", 0.0),
         ("2 x C6-P", PLUGGED_DELAY),
         ("2 x C6", None),
     ],

@@ -243,13 +243,25 @@ def test_a_header_without_rows_gives_no_flights_and_is_reported() -> None:
         ("2026-05-01T10:30:05", datetime(2026, 5, 1, 10, 30, 5)),
         ("2026-05-01T10:30+02:00", datetime(2026, 5, 1, 10, 30)),
         ("", None),
+        ("01.05.2026", datetime(2026, 5, 1)),
+        ("2026/5/1", datetime(2026, 5, 1)),
+        ("2026.05.01 10:30", datetime(2026, 5, 1, 10, 30)),
+        ("5/13/2026 2:05 PM", datetime(2026, 5, 13, 14, 5)),
+        ("13-05-2026", datetime(2026, 5, 13)),
+        ("5/13/99", datetime(1999, 5, 13)),
+        ("5/13/12", datetime(2012, 5, 13)),
+        ("1 May 2026 10:30 AM", datetime(2026, 5, 1, 10, 30)),
+        ('"Fri, May 1st, 2026"', datetime(2026, 5, 1)),
+        ("Sept. 3 2026", datetime(2026, 9, 3)),
     ],
 )
-def test_dates_are_iso_in_local_time(cell: str, date: datetime | None) -> None:
+def test_dates_are_in_local_time_and_in_any_unambiguous_spelling(cell: str, date: datetime | None) -> None:
     assert flight("rocket,apogee_m,date_time", f"Swift,100,{cell}").date_time == date
 
 
-@pytest.mark.parametrize("cell", ["5/1/2026", "01.05.2026", "2026-13-01", "2026-02-30", "10:30", "noon"])
+@pytest.mark.parametrize(
+    "cell", ["5/1/2026", "5-1-2026", "2026-13-01", "2026/13/1", "31.4.2026", "2026-02-30", "10:30", "noon"]
+)
 def test_other_dates_are_refused_with_their_column(cell: str) -> None:
     assert complaint("rocket,apogee_m,date_time", f"Swift,100,{cell}").startswith("date_time: found ")
 
@@ -624,3 +636,53 @@ def test_only_texts_short_enough_to_be_a_name_are_looked_up(
     assert asked == []
     assert role_of("apogee_m " * 5000, strict=False).field == ""
     assert len(flight_headings._beginnings("apogee_m_" * 5000)) < 30
+
+
+def test_a_date_that_cannot_be_read_under_another_name_is_reported() -> None:
+    got = intake("Rocket,Motor,Apogee (ft),Date\nSwift,C6-5,900,6/7/2024\nSwift,C6-5,910,5/12/2024\n")
+    assert [one.date_time for one in got.flights] == [None, None]
+    assert "t.csv, row 2: Date: found '6/7/2024', and 1 more cell, expected a date such as 2026-05-01" in got.notes[0]
+
+
+def test_a_repeated_header_is_left_out_with_a_note() -> None:
+    got = intake("Rocket,Motor,Apogee (ft)\nSwift,C6-5,900\nRocket,Motor,Apogee (ft)\nSwift,C6-5,910\n")
+    assert len(got.flights) == 2
+    assert not got.rejected
+    assert "t.csv, row 3: repeats the header, left out" in got.notes
+
+
+def test_a_mach_number_does_not_prevent_an_import() -> None:
+    got = flight("rocket,motor,apogee_ft,Max speed (Mach)", "Swift,C6-5,900,0.45")
+    assert (got.top_speed, got.extra["Max speed (Mach)"]) == (None, "0.45")
+
+
+@pytest.mark.parametrize("cell", ["?", "unknown", "NULL"])
+def test_a_readout_that_is_unknown_is_not_recorded(cell: str) -> None:
+    assert flight("rocket,apogee_ft,top_speed_mph", f"Swift,900,{cell}").top_speed is None
+
+
+@pytest.mark.parametrize(
+    ("header", "cell", "si"),
+    [
+        ("Apogee (meters)", "281", 281.0),
+        ("Wind (knots)", "10", 5.14444),
+        ("Wind (kts)", "10", 5.14444),
+        ("Top speed (feet per second)", "100", 30.48),
+        ("dry_mass", "1lb 3oz", 0.538641),
+        ("diameter", "2 1/2 in", 0.0635),
+        ("Dry mass (pounds)", "0.7", 0.317515),
+        ("Pressure (in. Hg)", "29.92", 101320.8),
+    ],
+)
+def test_units_are_read_in_any_spelling(header: str, cell: str, si: float) -> None:
+    name = {
+        "Apogee": "apogee",
+        "Wind": "wind",
+        "Top speed": "top_speed",
+        "Dry mass": "dry_mass",
+        "Pressure": "pressure",
+    }
+    field = name.get(header.partition(" (")[0], header)
+    others = "rocket,motor" if field == "apogee" else "rocket,motor,apogee_m"
+    row = "Swift,C6-5" if field == "apogee" else "Swift,C6-5,281"
+    assert flight(f"{others},{header}", f"{row},{cell}").number(field) == pytest.approx(si, rel=1e-5)

@@ -82,6 +82,12 @@ HEADERS = [
     ("Vertical acceleration (m/s²)", "acceleration", "m/s²"),
     ("temperature_celsius", "temperature", "celsius"),
     ("latitude", "latitude", "deg"),
+    ("Altitude (feet AGL)", "altitude", "feet"),
+    ("Height (m above ground)", "altitude", "m"),
+    ("Altitude (ft MSL)", "altitude_msl", "ft"),
+    ("Altitude (m above sea level)", "altitude_msl", "m"),
+    ("Feet", "altitude", "feet"),
+    ("Seconds", "time", "seconds"),
 ]
 
 
@@ -102,6 +108,8 @@ def test_a_header_gives_its_channel_and_unit(spelled: str, name: str, unit: str)
         "velocity_x (m/s)",
         "wind speed (m/s)",
         "motor pressure (Pa)",
+        "Sea level pressure (hPa)",
+        "QNH pressure [hPa]",
         "update_timestamp_ns",
         "Note",
         "",
@@ -110,6 +118,13 @@ def test_a_header_gives_its_channel_and_unit(spelled: str, name: str, unit: str)
 )
 def test_a_header_of_another_quantity_is_not_a_channel(spelled: str) -> None:
     assert channel(heading(spelled)) == ""
+
+
+def test_a_sensor_that_starts_late_does_not_hide_the_table() -> None:
+    log = table("time_s,altitude_m", "{t:.2f},{h:.2f}").decode().split("\n")
+    log[1:6] = [f"{line.partition(',')[0]},NaN" for line in log[1:6]]
+    (series,), _ = found("\n".join(log).encode())
+    assert top(series) == pytest.approx(285, abs=0.2)
 
 
 @pytest.mark.parametrize(

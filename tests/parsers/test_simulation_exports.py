@@ -110,6 +110,12 @@ def test_a_flight_log_with_units_in_brackets_is_not_a_simulation() -> None:
     assert claims(log) == ["mapped_table"]
 
 
+def test_a_flight_log_with_a_commented_header_is_not_a_simulation() -> None:
+    heights = [0.3, -0.2, 0.1, *(i * (30 - i) for i in range(30))]
+    rows = "".join(f"{i - 3},{height}\n" for i, height in enumerate(heights))
+    assert claims(f"# Time (s),Altitude (m)\n{rows}".encode()) == ["mapped_table"]
+
+
 @pytest.mark.parametrize("name", ["openrocket", "rocksim", "rasaero"])
 def test_a_header_without_rows_is_damaged(name: str) -> None:
     sample = next(s for s in SIMULATED if owner(s) == name).read_text(encoding="utf-8")

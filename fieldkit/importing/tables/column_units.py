@@ -9,7 +9,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.column_choice import REQUIRED_CHANNELS, Pick, to_si
-from fieldkit.importing.tables.headings import QUANTITIES, plain, unit_named
+from fieldkit.importing.tables.headings import QUANTITIES, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
@@ -22,7 +22,7 @@ from fieldkit.importing.tables.unit_inference import (
 )
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
-from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit
+from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit, plain
 
 AXES = ("felt_x", "felt_y", "felt_z")
 NO_UNIT, NO_KIND = "no unit", "neither one g nor zero at rest"

@@ -9,10 +9,8 @@ from fieldkit.flight import BY_NAME, Column
 from fieldkit.importing.tables.flight_headings import ColumnRole, is_mass, plain
 from fieldkit.importing.tables.text import shown
 
-NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
+NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none", "?", "unknown", "null")
 """Cells of a column of numbers without a value."""
-CUSTOMARY_UNITS = frozenset({"ft", "feet", "'", "in", "mph", "fps", "ft/s", "lb", "lbs", "oz", "inhg", "f", "°f"})
-"""Units of flyers who write a decimal point."""
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
@@ -41,8 +39,7 @@ def precision(cell: str, column: Column, unit: str) -> float:
     Raises BadValue for an unknown unit.
     """
     digits = re.match(r"\s*[+-]?\d*(?:[.,](\d+))?", cell)
-    named = unit or cell.strip().lstrip("+-0123456789.,").strip()
-    scale = units.unit(column.quantity, named or column.unit)
+    scale = units.unit(column.quantity, unit or units.typed_unit(cell, column.unit))
     return abs(scale.difference_to_si(10.0 ** -len((digits and digits[1]) or "")))
 
 
@@ -66,12 +63,13 @@ def number_of(cell: str, column: Column, unit: str, mark: str) -> float:
     write decimal commas measure in meters.
     """
     thousands = _THOUSANDS.match(cell)
-    named = cell.strip().lstrip("+-0123456789.,").strip().lower() or unit
-    if thousands and thousands[1] == "," != mark and named in CUSTOMARY_UNITS:
+    customary = units.plain(units.typed_unit(cell, unit)) in units.CUSTOMARY_UNITS
+    if thousands and thousands[1] == "," != mark and customary:
         cell = cell.replace(",", "")
     check_number(cell, column, unit, mark)
+    decimal = cell.replace(",", ".") if thousands and thousands[1] == "," else cell
     try:
-        return units.parse(cell, column.quantity, unit)
+        return units.parse(decimal, column.quantity, unit)
     except BadValue:
         known = f"{unit}, or with a unit of {column.quantity}" if unit else column.unit
         raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None

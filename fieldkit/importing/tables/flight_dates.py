@@ -8,9 +8,13 @@ from fieldkit.importing.tables.flight_headings import plain
 
 TIME_NAMES = ("time", "launch_time", "time_of_day", "liftoff_time", "time_of_launch", "uhrzeit", "hora", "heure")
 """Names of a column with the time of day of a launch, beside one with its date."""
-_NUMBERS = re.compile(r"(\d{1,2})([./])(\d{1,2})\2(\d{4}|\d{2})(?:,?[ T]+(\S.*))?")
+_NUMBERS = re.compile(r"(\d{1,2})([./-])(\d{1,2})\2(\d{4}|\d{2})(?:,?[ T]+(\S.*))?")
+_YEAR_FIRST = re.compile(r"(\d{4})([./-])(\d{1,2})\2(\d{1,2})\.?(?:,?[ T]+(\S.*))?")
+_CENTURY_ENDS = 70
+"""Years of two digits from here on are of the 20th century, as in most programs. [1]"""
+_WITH_TIME = re.compile(r"(.*\d{4}),?(?: at)? (\d{1,2}[: ].*)")
 _NAMED_MONTH = ("%d %B %Y", "%d %b %Y", "%d %b %y", "%B %d %Y", "%b %d %Y", "%d-%b-%Y", "%d-%b-%y")
-_TIMES = ("%H:%M", "%H:%M:%S", "%H:%M:%S.%f", "%I:%M %p", "%I:%M:%S %p", "%I:%M%p", "%I %p")
+_TIMES = ("%H:%M", "%H:%M:%S", "%H:%M:%S.%f", "%H:%M UHR", "%I:%M %p", "%I:%M:%S %p", "%I:%M%p", "%I %p")
 
 
 def time_of_day(text: str) -> time | None:
@@ -19,13 +23,13 @@ def time_of_day(text: str) -> time | None:
 
 
 def is_own_date(spelled: str) -> bool:
-    """Whether a header is fieldkit's own name for a date, which is in ISO 8601."""
+    """Whether a header is fieldkit's own name for a date."""
     return plain(spelled).startswith("date_time")
 
 
 def is_day_first(texts: Iterable[str]) -> bool | None:
     """Whether the day precedes the month in a column of dates such as `13/6/2024`; None if no date proves it."""
-    pairs = [(int(m[1]), int(m[3])) for text in texts if (m := _NUMBERS.fullmatch(text.strip())) and m[2] == "/"]
+    pairs = [(int(m[1]), int(m[3])) for text in texts if (m := _NUMBERS.fullmatch(text.strip())) and m[2] != "."]
     orders = {first > 12 for first, second in pairs if (first > 12) != (second > 12)}
     return orders.pop() if len(orders) == 1 else None
 
@@ -48,30 +52,47 @@ def date_of(text: str, day_first: bool | None) -> datetime | None:
         pass
     if match := _NUMBERS.fullmatch(text):
         return _from_numbers(match, day_first)
+    if match := _YEAR_FIRST.fullmatch(text):
+        return _at(int(match[1]), int(match[3]), int(match[4]), match[5])
+    if match := _WITH_TIME.fullmatch(text):
+        return _at_named(match[1], match[2])
+    return _at_named(text, "")
+
+
+def _at_named(text: str, moment: str) -> datetime | None:
+    """A date such as `Sat, June 13th, 2024` with its time of day."""
     plain = re.sub(r"^(?:mon|tues?|wed(?:nes)?|thu(?:rs)?|fri|sat(?:ur)?|sun)(?:day)?,? ", "", text.lower())
-    plain = plain.replace(",", "")
-    return next((moment for form in _NAMED_MONTH if (moment := _parsed(plain, form))), None)
+    plain = re.sub(r"(?<=\d)(?:st|nd|rd|th)\b", "", plain.replace(",", "").replace(".", " ").replace("sept ", "sep "))
+    plain = " ".join(plain.split())
+    day = next((day for form in _NAMED_MONTH if (day := _parsed(plain, form))), None)
+    return day and _at(day.year, day.month, day.day, moment)
+
+
+def _at(year: int, month: int, day: int, moment: str | None) -> datetime | None:
+    """A date and a time of day, which may be empty; None if either is not one."""
+    of_day = time_of_day(moment) if moment else time()
+    try:
+        return None if of_day is None else datetime.combine(datetime(year, month, day), of_day)
+    except ValueError:
+        return None
 
 
 def _from_numbers(match: re.Match[str], day_first: bool | None) -> datetime | None:
     """A date such as `13.6.2024 9:30`: points follow the day; around a slash only the numbers or the column decide."""
     first, second, year = int(match[1]), int(match[3]), int(match[4])
     ordered = _precedes(first, second, match[2], day_first)
-    moment = time_of_day(match[5]) if match[5] else time()
-    if ordered is None or moment is None:
+    if ordered is None:
         return None
     day, month = (first, second) if ordered else (second, first)
-    try:
-        return datetime.combine(datetime(year + 2000 * (year < 100), month, day), moment)
-    except ValueError:
-        return None
+    century = 2000 if year < _CENTURY_ENDS else 1900 if year < 100 else 0
+    return _at(century + year, month, day, match[5])
 
 
 def _precedes(first: int, second: int, mark: str, day_first: bool | None) -> bool | None:
     """Whether the first of two numbers is the day; None if that is unknown."""
-    if mark == "." or first > 12 or first == second:
-        return True
-    return False if second > 12 else day_first
+    if first > 12 or second > 12:
+        return first > 12
+    return True if mark == "." or first == second else day_first
 
 
 def _parsed(text: str, form: str) -> datetime | None:

@@ -20,8 +20,9 @@ from fieldkit.safe_text import printable
 
 OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
 """Columns of which one is enough to recognize a flight table; a readout with its unit is enough as well."""
-NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
-"""Endings of a header that look like a unit but are not: `wind_direction` is a column of its own."""
+NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw", "mach")
+"""Endings of a header that look like a unit but are not: `wind_direction` is a column of its own, and a Mach number is
+a speed only at a known temperature."""
 _NUMBER = re.compile(r"[+-]?\d+([.,]\d+)?\s*[A-Za-z°/²]{0,6}")
 _LETTER = re.compile(r"[^\W\d_]")
 _DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ].*)?|\d\d?[./]\d\d?[./]\d{2,4}.*")
@@ -97,7 +98,7 @@ def _places(names: Sequence[str], wanted: str) -> list[int]:
 def stated_unit(name: str) -> str:
     """The unit at the end of a header, or none."""
     ending = plain(name).rpartition("_")[2]
-    return ending if any(ending in known for known in units.UNITS.values()) and "_" in plain(name) else ""
+    return ending if "_" in plain(name) and units.is_unit(ending) else ""
 
 
 def plain(spelled: str) -> str:
@@ -218,7 +219,7 @@ def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Colum
         return ColumnRole(spelled.strip(), unit=column_beside.unit, beside=column_beside)
     if name := max((one for one in _beginnings(words) if one in BY_NAME), key=len, default=""):
         column, ending = BY_NAME[name], words.removeprefix(f"{name}_")
-        if ending in units.UNITS[column.quantity]:
+        if ending and units.named(column.quantity, ending):
             return ColumnRole(spelled.strip(), name, ending)
         if strict and "_" not in ending and ending not in NO_UNITS:
             units.unit(column.quantity, ending)
@@ -269,4 +270,4 @@ def mass_column(headings: Sequence[ColumnRole], name: str) -> str:
 def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
     """Whether a column that is not a field of a flight is a mass with one of these names, with its unit."""
     name, _, unit = plain(heading.spelled).rpartition("_")
-    return not heading.field and bool({name, usual_name(name)} & {*words}) and unit in units.UNITS["mass"]
+    return not heading.field and bool({name, usual_name(name)} & {*words}) and bool(units.named("mass", unit))

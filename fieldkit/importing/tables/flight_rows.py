@@ -4,8 +4,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit import units
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import Found, Note, Reading
 from fieldkit.importing.tables.flight_headings import ColumnRole, plain, stated_unit
+from fieldkit.importing.tables.text import shown
 from fieldkit.quantities import counted
+from fieldkit.safe_text import printable
 
 TableRow = tuple[int, list[str] | DamagedLog]
 """A row of a table with its number: its cells, or why they cannot be read."""
@@ -23,7 +26,7 @@ _SUMMARIES = frozenset(
 def units_in(names: Sequence[str], cells: Sequence[str]) -> list[str] | None:
     """Column names with the units of the row below them, or None if that row does not consist of units."""
     bare = [cell.strip().strip("()[]").strip() for cell in cells]
-    known = [any(cell.lower() in unit for unit in units.UNITS.values()) and bool(cell) for cell in bare]
+    known = [units.is_unit(cell) for cell in bare]
     if not any(known) or len(bare) > len(names):
         return None
     if not all(one or cell.lower() in _NO_UNIT for one, cell in zip(known, bare, strict=True)):
@@ -78,3 +81,31 @@ def are_mere_numbers(headings: Sequence[ColumnRole], table: Sequence[TableRow]) 
     pairs = [(*rocket, *number) for rocket, number in zip(named[::2], named[1::2], strict=True) if any(number)]
     numbered = all(pair[-1].strip().isdecimal() for pair in pairs)
     return (heading.loose and numbered) or len(set(pairs)) < len(pairs)
+
+
+def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Found]) -> list[Note]:
+    """A note for each column whose cells are kept as text in some rows, because they are not what its name promises."""
+    notes = []
+    for heading in headings:
+        if not (heading.loose and heading.field):
+            continue
+        kept = [
+            one
+            for one in found
+            if isinstance(one, Reading) and heading.spelled in one.extra and one.stated.get(heading.field) is None
+        ]
+        if kept:
+            expected = f"a number in {heading.unit}" if heading.unit else "a date such as 2026-05-01"
+            cell = shown(kept[0].extra[heading.spelled])
+            times = f", and {counted(len(kept) - 1, 'more cell')}" if len(kept) > 1 else ""
+            column = printable(heading.spelled)
+            notes.append(Note(f"{column}: found {cell}{times}, expected {expected}: kept as text", kept[0].row))
+    return notes
+
+
+def left_out(row: int, cells: Sequence[str], headings: Sequence[ColumnRole]) -> Note | None:
+    """A note for a row that is no flight, because it sums up the others or repeats the header; else None."""
+    names = [heading.spelled for heading in headings]
+    if any(names) and [cell.strip() for cell in cells] == names:  # where two tables were joined
+        return Note("repeats the header, left out", row)
+    return Note("sums up the others, left out", row) if is_summary(cells, headings) else None

@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fieldkit.units import UNITS, Unit
+from fieldkit.units import Unit, named, plain
 
 QUANTITIES: Mapping[str, str] = {
     "time": "time",
@@ -42,35 +42,6 @@ QUANTITIES: Mapping[str, str] = {
 DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 """Latitude and longitude are in degrees unless another unit is given."""
 
-_WORDS = {
-    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",
-    "ms": "millisecond milliseconds millis msec",
-    "us": "microsecond microseconds micros usec μs",
-    "ns": "nanosecond nanoseconds nanos nsec",
-    "min": "minute minutes",
-    "m": "meter meters metre metres mtr metro metros mètre mètres metri м",
-    "ft": "foot feet",
-    "in": "inch inches",
-    "pa": "pascal pascals",
-    "hpa": "hectopascal hectopascals",
-    "kpa": "kilopascal kilopascals",
-    "mbar": "millibar millibars mbars",
-    "c": "celsius degreescelsius centigrade",
-    "f": "fahrenheit degreesfahrenheit",
-    "k": "kelvin",
-    "g": "gs g's gee gees gee's",
-    "mg": "mgs millig milligs",
-    "v": "volt volts",
-    "mv": "millivolt millivolts",
-    "n": "newton newtons",
-    "lb": "pound pounds",
-    "oz": "ounce ounces",
-    "kg": "kilogram kilograms",
-    "deg": "degree degrees",
-    "mph": "miles/hour",
-}
-_UNIT_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()}
-
 
 @dataclass(frozen=True, slots=True)
 class Heading:
@@ -86,6 +57,10 @@ def _set(words: str) -> frozenset[str]:
 
 
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+_ABOVE = re.compile(r"(.*?)\s+((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
+"""A unit with the zero of a height: `ft AGL`, `m above sea level`."""
+_REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
+"""Words of a pressure that is that of the day, not that of a sample."""
 _QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
 
 
@@ -96,30 +71,19 @@ def heading(spelled: str) -> Heading:
     for match in reversed(list(_BRACKETS.finditer(spelled))):
         inside = match[1].strip()
         if inside.lower() not in _QUALIFIERS:
-            name, unit = spelled[: match.start()] + " " + spelled[match.end() :], inside
+            above = _ABOVE.fullmatch(inside)
+            unit, zero = (above[1], above[2]) if above else (inside, "")
+            name = f"{spelled[: match.start()]} {zero} {spelled[match.end() :]}"
             break
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", name.lower())), unit)
-
-
-def plain(unit: str) -> str:
-    """A unit in the spelling of `fieldkit.units`: `Feet / Sec` becomes `ft/s`, `m/s²` and `m/s/s` become `m/s2`."""
-    text = unicodedata.normalize("NFKC", unit).lower().replace("per", "/").replace("µ", "μ")
-    parts = [re.sub(r"[\s^*·_.]+", "", part) for part in text.split("/")]
-    parts = [_UNIT_ALIASES.get(part, part) for part in parts]
-    if len(parts) == 3 and parts[1] == parts[2]:
-        parts = [parts[0], f"{parts[1]}2"]
-    return re.sub(r"/(sec|s)2$|/s\^2$", "/s2", "/".join(parts))
 
 
 def unit_named(quantity: str, text: str) -> Unit | None:
     """The unit of a quantity that a text names in any spelling, or None."""
     if quantity == "degree":
         return DEGREES.get(plain(text))
-    known = UNITS[quantity]
-    if quantity == "force" and plain(text) == "lb":
-        return known["lbf"]
-    return known.get(plain(text)) or known.get(text.strip().lower())
+    return named(quantity, text)
 
 
 def stated_unit(head: Heading, channel: str) -> str:
@@ -132,6 +96,8 @@ def stated_unit(head: Heading, channel: str) -> str:
         return head.unit
     if quantity == "degree":
         return "deg"
+    if " ".join(head.words) in (*_FEET, *map(" ".join, _SECONDS)):
+        return head.words[0]
     for length in (5, 4, 3, 2, 1):
         if len(head.words) > length:
             ending = "".join(head.words[-length:])
@@ -167,6 +133,8 @@ _CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start st
 """Words of a clock that name its origin."""
 _SECONDS = (("sec",), ("secs",), ("seconds",))
 """Names of a clock that are its unit."""
+_FEET = ("feet", "ft", "feet agl", "ft agl", "meters", "meters agl", "metres")
+"""Names of a height that are its unit."""
 _LETTERS = {"h": ("altitude", "length"), "p": ("pressure", "pressure")}
 """Letters that are names if a unit of their quantity is next to them."""
 
@@ -177,6 +145,8 @@ def channel(head: Heading) -> str:
     `acceleration` without a word about gravity may be felt or net: the result is `felt?`.
     """
     words = set(head.words)
+    if " ".join(head.words) in _FEET:
+        return "altitude"
     letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
     if letter and head.unit and unit_named(quantity, head.unit):
         return letter
@@ -212,7 +182,9 @@ def channel(head: Heading) -> str:
     if words & _WORKED_OUT:
         return ""
     if words & _PRESSURE and not words & _SPEED:
-        return "altitude" if head.unit and unit_named("length", head.unit) else "pressure"
+        if head.unit and unit_named("length", head.unit):
+            return "altitude"
+        return "" if words & _REFERENCES else "pressure"
     if words & _SPEED and head.unit and unit_named("pressure", head.unit):
         return ""  # dynamic pressure
     if words & _SPEED:

@@ -96,8 +96,12 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
 
 
 def _numbers(cells: Sequence[str], separator: str | None) -> bool:
-    """Whether most cells are numbers, and the others single words or numbers with a unit."""
-    values = [c for c in cells if c.strip().lower() not in _ABSENT_MARKS and not _WITH_UNIT.fullmatch(c)]
+    """Whether most cells are numbers, and the others single words or numbers with a unit.
+
+    A sensor that starts late writes `nan` at first.
+    """
+    absent = _ABSENT_MARKS - {"nan"}
+    values = [c for c in cells if c.strip().lower() not in absent and not _WITH_UNIT.fullmatch(c)]
     count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in values)
     return count >= 2 and count * 2 > len(values) and not (separator is None and any("," in cell for cell in cells))
 

@@ -49,14 +49,14 @@ class Hand(Horizontal):
 
     def _enlarge(self, field: Field, answered: Answered, unit: str) -> None:
         """Show the number in large digits, its unit in the frame."""
-        from fieldkit.services.manual_entry import typed_unit
+        from fieldkit.services.manual_entry import typed_number, typed_unit
 
         question, text = field.question, field.line.value.strip()
         known = question.column is not None and answered.number(question) is not None
         asked = f" ({spelled(unit)})" if question.column else ""
         self.border_title = Content(f"{question.title}{asked}")
         self.border_subtitle = spelled(typed_unit(text)) if known else ""
-        self.query_one(Big).show(text[: len(text) - len(typed_unit(text))].strip() if known else "")
+        self.query_one(Big).show(typed_number(text) if known else "")
 
 
 def _meaning(question: Question, answer: str, answered: Answered, system: str) -> str:
