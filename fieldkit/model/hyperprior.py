@@ -218,17 +218,17 @@ START = Hyperprior(
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
-"""The starting point of the fit, which stays near it if the flights are not informative: round figures chosen before
-looking at any flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification
-tests differ by that much; NFPA 1125 allows 10%), burn times within 5% and delays within 10%. Masses are within 5%,
-because altimeter, recovery system and wadding are not always weighed; that adds mass, so the mean is learned. All
-devices of one kind share a bias of 5%, that of peak acceleration also by motor type, because devices smooth short
-spikes; single flights scatter by 6%. The biases of devices have mean zero, because each manufacturer aims at the truth:
-the open flights come from one device, which cannot separate the mean over devices from the variation among them. The
-variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ from
-simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the standard
-deviation of the analysis (`ratio` is used if it is missing). In addition, two altimeters on one open flight differ by
-13 and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for impulse)."""
+"""The starting point of the fit, which stays near it without information: round figures chosen before looking at any
+flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by
+that much; NFPA 1125 allows 10%), burn times within 5% and delays within 10%. Masses are within 5%, because altimeter,
+recovery system and wadding are not always weighed; that adds mass, so the mean is learned. All devices of one kind
+share a bias of 5%, that of peak acceleration also by motor type, because devices smooth short spikes. Single flights
+scatter by 6%. The biases of devices have mean zero, because each manufacturer aims at the truth: the open flights come
+from one device, which does not show their mean. The variation of noise among devices (`reading`) is a judgment for the
+same reason. Readouts measured in samples differ from simulated ones by a bias for each rocket; no device bias applies
+to them. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is missing). Two
+altimeters on one open flight differ by 13 and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035
+for drag, cos 15 = 0.97 for impulse)."""
 
 _LOGGED = {key: sd for key, sd in START.sds.items() if key.endswith(".logged")}
 """Values that cards of older versions lack. They are judgments, because no open flight has a readout of both kinds."""

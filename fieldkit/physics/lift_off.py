@@ -1,4 +1,7 @@
-"""Lift-off: when thrust exceeds what holds a rocket on its rail."""
+"""Lift-off: when thrust exceeds what holds a rocket on its rail.
+
+Derivation: Newton's second law at rest, with the thrust linear between two points of its curve.
+"""
 
 import numpy as np
 
