@@ -2,8 +2,8 @@
 
 Every quantity of the model (drag, thrust, mass, burn, delay, and a discrepancy for each readout) is a mean plus random
 effects for the flyer's whole fleet, the rocket, its configuration, the motor type, the rocket on that motor, the day
-and the single flight. All are log ratios [1] except the delay and the time to ejection, whose units are given below.
-Their standard deviations are stated in this module and nowhere else.
+and the single flight. All are log ratios [1] except the time to ejection [s]. Their standard deviations are stated here
+and nowhere else.
 
 `learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified` is
 the same model if motors, masses and devices match their documents. The search for effects uses it, so that an effect,
@@ -165,8 +165,7 @@ CERTIFIED_PRIOR = Hyperprior(
     reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
 )
 """Motors match their certificates (2 to 3% within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
-masses are as weighed, and devices meet their specifications. `tilt` is the squared launch angle in units of (5
-degrees)^2."""
+masses are as weighed, devices meet their specifications. `tilt` is the squared launch angle in (5 degrees)^2."""
 
 
 START = Hyperprior(
