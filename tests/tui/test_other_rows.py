@@ -1,0 +1,58 @@
+"""Keys act on what is shown: after another plan, another page, a removed row, an undone or repeated change."""
+
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+from textual.widgets import Input
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.tui.widgets.table import Table
+from tests.pressing import at_home, hurry, opened, press, text_of, typed, words
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return at_home(tmp_path, monkeypatch)
+
+
+def changes(file: Path) -> list[str]:
+    with Ledger.open(file) as ledger:
+        return [change.command for change in ledger.history()]
+
+
+def another_rocket(file: Path, name: str = "Bee", when: datetime = datetime(2026, 3, 1)) -> None:
+    bee = Flight("b", name, "Z", "F39", dry_mass=0.4, diameter=0.066, apogee=100.0, date_time=when)
+    with Ledger.open(file) as ledger:
+        ledger.add([bee])
+
+
+async def test_enter_behind_another_rocket_does_not_save_a_forecast_of_the_former(file: Path) -> None:
+    another_rocket(file)
+    async with opened(file, page="next_flight") as pilot:
+        before = text_of(pilot, "#plan")
+        await hurry(pilot, "b", "enter")
+        assert text_of(pilot, "#plan") != before
+        assert changes(file)[-1] == "plan"
+        assert "Enter again" in words(pilot)
+        await press(pilot, "enter", "_")
+        assert changes(file)[-1] == "forecast"
+
+
+async def test_a_plan_for_a_rocket_of_unknown_mass_is_shown_and_can_be_completed(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "p", "ctrl+u", *typed("Nova"), "ctrl+s", "y", "_")
+        assert "Nova B: no dry mass known; p to enter one" in text_of(pilot, "#plan")
+        assert not pilot.app.screen.query_one(Table).keys
+        await press(pilot, "enter", "_")
+        assert "forecast" not in changes(file)
+        await press(pilot, "p")
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Nova"
+        await press(pilot, "down", "down", *typed("400"), "ctrl+s", "_")
+        assert "Nova B · 400 g" in text_of(pilot, "#plan")
+        assert pilot.app.screen.query_one(Table).keys
+        await press(pilot, "u", "_", "b", "_")
+        assert "Astra" in text_of(pilot, "#plan")
