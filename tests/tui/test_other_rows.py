@@ -8,6 +8,7 @@ from textual.widgets import Input
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, hurry, opened, press, text_of, typed, words
 
@@ -56,3 +57,21 @@ async def test_a_plan_for_a_rocket_of_unknown_mass_is_shown_and_can_be_completed
         assert pilot.app.screen.query_one(Table).keys
         await press(pilot, "u", "_", "b", "_")
         assert "Astra" in text_of(pilot, "#plan")
+
+
+async def test_the_palette_opens_another_flight_while_one_is_open(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "0")
+        await press(pilot, "ctrl+p", *typed("Flight 3 "), "_", "enter", "_")
+        assert isinstance(pilot.app.screen, FlightScreen)
+        assert "3 · Astra A" in words(pilot)
+
+
+@pytest.mark.parametrize(("page", "key", "back"), [("flights", "enter", "1"), ("next_flight", "d", "f")])
+async def test_the_key_of_a_page_closes_what_is_open_over_it(file: Path, page: str, key: str, back: str) -> None:
+    async with opened(file, page=page) as pilot:
+        first = pilot.app.screen
+        await press(pilot, key)
+        assert pilot.app.screen is not first
+        await press(pilot, back)
+        assert pilot.app.screen is first
