@@ -75,3 +75,13 @@ async def test_the_key_of_a_page_closes_what_is_open_over_it(file: Path, page: s
         assert pilot.app.screen is not first
         await press(pilot, back)
         assert pilot.app.screen is first
+
+
+async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "e", *["down"] * 2, "ctrl+u")
+        await hurry(pilot, *"F24W999", "ctrl+s")
+        assert "✗ 'F24W999': found" in words(pilot)
+        assert pilot.app.focused is pilot.app.screen.query_one("#in-motor")
+        await press(pilot, "ctrl+u", *typed("F24-4W"), "ctrl+s", "_")
+        assert "Saved flight 12: motor" in words(pilot)
