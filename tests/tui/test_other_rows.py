@@ -9,8 +9,9 @@ from textual.widgets import Input
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.widgets.table import Table
-from tests.pressing import at_home, hurry, opened, press, text_of, typed, words
+from tests.pressing import at_home, hurry, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -85,3 +86,17 @@ async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file:
         assert pilot.app.focused is pilot.app.screen.query_one("#in-motor")
         await press(pilot, "ctrl+u", *typed("F24-4W"), "ctrl+s", "_")
         assert "Saved flight 12: motor" in words(pilot)
+
+
+async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:
+    async with opened(file, (170, 50)) as pilot:
+        screen = pilot.app.screen
+        assert isinstance(screen, FlightsScreen)
+        while "miss▼" not in shown(pilot):
+            await press(pilot, "s")
+        order = list(screen.query_one(Table).keys)
+        await pilot.resize_terminal(122, 40)
+        while "alpha" in shown(pilot):
+            await press(pilot, "_")
+        assert "miss▼" in shown(pilot)
+        assert screen.query_one(Table).keys == order
