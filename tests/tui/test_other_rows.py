@@ -88,6 +88,40 @@ async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file:
         assert "Saved flight 12: motor" in words(pilot)
 
 
+async def test_a_tag_of_ones_own_that_was_cleared_can_be_set_again(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.tag("12", "windy")
+    async with opened(file) as pilot:
+        await press(pilot, "t")
+        pilot.app.screen.query_one(Table).move_to("windy")
+        await press(pilot, "space", "_")
+        assert "▸[ ] windy" in shown(pilot)
+        await press(pilot, "space", "_")
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("12").tags == ("windy",)
+
+
+async def test_the_cursor_stays_where_a_flight_was_removed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, *["down"] * 3, "x", "_")
+        assert pilot.app.screen.query_one(Table).current == "8"
+        await press(pilot, "end", "x", "_")
+        assert pilot.app.screen.query_one(Table).current == "2"
+
+
+async def test_the_cursor_stays_on_a_rocket_that_was_edited_or_renamed(file: Path) -> None:
+    for number, name in enumerate(("Cat", "Dog", "Elk")):
+        another_rocket(file, name, datetime(2026, 9, 1 + number))
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right", "down")
+        table = pilot.app.screen.query_one(Table)
+        await press(pilot, "enter", "down", "down", *typed("390"), "ctrl+s", "_")
+        assert "390 g" in table.current_text()
+        assert table.current.names == ("Dog", "Z")
+        await press(pilot, "enter", "ctrl+u", *typed("Duck"), "ctrl+s", "_")
+        assert table.current.names == ("Duck", "Z")
+
+
 async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:
     async with opened(file, (170, 50)) as pilot:
         screen = pilot.app.screen
