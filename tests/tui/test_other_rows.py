@@ -122,6 +122,14 @@ async def test_the_cursor_stays_on_a_rocket_that_was_edited_or_renamed(file: Pat
         assert table.current.names == ("Duck", "Z")
 
 
+async def test_a_change_is_shown_although_its_screen_was_closed_at_once(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "t")
+        await hurry(pilot, "space", "escape")
+        assert isinstance(pilot.app.screen, FlightsScreen)
+        assert "+4.1 weak_laun" in words(pilot)
+
+
 async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:
     async with opened(file, (170, 50)) as pilot:
         screen = pilot.app.screen
