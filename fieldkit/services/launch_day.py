@@ -44,20 +44,24 @@ class Overview:
 
 def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
     """Save the plan of the next flight and today's weather as one change; False if both are unchanged."""
+    build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
+    return ledger.change_drafts(_plan_drafts(ledger, texts), "plan", build)
+
+
+def _plan_drafts(ledger: Ledger, texts: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    """What a plan changes in the ledger: the plan, and today's weather if it is different."""
     weather = {name: text for name, text in texts.items() if name in WEATHER}
     drafts = {PLAN_DRAFT: {name: text for name, text in texts.items() if name not in WEATHER}}
-    if weather != typed_weather(ledger)[0]:
-        drafts[WEATHER_DRAFT] = signed_now(weather)
-    build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
-    return ledger.change_drafts(drafts, "plan", build)
+    return drafts | ({} if weather == typed_weather(ledger)[0] else {WEATHER_DRAFT: signed_now(weather)})
 
 
-def save_mass(ledger: Ledger, dry_mass: float) -> bool:
-    """Save the dry mass [kg] of the planned next flight; False if it is unchanged."""
+def mass_drafts(ledger: Ledger, dry_mass: float) -> dict[str, dict[str, str]]:
+    """What a dry mass [kg] of the planned next flight changes in the ledger."""
     mass = answer_text(Flight(dry_mass=dry_mass), "dry_mass")
     plan = planned(ledger, ledger.flights()) or Flight()
     build = {"rocket": plan.rocket, "config": plan.config}
-    return save_plan(ledger, build | (ledger.draft(PLAN_DRAFT) or {}) | typed_weather(ledger)[0] | {"dry_mass": mass})
+    kept = (ledger.draft(PLAN_DRAFT) or {}) | typed_weather(ledger)[0]
+    return _plan_drafts(ledger, build | kept | {"dry_mass": mass})
 
 
 def planned_mass(ledger: Ledger) -> float | None:

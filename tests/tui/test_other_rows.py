@@ -130,6 +130,20 @@ async def test_a_change_is_shown_although_its_screen_was_closed_at_once(file: Pa
         assert "+4.1 weak_laun" in words(pilot)
 
 
+async def test_the_form_of_a_contest_day_is_one_change(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "d", "e", *typed("785ft"))
+        form, before = pilot.app.screen, changes(file)
+        for name, text in (("size", "400 m"), ("lift_off_mass", "500 g")):
+            form.query_one(f"#in-{name}", Input).value = text
+        await press(pilot, "ctrl+s", "_")
+        assert changes(file) == [*before, "day"]
+        assert "Saved the day. u to undo" in words(pilot)
+        await press(pilot, "u", "_")
+    with Ledger.open(file) as ledger:
+        assert [ledger.draft(name) for name in ("contest", "sites", "plan")] == [None, None, None]
+
+
 async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:
     async with opened(file, (170, 50)) as pilot:
         screen = pilot.app.screen
