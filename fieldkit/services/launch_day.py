@@ -13,6 +13,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.day_weather import WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
+from fieldkit.services.manual_entry import waiting_plan
 from fieldkit.services.planning import completed_plan
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, list_forecasts
 from fieldkit.settings import Settings
@@ -101,13 +102,14 @@ def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
         return None
     forecasts = list_forecasts(ledger, motors)
     of_flights = by_flight(forecasts)
-    waiting = [one for one in forecasts if one.waits]
+    waiting = waiting_plan(ledger)
+    open_one = next((one for one in forecasts if waiting and one.made.number == waiting.number and one.waits), None)
     listed = [
         replace(one, forecast=of_flights.get((one.flight.rocket, one.flight.flight_id)))
         for one in latest_flights(ledger, flights)
     ]
     weather = weather_of(typed_weather(ledger)[0])
-    return Overview(plan, weather, waiting[-1] if waiting else None, tuple(listed), len(flights))
+    return Overview(plan, weather, open_one, tuple(listed), len(flights))
 
 
 def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: Flight) -> Prediction:

@@ -1,15 +1,17 @@
 """Keys act on what is shown: after another plan, another page, a removed row, an undone or repeated change."""
 
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from textual.widgets import Input
 
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, models
+from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
+from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, hurry, opened, press, shown, text_of, typed, words
 
@@ -128,6 +130,45 @@ async def test_a_change_is_shown_although_its_screen_was_closed_at_once(file: Pa
         await hurry(pilot, "space", "escape")
         assert isinstance(pilot.app.screen, FlightsScreen)
         assert "+4.1 weak_laun" in words(pilot)
+
+
+@pytest.fixture
+def today(file: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The ledger, with forecasts saved now."""
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    return file
+
+
+async def test_add_offers_the_open_forecast_that_home_shows(today: Path) -> None:
+    another_rocket(today)
+    async with opened(today, page="next_flight") as pilot:
+        while "Astra B" not in text_of(pilot, "#plan"):
+            await press(pilot, "b", "_")
+        await press(pilot, "enter", "_", "b", "_")
+        while "Bee" not in text_of(pilot, "#plan"):
+            await press(pilot, "b", "_")
+        await press(pilot, "enter", "_", "a", "_", *typed("140"), "ctrl+s", "_")
+        if isinstance(pilot.app.screen, AskYes):
+            await press(pilot, "y", "_")
+        await press(pilot, "0", "_")
+        assert "Astra B on" in text_of(pilot, "#next .heading")
+        await press(pilot, "a", "_")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert (screen.field("rocket").answer, screen.field("config").answer) == ("Astra", "B")
+
+
+async def test_add_offers_a_saved_forecast_although_an_old_flight_has_no_mass(today: Path) -> None:
+    old = Flight("x", "Astra", "A", "F24-4W", apogee=150.0, date_time=datetime(2026, 4, 1))
+    with Ledger.open(today) as ledger:
+        ledger.add([old])
+    async with opened(today, page="next_flight") as pilot:
+        await press(pilot, "down", "enter", "_")
+        motor = pilot.app.screen.query_one(Table).current.designation
+        await press(pilot, "a", "_")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert f"AeroTech {motor}" in screen.field("motor").answer
 
 
 async def test_the_form_of_a_contest_day_is_one_change(file: Path) -> None:
