@@ -1,6 +1,6 @@
 """Keys act on what is shown: after another plan, another page, a removed row, an undone or repeated change."""
 
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -8,6 +8,7 @@ from textual.widgets import Input
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
+from fieldkit.services.manual_entry import BEGUN
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
@@ -88,6 +89,18 @@ async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file:
         assert pilot.app.focused is pilot.app.screen.query_one("#in-motor")
         await press(pilot, "ctrl+u", *typed("F24-4W"), "ctrl+s", "_")
         assert "Saved flight 12: motor" in words(pilot)
+
+
+async def test_a_flight_that_is_redone_leaves_no_draft_behind(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"), "ctrl+s", "_", "u", "_")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("apogee").line.value == "200m"
+        await press(pilot, "U", "_")
+        assert screen.field("apogee").line.value == ""
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 13
 
 
 async def test_a_tag_of_ones_own_that_was_cleared_can_be_set_again(file: Path) -> None:
@@ -197,3 +210,17 @@ async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file:
             await press(pilot, "_")
         assert "miss▼" in shown(pilot)
         assert screen.query_one(Table).keys == order
+
+
+async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None:
+    yesterday = f"{date.today() - timedelta(days=1)}"
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"))
+    with Ledger.open(file) as ledger:
+        assert ledger.draft(BEGUN) == {"date_time": f"{date.today()}"}
+        ledger.keep_draft(BEGUN, {"date_time": yesterday})
+    async with opened(file) as pilot:
+        await press(pilot, "a", "ctrl+s", "_")
+        assert "Saved flight 13" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert f"{ledger.flight('13').date_time:%Y-%m-%d}" == yesterday
