@@ -2,19 +2,21 @@
 
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 from textual.widgets import Input
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
+from fieldkit.services import close_loop
 from fieldkit.services.manual_entry import BEGUN
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.table import Table
-from tests.pressing import at_home, hurry, opened, press, shown, text_of, typed, words
+from tests.pressing import at_home, hurry, looked_at, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -196,6 +198,15 @@ async def test_the_form_of_a_contest_day_is_one_change(file: Path) -> None:
         await press(pilot, "u", "_")
     with Ledger.open(file) as ledger:
         assert [ledger.draft(name) for name in ("contest", "sites", "plan")] == [None, None, None]
+
+
+async def test_a_model_in_use_is_not_said_to_be_declined(file: Path) -> None:
+    with patch.object(close_loop, "look", lambda *_: looked_at()):
+        async with opened(file, page="loop") as pilot:
+            await press(pilot, "S", "_", "D", "_")
+            assert "Declined: the model is unchanged" in words(pilot)
+            await press(pilot, "A", "_", "D", "_")
+            assert "Accepted already: forecasts use it. u to undo" in words(pilot)
 
 
 async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:
