@@ -235,3 +235,16 @@ async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None
         assert "Saved flight 13" in words(pilot)
     with Ledger.open(file) as ledger:
         assert f"{ledger.flight('13').date_time:%Y-%m-%d}" == yesterday
+
+
+async def test_a_flight_stays_open_when_another_rocket_has_one_with_its_number(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter")
+        with Ledger.open(file) as ledger:
+            ledger.add([Flight("12", "Bee", "Z", "F39", dry_mass=0.4, apogee=100.0)])
+        pilot.app.look_round()  # type: ignore[attr-defined]
+        await press(pilot, "_")
+        assert "Astra/12 · Astra B" in words(pilot)
+        await press(pilot, "x", "_")
+    with Ledger.open(file) as ledger:
+        assert [flight.rocket for flight in ledger.flights() if flight.flight_id == "12"] == ["Bee"]
