@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
 SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, with the last flight's values as defaults."""
-DATE = Question("date_time", "Date", "When it flew: today, yesterday, 2026-05-01 or 2026-05-01T10:30.", offered=True)
+DATE = Question(
+    "date_time", "Date", "When it flew: 10:30, yesterday 10:30, 2026-05-01 or 2026-05-01 10:30.", offered=True
+)
 
 
 def _asked() -> Iterable[Question]:
