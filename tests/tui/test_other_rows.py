@@ -206,7 +206,7 @@ async def test_a_model_in_use_is_not_said_to_be_declined(file: Path) -> None:
             await press(pilot, "S", "_", "D", "_")
             assert "Declined: the model is unchanged" in words(pilot)
             await press(pilot, "A", "_", "D", "_")
-            assert "Accepted already: forecasts use it. u to undo" in words(pilot)
+            assert "Already accepted: forecasts use it. u to undo" in words(pilot)
 
 
 async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:

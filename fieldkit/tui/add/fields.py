@@ -177,9 +177,12 @@ class Form(ModalScreen[dict[str, object] | None]):
             value = self._value(name, "" if text == NOT_RECORDED else text, unit)
         except BadValue as error:
             return None, f"✗ {error}"
-        doubt = self._names.doubt(name, value) if self._names is not None and field.typed else ""
-        mark = "✗" if name == "motor" else "?"  # no ledger takes a motor that is not in the catalog
-        return value, f"{mark} {doubt}" if doubt else self._beside(field, value, unit)
+        if self._names is None or not field.typed:
+            return value, self._beside(field, value, unit)
+        if name == "motor" and (trouble := self._names.motor_trouble(str(value or ""))):
+            return value, f"✗ {trouble}"  # no ledger takes it
+        doubt = self._names.doubt(name, value)
+        return value, f"? {doubt}" if doubt else self._beside(field, value, unit)
 
     def _beside(self, field: Field, value: object, unit: str) -> str:
         """The unit of an answer; if it was typed in another one, that and its value in the flyer's."""

@@ -248,7 +248,7 @@ class LoopScreen(PageScreen):
         if self.panels.found is None:
             self.show_notice("Nothing to decline yet. S to search for missing effects")
         elif self._is_accepted:
-            self.show_notice("Accepted already: forecasts use it. u to undo")
+            self.show_notice("Already accepted: forecasts use it. u to undo")
         else:
             self.show_notice("Declined: the model is unchanged")
 
