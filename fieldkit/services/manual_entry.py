@@ -23,9 +23,9 @@ WEATHER = ("wind", "temperature")
 """Questions about the day."""
 DRAFT = "add"
 UNITS = "units"
-BEGUN = "add begun"
+STARTED = "add started"
 """Names under which the ledger saves the draft, the units that were typed last, and the day on which the draft was
-begun."""
+started."""
 PLAN = "plan"
 """Key under which a saved forecast holds the answers of the planned flight."""
 FLOWN_BEFORE = "flown_before"

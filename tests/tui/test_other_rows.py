@@ -10,7 +10,7 @@ from textual.widgets import Input
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.services import close_loop
-from fieldkit.services.manual_entry import BEGUN
+from fieldkit.services.manual_entry import STARTED
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
@@ -228,8 +228,8 @@ async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("200"))
     with Ledger.open(file) as ledger:
-        assert ledger.draft(BEGUN) == {"date_time": f"{date.today()}"}
-        ledger.keep_draft(BEGUN, {"date_time": yesterday})
+        assert ledger.draft(STARTED) == {"date_time": f"{date.today()}"}
+        ledger.keep_draft(STARTED, {"date_time": yesterday})
     async with opened(file) as pilot:
         await press(pilot, "a", "ctrl+s", "_")
         assert "Saved flight 13" in words(pilot)

@@ -150,21 +150,21 @@ class Draft:
         self._lock = Lock()
         self._units: Mapping[str, str] = {}
         self._kept = False  # whether the ledger has held what was typed last
-        self._dated = False  # whether the ledger has the day on which it was begun
+        self._dated = False  # whether the ledger has the day on which it was started
         self.flight = 0
         """Counts the flights that were entered."""
         self.shown = False
         """Whether the draft in the ledger has been filled into the form; until then it is not overwritten."""
 
     def begin(self) -> FormStart:
-        """Load the draft; one that was begun on another day is of a flight of that day."""
-        from fieldkit.services.manual_entry import BEGUN, DRAFT, UNITS
+        """Load the draft; one that was started on another day is of a flight of that day."""
+        from fieldkit.services.manual_entry import DRAFT, STARTED, UNITS
 
         ledger = self._resources.ledger
         draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
         self._kept = self._dated = bool(draft)
-        begun = (ledger.draft(BEGUN) or {}).get(DATE.name) if draft else None
-        day = {DATE.name: begun} if begun and begun != f"{date.today()}" else {}
+        started = (ledger.draft(STARTED) or {}).get(DATE.name) if draft else None
+        day = {DATE.name: started} if started and started != f"{date.today()}" else {}
         return FormStart(draft, self._units, self.offers(draft) | day, self.names())
 
     def names(self) -> "Names":
@@ -195,7 +195,7 @@ class Draft:
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Save the draft of the `flight`-th flight."""
-        from fieldkit.services.manual_entry import BEGUN, DRAFT, UNITS
+        from fieldkit.services.manual_entry import DRAFT, STARTED, UNITS
 
         self._resources.import_engine()
         with self._lock:
@@ -206,7 +206,7 @@ class Draft:
             ledger.keep_draft(DRAFT, {**before, **answers})
             self._kept = True
             if not self._dated:
-                ledger.keep_draft(BEGUN, {DATE.name: f"{date.today()}"})
+                ledger.keep_draft(STARTED, {DATE.name: f"{date.today()}"})
                 self._dated = True
             if units != self._units:
                 ledger.keep_draft(UNITS, dict(units))
