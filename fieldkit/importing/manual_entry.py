@@ -4,6 +4,7 @@ Independent of the user interface, so that the prompts of `fieldkit add`, `field
 screen accept and reject the same input.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -123,10 +124,17 @@ def read_lift_off_mass(text: str, unit: str = "") -> float | None:
 
 
 def _day_in_words(text: str) -> str:
-    """Replace `today` by the current time and `yesterday` by its date; return any other text unchanged."""
-    now = datetime.now()
-    words = {"today": now.isoformat(timespec="minutes"), "yesterday": f"{now.date() - timedelta(days=1)}"}
-    return words.get(text.casefold(), text)
+    """The time for `today`, `yesterday`, `10:30` or `yesterday 10:30`; any other text unchanged."""
+    now, found = datetime.now(), _DAY_AND_TIME.fullmatch(text.casefold())
+    if found is None or not text:
+        return text
+    day, clock = f"{now.date() - timedelta(days=found[1] == 'yesterday')}", found[2]
+    if clock:
+        return f"{day}T{clock:0>5}"
+    return day if found[1] == "yesterday" else now.isoformat(timespec="minutes")
+
+
+_DAY_AND_TIME = re.compile(r"(today|yesterday)?(?:(?:^|\s+)((?:[01]?\d|2[0-3]):[0-5]\d))?")
 
 
 def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:

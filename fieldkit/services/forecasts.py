@@ -22,7 +22,7 @@ from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.candidates import Averaged, Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
-from fieldkit.services.manual_entry import PLAN, setup_answers
+from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, setup_answers
 from fieldkit.services.names import same_name
 from fieldkit.services.plausible_flights import excluded_flights, followed
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
@@ -188,7 +188,12 @@ def _keep(
         }
         if decided:
             build = f"{one.plan.rocket} {one.plan.config}".strip()
-            ledger.keep_plan({**payload, PLAN: setup_answers(one.plan)}, what=f"{build} on {one.plan.motor}", **kept)
+            flown = [flight.flight_id for flight in ledger.flights(one.plan.rocket) if flight.readouts()]
+            payload |= {
+                PLAN: setup_answers(one.plan),
+                FLOWN_BEFORE: [id for id in flown if id not in parts["flights"]],
+            }
+            ledger.keep_plan(payload, what=f"{build} on {one.plan.motor}", **kept)
         else:
             ledger.keep_prediction(payload, **kept)
 

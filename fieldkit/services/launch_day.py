@@ -13,6 +13,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.day_weather import WEATHER_DRAFT, answer_texts, signed_now, typed_weather, weather_of
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
+from fieldkit.services.manual_entry import waiting_plan
 from fieldkit.services.planning import completed_plan
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, list_forecasts
 from fieldkit.settings import Settings
@@ -44,20 +45,24 @@ class Overview:
 
 def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
     """Save the plan of the next flight and today's weather as one change; False if both are unchanged."""
+    build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
+    return ledger.change_drafts(_plan_drafts(ledger, texts), "plan", build)
+
+
+def _plan_drafts(ledger: Ledger, texts: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    """What a plan changes in the ledger: the plan, and today's weather if it is different."""
     weather = {name: text for name, text in texts.items() if name in WEATHER}
     drafts = {PLAN_DRAFT: {name: text for name, text in texts.items() if name not in WEATHER}}
-    if weather != typed_weather(ledger)[0]:
-        drafts[WEATHER_DRAFT] = signed_now(weather)
-    build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
-    return ledger.change_drafts(drafts, "plan", build)
+    return drafts | ({} if weather == typed_weather(ledger)[0] else {WEATHER_DRAFT: signed_now(weather)})
 
 
-def save_mass(ledger: Ledger, dry_mass: float) -> bool:
-    """Save the dry mass [kg] of the planned next flight; False if it is unchanged."""
+def mass_drafts(ledger: Ledger, dry_mass: float) -> dict[str, dict[str, str]]:
+    """What a dry mass [kg] of the planned next flight changes in the ledger."""
     mass = answer_text(Flight(dry_mass=dry_mass), "dry_mass")
     plan = planned(ledger, ledger.flights()) or Flight()
     build = {"rocket": plan.rocket, "config": plan.config}
-    return save_plan(ledger, build | (ledger.draft(PLAN_DRAFT) or {}) | typed_weather(ledger)[0] | {"dry_mass": mass})
+    kept = (ledger.draft(PLAN_DRAFT) or {}) | typed_weather(ledger)[0]
+    return _plan_drafts(ledger, build | kept | {"dry_mass": mass})
 
 
 def planned_mass(ledger: Ledger) -> float | None:
@@ -97,13 +102,14 @@ def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
         return None
     forecasts = list_forecasts(ledger, motors)
     of_flights = by_flight(forecasts)
-    waiting = [one for one in forecasts if one.waits]
+    waiting = waiting_plan(ledger)
+    open_one = next((one for one in forecasts if waiting and one.made.number == waiting.number and one.waits), None)
     listed = [
         replace(one, forecast=of_flights.get((one.flight.rocket, one.flight.flight_id)))
         for one in latest_flights(ledger, flights)
     ]
     weather = weather_of(typed_weather(ledger)[0])
-    return Overview(plan, weather, waiting[-1] if waiting else None, tuple(listed), len(flights))
+    return Overview(plan, weather, open_one, tuple(listed), len(flights))
 
 
 def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: Flight) -> Prediction:

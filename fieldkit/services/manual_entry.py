@@ -11,7 +11,7 @@ from fieldkit.flight import BY_NAME, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.plausibility import middles
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
-from fieldkit.ledger import Added, Ledger
+from fieldkit.ledger import Added, Ledger, StoredPrediction
 from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.motors.motor import without_motor
 from fieldkit.motors.names import parse, with_delay
@@ -24,9 +24,13 @@ WEATHER = ("wind", "temperature")
 """Questions about the day."""
 DRAFT = "add"
 UNITS = "units"
-"""Names under which the ledger saves the draft, and the units that were typed last."""
+STARTED = "add started"
+"""Names under which the ledger saves the draft, the units that were typed last, and the day on which the draft was
+started."""
 PLAN = "plan"
 """Key under which a saved forecast holds the answers of the planned flight."""
+FLOWN_BEFORE = "flown_before"
+"""Key of the flights with readouts that a saved forecast did not use, such as those without a mass."""
 LAPSES = timedelta(days=14)
 """A forecast without a flight's name is for a flight at most this much later."""
 BUILD = ("dry_mass", "diameter")
@@ -71,14 +75,28 @@ def _delayed(motor: str, delay: float) -> str:
     return motor if parse(motor).delay == delay else with_delay(motor, delay)
 
 
+def lapsed(prediction: StoredPrediction) -> bool:
+    """Whether no flight will be compared with a forecast anymore: it names none and is older than two weeks."""
+    return not prediction.flight_id and datetime.now(UTC) - prediction.at > LAPSES
+
+
+def waiting_plan(ledger: Ledger) -> StoredPrediction | None:
+    """The latest saved forecast of a planned flight whose rocket has not flown since; none older than two weeks."""
+    kept = [one for one in ledger.predictions() if PLAN in one.payload and not lapsed(one)]
+    flown: dict[str, set[str]] = {}
+    for one in reversed(kept):
+        if one.rocket not in flown:
+            flown[one.rocket] = {flight.flight_id for flight in ledger.flights(one.rocket) if flight.readouts()}
+        before = {*one.payload.get("made_from", {}).get("flights", {}), *one.payload.get(FLOWN_BEFORE, ())}
+        if flown[one.rocket] <= before:
+            return one
+    return None
+
+
 def planned_answers(ledger: Ledger) -> dict[str, str]:
-    """The answers of the last planned flight; none once its rocket has flown, or after two weeks."""
-    kept = [one for one in ledger.predictions() if PLAN in one.payload]
-    if not kept or datetime.now(UTC) - kept[-1].at > LAPSES:
-        return {}
-    known = kept[-1].payload.get("made_from", {}).get("flights", {})
-    flown = [one for one in ledger.flights(kept[-1].rocket) if one.readouts() and one.flight_id not in known]
-    return {} if flown else dict(kept[-1].payload[PLAN])
+    """The answers of the planned flight that waits; empty if none does."""
+    waiting = waiting_plan(ledger)
+    return {} if waiting is None else dict(waiting.payload[PLAN])
 
 
 def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str, str] = MappingProxyType({})) -> str:

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any, Literal
 
 from fieldkit.flight import Flight
@@ -12,7 +11,7 @@ from fieldkit.ledger import Ledger, Past, StoredPrediction
 from fieldkit.motors import Catalogue
 from fieldkit.quantities import ShownUnits
 from fieldkit.services.forecasts import used_version
-from fieldkit.services.manual_entry import LAPSES, PLAN
+from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, lapsed
 from fieldkit.services.match_forecasts import made_for, residual, resolved
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import (
@@ -82,7 +81,8 @@ class SavedForecast:
 
     def json(self) -> dict[str, Any]:
         """The prediction, the digest of its inputs, and its outcome."""
-        payload = {key: value for key, value in self.made.payload.items() if key not in ("made_from", "likely_m", PLAN)}
+        inner = ("made_from", "likely_m", PLAN, FLOWN_BEFORE)
+        payload = {key: value for key, value in self.made.payload.items() if key not in inner}
         return payload | {
             "number": self.made.number,
             "at": self.made.at.isoformat(),
@@ -115,7 +115,7 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
         own: list[Flight | None] = [flight for number, flight in pairs if number == one.number]
         for flight in own or [None]:
             past = pasts.get(id(flight)) or now[one.rocket]
-            over = later.get(one.number) or ("lapsed" if flight is None and _lapsed(one) else None)
+            over = later.get(one.number) or ("lapsed" if flight is None and lapsed(one) else None)
             changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, starts[one.rocket])]
             found.append(SavedForecast(one, flight, tuple(changes), over))
     return found
@@ -149,10 +149,6 @@ def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
     named = [one for one in predictions if one.flight_id]
     last = {(one.rocket, one.flight_id): one.number for one in named}
     return {one.number: "replaced" for one in named if last[one.rocket, one.flight_id] != one.number}
-
-
-def _lapsed(prediction: StoredPrediction) -> bool:
-    return not prediction.flight_id and datetime.now(UTC) - prediction.at > LAPSES
 
 
 def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:

@@ -51,11 +51,6 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
     return site_of(ledger, name)
 
 
-def put_site(ledger: Ledger, site: Site) -> None:
-    """Save a site."""
-    ledger.change_draft(SITES, with_site(ledger, site, site.name), "site", site.name)
-
-
 def with_site(ledger: Ledger, site: Site, was: str) -> Callable[[dict[str, Any]], dict[str, Any]]:
     """The change of the saved sites that replaces one completely; `was` is its previous name.
 

@@ -212,12 +212,20 @@ class FieldkitApp(Surviving):
         self.look_round()
 
     async def action_page(self, name: str) -> None:
-        """Show a page; keys typed ahead wait until it is ready for them."""
+        """Show a page, or close what was opened over it if it is shown already; keys typed ahead wait until it is ready
+        for them."""
+        if name == self.current_mode:
+            await self._close_above()
         await self.switch_mode(name)
         await self.heard()
         if isinstance(self.screen, PageScreen):
             self.screen.came()
             self.look_round()
+
+    async def _close_above(self) -> None:
+        """Close the screens over the current page, but no form."""
+        while len(self.screen_stack) > 1 and isinstance(self.screen, PageScreen):
+            await self.pop_screen()
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
@@ -234,10 +242,6 @@ class FieldkitApp(Surviving):
     def action_press(self, key: str) -> None:
         """Press a key that was clicked in the key bar."""
         self.simulate_key(key)
-
-    def action_help_quit(self) -> None:
-        """The action of ^C if nothing can be copied: show how to quit."""
-        self.show_notice("q quits; so does ^Q, even in a field")
 
     def action_undo(self) -> None:
         """Undo the last change, no matter who made it."""
@@ -271,15 +275,12 @@ class FieldkitApp(Surviving):
         from fieldkit.tui.flights.flights_page import FlightsScreen
 
         await self.action_page("flights")
+        await self._close_above()
         return page if isinstance(page := self.screen, FlightsScreen) else None
 
     def get_key_display(self, binding: Binding) -> str:
         """A key as it is printed on keyboards: `Esc`, as notices have it."""
         return "Esc" if binding.key == "escape" else super().get_key_display(binding)
-
-    def get_theme_variable_defaults(self) -> dict[str, str]:
-        """The background under an open dialog, in themes without one."""
-        return {"backdrop": "black 60%"}
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Commands of the palette: pages, colors, units, and the actions of the current page."""

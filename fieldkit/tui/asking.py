@@ -2,7 +2,7 @@
 
 import asyncio
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -60,7 +60,7 @@ class AskingScreen(Screen[None]):
         alone: bool = False,
         engine: Sequence[str] = ENGINE,
     ) -> None:
-        """Run work in a worker and pass its result to `answer`.
+        """Run work in a worker of this screen, which ends with it, and pass its result to `answer`.
 
         A newer request of a group drops an older one, or waits for it if `in_turn`. An error becomes a notice; an
         unexpected one also a crash file. Threads cannot be stopped, so dropped work runs to its end or to its next call
@@ -74,14 +74,20 @@ class AskingScreen(Screen[None]):
 
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
-                try:
-                    answer(await (self._alone(group, with_engine) if alone else asyncio.to_thread(with_engine)))
-                except FieldkitError as error:
-                    self.complain(str(error))
-                except Exception as error:
-                    self.field_app.survive(error)
+                await self._pass_on(
+                    self._alone(group, with_engine) if alone else asyncio.to_thread(with_engine), answer
+                )
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _pass_on(self, question: Awaitable[T], answer: Callable[[T], None]) -> None:
+        """Pass a result on, or report the error."""
+        try:
+            answer(await question)
+        except FieldkitError as error:
+            self.complain(str(error))
+        except Exception as error:
+            self.field_app.survive(error)
 
     async def _alone(self, group: str, question: Callable[[], T]) -> T:
         """Run a request after the previous one has ended, even if that was dropped."""
@@ -103,12 +109,23 @@ class AskingScreen(Screen[None]):
 
     async def settled(self, *groups: str) -> None:
         """Wait until the queries of some groups are answered: keys typed ahead depend on the answers."""
-        while any(one.group in groups and one.node is self and not one.is_finished for one in self.workers):
+        nodes = (self, self.app)  # changes are made by the app
+        while any(one.group in groups and one.node in nodes and not one.is_finished for one in self.workers):
             await asyncio.sleep(WAIT)
 
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
-        """Change the ledger in a worker; changes are made in the order of the keys."""
-        self.ask(question, answer, "change", in_turn=True)
+        """Change the ledger in a worker of the app, whose result is shown even if this screen has closed; changes are
+        made in the order of the keys, whatever their screens."""
+
+        def with_engine() -> T:
+            self.resources.import_engine()
+            return question()
+
+        async def work() -> None:
+            async with self.field_app.changing:
+                await self._pass_on(asyncio.to_thread(with_engine), answer)
+
+        self.app.run_worker(work, group="change")  # type: ignore[arg-type]  # narrower than it takes
 
     def show_notice(self, text: str) -> None:
         """Show a notice of success."""

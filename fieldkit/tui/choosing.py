@@ -1,5 +1,6 @@
 """Notices, units, colors and the target."""
 
+from asyncio import Lock
 from dataclasses import asdict
 from functools import partial
 from typing import Any
@@ -27,6 +28,8 @@ class Choosing(InOrder):
         self.resources = resources
         self.notices: list[Notice] = []
         self.revision = self.look = 0
+        self.changing = Lock()
+        """Held while the ledger is changed."""
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Show a notice; errors stay until they are dismissed, successes until the next notice."""
@@ -52,6 +55,10 @@ class Choosing(InOrder):
         """Show the full current notice, with full file paths."""
         self._show_notices(whole=True)
 
+    def action_help_quit(self) -> None:
+        """The action of ^C if nothing can be copied: show how to quit."""
+        self.show_notice("q quits; so does ^Q, even in a field")
+
     def _show_notices(self, whole: bool = False) -> None:
         for bar in self.screen.query(NoticeBar):
             bar.show_notice(self.notices, whole)
@@ -59,6 +66,10 @@ class Choosing(InOrder):
     def _refresh_page(self) -> None:
         if isinstance(self.screen, PageScreen):
             self.screen.refresh_if_changed()
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """The background under an open dialog, in themes without one."""
+        return {"backdrop": "black 60%"}
 
     def action_next_theme(self) -> None:
         """Switch to the next colors."""

@@ -1,5 +1,6 @@
 """The interface of the app for its pages and its palette."""
 
+from asyncio import Lock
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ class Host(Protocol):
     revision: int
     look: int
     unseen: bool
+    changing: Lock
 
     def settled(self, page: str) -> None:
         """The page of this name has read the flights."""

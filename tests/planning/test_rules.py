@@ -16,7 +16,8 @@ from fieldkit.planning import rule_lines
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
 from fieldkit.planning.governed import Governed, governed
 from fieldkit.planning.rules import MARKS, Rule, RuleSet, governing, read_authorities, rule_sets
-from fieldkit.services.sites import keep_site, put_site, site_of
+from fieldkit.services.contest_day import keep_day
+from fieldkit.services.sites import keep_site, site_of
 from fieldkit.units import FOOT
 
 pytestmark = pytest.mark.fast
@@ -384,5 +385,5 @@ def test_the_distances_and_the_authority_of_a_site_are_saved(
         site = site_of(ledger, "Moor")
         assert (site.people, site.size, site.rules) == (pytest.approx(30.48), pytest.approx(500.0), "UKRA")
         keep_site(ledger, "Moor", size=400.0)
-        put_site(ledger, site_of(ledger, "Moor"))
+        keep_day(ledger, 2027, site=site_of(ledger, "Moor"))
         assert site_of(ledger, "Moor").rules == "UKRA"

@@ -11,7 +11,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.planning.contest_day import Day
 from fieldkit.services.contest_day import DAYS, keep_day
 from fieldkit.services.planning import SHORTLIST, keep_shortlist, shortlist
-from fieldkit.services.sites import SITES, keep_site, put_site, with_site
+from fieldkit.services.sites import SITES, keep_site, with_site
 
 pytestmark = pytest.mark.fast
 
@@ -26,7 +26,7 @@ def rename(ledger: Ledger, name: str) -> None:
 
 SAVED: dict[str, tuple[str, Callable[[Ledger, str], object]]] = {
     "a site": (SITES, lambda ledger, name: keep_site(ledger, name, size=300.0)),
-    "a whole site": (SITES, lambda ledger, name: put_site(ledger, Site(name, size=300.0))),
+    "a whole site": (SITES, lambda ledger, name: keep_day(ledger, 2027, site=Site(name, size=300.0))),
     "a renamed site": (SITES, rename),
     "a shortlist": (SHORTLIST, lambda ledger, name: keep_shortlist(ledger, name, frozenset({"F24-4W"}))),
     "a contest day": (DAYS, lambda ledger, name: keep_day(ledger, int(name), Day())),

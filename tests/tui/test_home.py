@@ -2,7 +2,7 @@
 
 import asyncio
 import shutil
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -25,9 +25,7 @@ CHECK_SHAPES = False
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(
-        "fieldkit.services.saved_forecasts._lapsed", lambda _: False
-    )  # created at a frozen time in the past
+    monkeypatch.setattr("fieldkit.services.manual_entry.LAPSES", timedelta.max)  # made at a frozen time in the past
     return at_home(tmp_path, monkeypatch)
 
 

@@ -1,7 +1,7 @@
 """The next flight, importing, the loop, the setup and capturing, using only keys, with some errors."""
 
 import re
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import cast
 from unittest.mock import Mock, patch
@@ -256,7 +256,7 @@ async def test_motors_that_are_not_safe_and_sensible_are_last_with_the_reason(fi
 async def test_without_a_target_the_motor_of_the_open_forecast_is_first_and_weak_ones_are_last(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)  # signed in a frozen past
+    monkeypatch.setattr("fieldkit.services.manual_entry.LAPSES", timedelta.max)  # signed in a frozen past
     async with opened(file, page="next_flight") as pilot:
         flown = text_of(pilot, "#title")
         await press(pilot, "slash", *typed("e18"), "enter", "_", "enter", "_")

@@ -1,5 +1,6 @@
 """The decisions for a motor on the Next page: delay, ballast and contest points, by keys, with every safety line."""
 
+from datetime import timedelta
 from pathlib import Path
 from unittest.mock import patch
 
@@ -10,8 +11,9 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
+from fieldkit.services.contest_day import keep_day
 from fieldkit.services.launch_day import planned_mass
-from fieldkit.services.sites import put_site, site_of
+from fieldkit.services.sites import site_of
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
@@ -125,7 +127,7 @@ async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> 
         await press(pilot, "ctrl+u", *typed("520g"), "ctrl+s", "_")
         await front(pilot, "Contest")
         assert "contest mass: ok: 520 g" in screen_text(pilot)
-        await press(pilot, "escape", "_")
+        await press(pilot, "escape", "escape", "_")
         assert "459 g without motor" in words(pilot)
         await press(pilot, "u", "_", "d", "_")
         await front(pilot, "Contest")
@@ -151,7 +153,7 @@ async def test_a_site_is_edited_in_place_with_the_fields_of_its_safety_checks(fi
 async def test_saved_forecasts_are_listed_and_stale_ones_have_a_reason(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)
+    monkeypatch.setattr("fieldkit.services.manual_entry.LAPSES", timedelta.max)
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
         await front(pilot, "Saved")
@@ -195,7 +197,7 @@ async def test_safety_is_shown_on_the_next_page_at_any_size(file: Path) -> None:
 
 async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> None:
     with Ledger.open(file) as ledger:
-        put_site(ledger, Site("North field", size=400.0))
+        keep_day(ledger, 2027, site=Site("North field", size=400.0))
     async with opened(file, (160, 50), page="home") as pilot:
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
         assert "not given: press p on the Next page to enter it" in text_of(pilot, "#answer")

@@ -9,7 +9,7 @@ from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
 from fieldkit.planning.contest_day import Day
 from fieldkit.services.contest_day import day_of, keep_day
-from fieldkit.services.sites import put_site, site_of
+from fieldkit.services.sites import site_of
 from fieldkit.settings import change_settings
 from fieldkit.tui.add.fields import Field, Form
 from fieldkit.tui.widgets.dialogs import AskText, HelpScreen
@@ -44,7 +44,7 @@ async def test_the_contest_day_and_its_field_keep_their_exact_lengths(file: Path
     day, site = Day(target=CONTEST_TARGET), Site("North field", size=400.05, ceiling=914.4)
     with Ledger.open(file) as ledger:
         keep_day(ledger, 2027, day)
-        put_site(ledger, site)
+        keep_day(ledger, 2027, site=site)
         site = site_of(ledger, "North field")
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "d", "e", "ctrl+s", "_")

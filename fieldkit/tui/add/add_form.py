@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from datetime import date
 from functools import partial
 from threading import Lock
 from typing import TYPE_CHECKING
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
 
 SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, with the last flight's values as defaults."""
-DATE = Question("date_time", "Date", "When it flew: today, yesterday, 2026-05-01 or 2026-05-01T10:30.", offered=True)
+DATE = Question(
+    "date_time", "Date", "When it flew: 10:30, yesterday 10:30, 2026-05-01 or 2026-05-01 10:30.", offered=True
+)
 
 
 def _asked() -> Iterable[Question]:
@@ -146,18 +149,23 @@ class Draft:
         self._resources = resources
         self._lock = Lock()
         self._units: Mapping[str, str] = {}
+        self._kept = False  # whether the ledger has held what was typed last
+        self._dated = False  # whether the ledger has the day on which it was started
         self.flight = 0
         """Counts the flights that were entered."""
         self.shown = False
         """Whether the draft in the ledger has been filled into the form; until then it is not overwritten."""
 
     def begin(self) -> FormStart:
-        """Load the draft."""
-        from fieldkit.services.manual_entry import DRAFT, UNITS
+        """Load the draft; one that was started on another day is of a flight of that day."""
+        from fieldkit.services.manual_entry import DRAFT, STARTED, UNITS
 
         ledger = self._resources.ledger
         draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
-        return FormStart(draft, self._units, self.offers(draft), self.names())
+        self._kept = self._dated = bool(draft)
+        started = (ledger.draft(STARTED) or {}).get(DATE.name) if draft else None
+        day = {DATE.name: started} if started and started != f"{date.today()}" else {}
+        return FormStart(draft, self._units, self.offers(draft) | day, self.names())
 
     def names(self) -> "Names":
         """Offers known names as answers."""
@@ -187,25 +195,41 @@ class Draft:
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Save the draft of the `flight`-th flight."""
-        from fieldkit.services.manual_entry import DRAFT, UNITS
+        from fieldkit.services.manual_entry import DRAFT, STARTED, UNITS
 
         self._resources.import_engine()
         with self._lock:
             if flight != self.flight:
                 return
-            ledger = self._resources.ledger
+            ledger, self._kept = self._resources.ledger, False
             before = {} if self.shown else ledger.draft(DRAFT) or {}
             ledger.keep_draft(DRAFT, {**before, **answers})
+            self._kept = True
+            if not self._dated:
+                ledger.keep_draft(STARTED, {DATE.name: f"{date.today()}"})
+                self._dated = True
             if units != self._units:
                 ledger.keep_draft(UNITS, dict(units))
                 self._units = units
+
+    def is_saved(self, typed: Flight) -> bool:
+        """Whether the flight being entered is the last one of the ledger: `redo` or another app has saved it."""
+        from fieldkit.services.manual_entry import DRAFT
+
+        ledger = self._resources.ledger
+        last = ledger.latest() if self._kept and ledger.draft(DRAFT) is None else None
+        return last is not None and (last.rocket, last.motor, last.readouts()) == (
+            typed.rocket,
+            typed.motor,
+            typed.readouts(),
+        )
 
     def forget(self) -> bool:
         """Discard the draft, which undo restores; False if there is none."""
         from fieldkit.services.manual_entry import DRAFT
 
         with self._lock:
-            self.flight += 1
+            self.flight, self._dated = self.flight + 1, False
             return self._resources.ledger.drop_draft(DRAFT)
 
     def save(self, answered: Answered, *, confirmed: bool = False) -> Saved:
@@ -227,7 +251,7 @@ class Draft:
         try:
             with self._lock:
                 flight, added = enter(self._resources.ledger, typed, DRAFT)
-                self.flight += 1
+                self.flight, self._dated = self.flight + 1, False
         except FieldkitError as error:
             return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
         excluded = implausible_flights([flight], self._resources.motors) if added.new else []

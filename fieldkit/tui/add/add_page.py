@@ -93,7 +93,7 @@ class AddScreen(PageScreen):
         self.query_one(EstimateLine).forget()
         self._saving.card.redraw(self.resources.settings.units)
         if self._sheet.touched:
-            self._ask_usual()
+            self._saving.clear_if_saved(self._read, self._ask_usual)
         else:
             self.ask(self._draft.begin, self._take_up, "start")
 

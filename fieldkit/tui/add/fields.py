@@ -12,6 +12,7 @@ from textual.content import Content
 from textual.screen import ModalScreen
 from textual.widget import Widget
 from textual.widgets import Input, Label, Static
+from textual.worker import Worker
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
@@ -122,6 +123,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         self._value, self._find_names = read, names
         self._names: Names | None = None
         self._picker = Picker()
+        self._reading: Worker[None] | None = None
         self._refused = False
 
     def compose(self) -> ComposeResult:
@@ -138,7 +140,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     def on_mount(self) -> None:
         """Read the answers to offer."""
         if self._find_names is not None:
-            self.run_worker(self._have_names, group="names")  # type: ignore[arg-type]  # narrower than it takes
+            self._reading = self.run_worker(self._have_names, group="names")
 
     async def _have_names(self) -> None:
         with suppress(FieldkitError):  # without a ledger, no answers are offered
@@ -175,7 +177,11 @@ class Form(ModalScreen[dict[str, object] | None]):
             value = self._value(name, "" if text == NOT_RECORDED else text, unit)
         except BadValue as error:
             return None, f"✗ {error}"
-        doubt = self._names.doubt(name, value) if self._names is not None and field.typed else ""
+        if self._names is None or not field.typed:
+            return value, self._beside(field, value, unit)
+        if name == "motor" and (trouble := self._names.motor_trouble(str(value or ""))):
+            return value, f"✗ {trouble}"  # no ledger takes it
+        doubt = self._names.doubt(name, value)
         return value, f"? {doubt}" if doubt else self._beside(field, value, unit)
 
     def _beside(self, field: Field, value: object, unit: str) -> str:
@@ -187,12 +193,12 @@ class Form(ModalScreen[dict[str, object] | None]):
             return spelled(unit)
         return in_own_unit(column, value, typed, cast(Host, self.app).resources.settings.units)
 
-    def action_go_on(self) -> None:
+    async def action_go_on(self) -> None:
         """Move to the next line, or save on the last one. A chosen answer is accepted first."""
         self._picker.take()
         field = self.focused.parent if self.focused is not None else None
         if isinstance(field, Field) and field.question == self._questions[-1]:
-            self.action_take()
+            await self.action_take()
         else:
             self.focus_next()
 
@@ -217,8 +223,11 @@ class Form(ModalScreen[dict[str, object] | None]):
         else:
             self.dismiss(None)
 
-    def action_take(self) -> None:
-        """Submit the answers if all can be read; one that may be misspelled must be confirmed first."""
+    async def action_take(self) -> None:
+        """Submit the answers if all can be read, once known names are; one that may be misspelled must be confirmed
+        first."""
+        if self._reading is not None:
+            await self._reading.wait()
         values: dict[str, object] = {}
         doubts: dict[Field, str] = {}
         self._picker.close()

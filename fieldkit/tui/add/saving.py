@@ -1,5 +1,6 @@
 """Saving the flight on the Add page: doubtful answers are confirmed first, and the result is shown."""
 
+from collections.abc import Callable
 from functools import partial
 
 from fieldkit.flight import Flight
@@ -39,6 +40,20 @@ class Saving:
     def save(self, answered: Answered, *, confirmed: bool = False) -> None:
         """Save the flight in the ledger."""
         self._page.ask(partial(self._draft.save, answered, confirmed=confirmed), partial(self._saved, answered), "save")
+
+    def clear_if_saved(self, read: Callable[[], Answered], go_on: Callable[[], None]) -> None:
+        """Clear a flight that is in the ledger now, unless something was typed meanwhile; else continue with `go_on`.
+        `read` returns the answers."""
+        typed = read().flight
+
+        def clear(saved: bool) -> None:
+            if saved and read().flight == typed:
+                self._sheet.clear()
+                self._page.reload()
+            else:
+                go_on()
+
+        self._page.ask(partial(self._draft.is_saved, typed), clear, "start")
 
     def leave_card(self) -> None:
         """Return to the form."""

@@ -50,6 +50,13 @@ class Shown:
     right: bool = False
     falls: bool = False
     """Whether the first sort by this column puts the largest first."""
+    name: str = ""
+    """Its name at every width, if its heading depends on the width."""
+
+    @property
+    def key(self) -> str:
+        """The name by which the order of the table is kept when other columns fit."""
+        return self.name or self.title
 
 
 def _number(value: float | None, form: str) -> str:
@@ -90,7 +97,13 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
             lambda r, _: r.flight.rocket,
             lambda r: r.flight.rocket.lower(),
         ),
-        Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
+        Shown(
+            "config" if wide else "cfg",
+            8 if wide else 3,
+            lambda r, _: r.flight.config,
+            lambda r: r.flight.config,
+            name="config",
+        ),
         Shown("motor", motor, lambda r, _: motor_name(r.flight.motor, motor), lambda r: r.flight.motor),
         Shown(
             "apogee",
@@ -107,6 +120,7 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
             lambda r, _: _number(r.thrust, ".2f"),
             lambda r: r.thrust or 0.0,
             right=True,
+            name="alpha",
         ),
         Shown(
             "miss",
@@ -118,7 +132,7 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
         ),
         Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
     ]
-    shown = [one for one in shown if not (brief and one.title == "alpha")]
+    shown = [one for one in shown if not (brief and one.key == "alpha")]
     left = width - sum(c.width + 1 for c in shown) - 2
     share = 2 / 3 if brief else 2 / 5
     return [*shown, _drawn(int(left * share), scale, system)] if brief or width >= WITH_FORECASTS else shown
@@ -131,6 +145,7 @@ def _drawn(room: int, scale: HeightScale, system: str) -> Shown:
         room,
         lambda r, _: scale.line(r.forecast, r.flight.apogee, room),
         lambda r: r.forecast[1] if r.forecast is not None else -1.0,
+        name="forecast",
     )
 
 

@@ -11,6 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.start import Start
 from fieldkit.quantities import in_system, measure, number, with_sd
@@ -154,14 +155,25 @@ class FlightScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight; inferred values follow when they are computed."""
-        self.ask(or_why(lambda: self.resources.ledger.flight(self._flight_id)), self._have)
+        self.ask(or_why(self._read), self._have)
 
-    def _have(self, flight: Flight | str) -> None:
-        if isinstance(flight, str):
+    def _read(self) -> tuple[str, Flight]:
+        """The flight with its id, which changes if another rocket has a flight with the same number."""
+        ledger, shown = self.resources.ledger, self._flight
+        try:
+            flight = ledger.flight(self._flight_id if shown is None else f"{shown.rocket}/{shown.flight_id}")
+        except LedgerError:
+            flight = ledger.flight(self._flight_id)
+            if shown is None or flight.readouts() != shown.readouts():
+                raise  # it is another rocket's; else the rocket was renamed
+        return ledger.ids([flight])[0], flight
+
+    def _have(self, read: tuple[str, Flight] | str) -> None:
+        if isinstance(read, str):
             leave(self, self._flight_id)
             return
-        self._flight = flight
-        system = self.resources.settings.units
+        self._flight_id, flight = read
+        self._flight, system = flight, self.resources.settings.units
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
@@ -255,7 +267,11 @@ class FlightScreen(PageScreen):
     def action_edit(self) -> None:
         """Edit the flight."""
         if self._flight is not None:
-            ask_changes(self, self._flight_id, self._flight, partial(setattr, self, "_flight_id"))
+            ask_changes(self, self._flight_id, self._flight, self._renamed)
+
+    def _renamed(self, id: str) -> None:
+        """Show the same flight by its new id."""
+        self._flight_id, self._flight = id, None
 
     def copied(self) -> str:
         """The flight as a card of text."""

@@ -73,7 +73,7 @@ class FlightsScreen(PageScreen):
         self._hay: dict[str, str] = {}
         self._asked: set[str] = set()
         self._inference: FlightInference | None = None
-        self._sort, self._down = 1, True
+        self._order, self._down = "date", True
         self._scale = HeightScale(0.0, 1.0)
         self._rest: Timer | None = None
 
@@ -142,15 +142,20 @@ class FlightsScreen(PageScreen):
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
         beside = self.has_class("-wide")
-        shown = columns(self.query_one(Table).size.width, self._scale, self.resources.settings.units, beside=beside)
-        self._sort = min(self._sort, len(shown) - 1)
-        return shown
+        return columns(self.query_one(Table).size.width, self._scale, self.resources.settings.units, beside=beside)
 
-    def _sorted(self, rows: Iterable[Row]) -> list[Row]:
-        return sorted(rows, key=self._shown()[self._sort].order, reverse=self._down)
+    def _sorted_by(self, shown: Sequence[Shown]) -> int:
+        """The place of the column that determines the order; the usual one if it does not fit."""
+        keys = [one.key for one in shown]
+        return keys.index(self._order if self._order in keys else "date")
+
+    def _sort_by(self, column: Shown) -> None:
+        self._order, self._down = column.key, column.falls
+        self._refill()
 
     @on(Input.Changed)
     def _filtered(self) -> None:
+        self.query_one(Table).by_hand = False  # start at the first flight
         self._refill()
         self._infer()
 
@@ -161,15 +166,15 @@ class FlightsScreen(PageScreen):
         rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
         system = self.resources.settings.units
         shown = self._shown()
-        arrow = "▼" if self._down else "▲"
+        place, arrow = self._sorted_by(shown), "▼" if self._down else "▲"
         heads = [
-            Head(c.title + (arrow if n == self._sort else ""), c.width, c.right, tail=c.title == "id")
+            Head(c.title + (arrow if n == place else ""), c.width, c.right, tail=c.title == "id")
             for n, c in enumerate(shown)
         ]
         self.query_one(Table).empty = NOT_FOUND if words else NO_FLIGHTS
         self.query_one(Table).show(
             heads,
-            [row.id for row in self._sorted(rows)],
+            [row.id for row in sorted(rows, key=shown[place].order, reverse=self._down)],
             lambda id: [column.text(self._rows[id], system) for column in shown],
         )
         unit = spelled(unit_of(cards.APOGEE, system))
@@ -214,9 +219,11 @@ class FlightsScreen(PageScreen):
 
     @on(Table.HeadClicked)
     def _head(self, message: Table.HeadClicked) -> None:
-        self._down = not self._down if message.column == self._sort else self._shown()[message.column].falls
-        self._sort = message.column
-        self._refill()
+        shown = self._shown()
+        if message.column == self._sorted_by(shown):
+            self.action_turn()
+        else:
+            self._sort_by(shown[message.column])
 
     @on(Table.Chosen)
     def _open(self, message: Table.Chosen) -> None:
@@ -257,9 +264,8 @@ class FlightsScreen(PageScreen):
 
     def action_sort(self) -> None:
         """Sort by the next column."""
-        self._sort = (self._sort + 1) % len(self._shown())
-        self._down = self._shown()[self._sort].falls
-        self._refill()
+        shown = self._shown()
+        self._sort_by(shown[(self._sorted_by(shown) + 1) % len(shown)])
         self._infer()
 
     def action_turn(self) -> None:

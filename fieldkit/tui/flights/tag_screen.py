@@ -58,6 +58,7 @@ class TagScreen(PageScreen):
         self._before: Shift | None = None
         self._now: Shift | None = None
         self._bearers: dict[str, list[str]] = {}
+        self._own_tags: list[str] = []
 
     def body(self) -> Iterable[Widget]:
         """The flight, the tags, the effect; beside them, if there is room, the current tag."""
@@ -96,10 +97,11 @@ class TagScreen(PageScreen):
         """List the tags, with a mark at those of the flight."""
         self._flight = flight
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
-        own = [tag for tag in flight.tags if tag not in KNOWN_TAGS]
+        new = (tag for tag in flight.tags if tag not in KNOWN_TAGS)
+        self._own_tags = list(dict.fromkeys([*self._own_tags, *new]))  # a cleared one can be set again
         rows = {
             tag: ("" if tag == OWN_TAG_ROW else "[x]" if tag in flight.tags else "[ ]", tag, meaning(tag))
-            for tag in (*KNOWN_TAGS, *own, OWN_TAG_ROW)
+            for tag in (*KNOWN_TAGS, *self._own_tags, OWN_TAG_ROW)
         }
         self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("meaning", 0)], list(rows), rows.__getitem__)
         self._moved()

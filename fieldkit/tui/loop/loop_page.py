@@ -112,9 +112,17 @@ class LoopScreen(PageScreen):
         model = f"version {standing.used}" if standing.used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · forecasts with {model}{more}")))
         self.panels.show_versions(standing, self.resources.settings.units)
-        accepted = self._accepted_version is not None and self._accepted_version == standing.used
-        self.panels.show_verdict(self.resources.settings.units, accepted=accepted)
+        self.panels.show_verdict(self.resources.settings.units, accepted=self._is_accepted)
         self.panels.show_residuals(self._against, self.resources.settings.units)
+
+    @property
+    def _is_accepted(self) -> bool:
+        """Whether the model with the findings shown is in use."""
+        return (
+            self._accepted_version is not None
+            and self._standing is not None
+            and self._standing.used == self._accepted_version
+        )
 
     async def action_search(self) -> None:
         """Search for missing effects with progress; nothing changes."""
@@ -220,7 +228,7 @@ class LoopScreen(PageScreen):
         if plain and all(not places for _, places in found.diagnosis.averaged):
             self.show_notice("Nothing to accept: the plain model is in use")
             return
-        if self._accepted_version is not None and self._standing and self._standing.used == self._accepted_version:
+        if self._is_accepted:
             self.show_notice("Already accepted: forecasts use it")
             return
 
@@ -236,11 +244,13 @@ class LoopScreen(PageScreen):
         self.field_app.changed()
 
     def action_decline(self) -> None:
-        """Leave the model unchanged."""
-        found = self.panels.found is not None
-        self.show_notice(
-            "Declined: the model is unchanged" if found else "Nothing to decline yet. S to search for missing effects"
-        )
+        """Leave the model unchanged; one that was accepted stays in use until that is undone."""
+        if self.panels.found is None:
+            self.show_notice("Nothing to decline yet. S to search for missing effects")
+        elif self._is_accepted:
+            self.show_notice("Already accepted: forecasts use it. u to undo")
+        else:
+            self.show_notice("Declined: the model is unchanged")
 
     @on(Table.Chosen, "#versions")
     def _use(self, message: Table.Chosen) -> None:

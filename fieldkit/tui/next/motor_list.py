@@ -49,8 +49,9 @@ class MotorList:
         return [motor for motor in wanted if motor not in self.known][:AT_ONCE]
 
     def turn_to(self, plan: "Plan | None") -> None:
-        """Set another plan, without forecasts."""
+        """Set another plan, without forecasts; without a plan, no motors."""
         self.plan, self.known, self.exact = plan, {}, set()
+        self.found = self.found if plan is not None else ()
 
     def put(self, plan: "Plan", found: "Sequence[MotorChoice]") -> None:
         """Add forecasts of a plan, unless it has been replaced in the meantime."""

@@ -18,7 +18,7 @@ from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.motor_rows import listed
 from fieldkit.tui.next.next_help import NEXT_HELP
-from fieldkit.tui.next.next_plan import Plan, read_plan
+from fieldkit.tui.next.next_plan import MASS_UNKNOWN, Plan, PlanWithoutMass, next_build, read_plan
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
@@ -78,6 +78,7 @@ class NextScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._motors = MotorList()
+        self._plan: Plan | PlanWithoutMass | None = None
         self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
@@ -112,12 +113,14 @@ class NextScreen(PageScreen):
         self._show_plan(self._motors.plan)
         self._refill()
 
-    def _have_plan(self, plan: Plan | None) -> None:
-        self._motors.turn_to(plan)
-        self.set_class(plan is None, "-blank")
-        if plan is None:
-            self.query_one("#plan", Static).update("No plan yet. p to enter one")
-            self.query_one(Table).empty = NO_FLIGHTS
+    def _have_plan(self, plan: Plan | PlanWithoutMass | None) -> None:
+        self._plan = plan
+        self._motors.turn_to(plan if isinstance(plan, Plan) else None)
+        self.set_class(not isinstance(plan, Plan), "-blank")
+        if not isinstance(plan, Plan):
+            line = "No plan yet. p to enter one" if plan is None else plan.why
+            self.query_one("#plan", Static).update(Content(line))
+            self.query_one(Table).empty = NO_FLIGHTS if plan is None else MASS_UNKNOWN
             self.query_one(Table).show((), (), lambda _: ())
             return
         self.query_one(Table).empty = "no motor fits; * shows them all"
@@ -228,7 +231,7 @@ class NextScreen(PageScreen):
     async def action_build(self) -> None:
         """Turn to the next rocket and configuration that have flown."""
         await self.settled("change", "plan")
-        build = self._motors.plan.next_build() if self._motors.plan is not None else None
+        build = next_build(self._plan) if self._plan is not None else None
         if build is not None:
             self._keep_plan(build)
 
@@ -250,7 +253,7 @@ class NextScreen(PageScreen):
         from fieldkit.tui.next.plan_form import ask_plan
 
         await self.settled("change", "plan")
-        ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
+        ask_plan(self, self._plan.flight if self._plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
         from fieldkit.tui.next.plan_form import keep_plan
@@ -258,13 +261,14 @@ class NextScreen(PageScreen):
         keep_plan(self, plan)
 
     @on(Table.Chosen)
-    def _keep_forecast(self) -> None:
-        """Save the full forecast of the motor under the cursor."""
-        motor = self.query_one(Table).current
+    async def _keep_forecast(self, message: Table.Chosen) -> None:
+        """Save the full forecast of the chosen motor, unless the plan it was shown for is being replaced."""
+        motor, shown = message.key, self._motors.plan
+        await self.settled("change", "plan")
         one = self._motors.known.get(motor)
-        if one is None:
-            if motor is not None and self._motors.plan is not None:
-                self.show_notice("This motor is still being computed; Enter again saves its forecast")
+        if one is None or self._motors.plan is not shown:
+            if self._motors.plan is not None:
+                self.show_notice("Forecasts are still being computed; Enter again saves that of this motor")
             return
 
         def work() -> "list[Prediction]":

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fieldkit.errors import ImpossibleFlight, UnknownMotor
+from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
 from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.paths import data_file
@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 
 MAX_NAMED_FLIGHTS = 8
 """Maximum number of individually named flights of a forecast."""
+MASS_UNKNOWN = """No forecast without the mass of the rocket.
+
+p Plan    enter its dry mass
+b Rocket  the next rocket that has flown"""
+"""The text of the list for a rocket of unknown mass."""
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
 """Editable numbers of a plan; the delay is chosen with the motor."""
 QUESTIONS = (
@@ -78,15 +83,6 @@ class Plan:
         widest = "the widest flown is" if self.rocket.motors else unflown
         return f"{motor.diameter * 1e3:g} mm, and {widest} {(self.wanted.mount or 0.0) * 1e3:g} mm"
 
-    def next_build(self) -> Flight | None:
-        """The plan for the next rocket and configuration that have flown; None if none has."""
-        names = [(build.rocket, build.config) for build in self.builds]
-        if not names:
-            return None
-        now = (self.flight.rocket, self.flight.config)
-        rocket, config = names[(names.index(now) + 1) % len(names)] if now in names else names[0]
-        return self.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None)
-
     def line(self, settings: Settings) -> str:
         """The plan in a line: `Astra B · 448 g without motor · wind 2.1 m/s · target 244 m`."""
         system, target = settings.units, settings.target
@@ -100,10 +96,34 @@ class Plan:
         return printable(" · ".join(parts))
 
 
-def read_plan(resources: "Resources") -> Plan | None:
+@dataclass(frozen=True, slots=True)
+class PlanWithoutMass:
+    """A plan for a rocket of unknown mass, which cannot be forecast, and the available configurations."""
+
+    flight: Flight
+    builds: tuple[Flight, ...]
+
+    @property
+    def why(self) -> str:
+        """What is missing, and the key to enter it."""
+        build = f"{self.flight.rocket} {self.flight.config}".strip() or "the rocket"
+        return printable(f"{build}: no dry mass known; p to enter one")
+
+
+def next_build(plan: Plan | PlanWithoutMass) -> Flight | None:
+    """The plan for the next rocket and configuration that have flown; None if none has."""
+    names = [(build.rocket, build.config) for build in plan.builds]
+    if not names:
+        return None
+    now = (plan.flight.rocket, plan.flight.config)
+    rocket, config = names[(names.index(now) + 1) % len(names)] if now in names else names[0]
+    return plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None)
+
+
+def read_plan(resources: "Resources") -> Plan | PlanWithoutMass | None:
     """The saved plan, or else one for the last flown rocket with a known mass; None if nothing has flown.
 
-    Raises ImpossibleFlight for a rocket of unknown mass, LedgerError if the ledger cannot be read.
+    Raises LedgerError if the ledger cannot be read.
     """
     from fieldkit.planning.motor_guide import Wanted, widest_motor
     from fieldkit.services import launch_day
@@ -117,9 +137,9 @@ def read_plan(resources: "Resources") -> Plan | None:
         return None
     rocket = rocket_of(ledger, resources.motors, plan.rocket)
     full = completed_plan(ledger, resources.motors, plan, resources.settings)
-    if full.dry_mass is None:
-        raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p to enter one")
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}
+    if full.dry_mass is None:
+        return PlanWithoutMass(plan, tuple(builds.values()))
     return Plan(
         plan,
         full,

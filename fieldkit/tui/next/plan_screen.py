@@ -18,9 +18,9 @@ from fieldkit.planning.contest import season_of, seasons
 from fieldkit.planning.contest_day import Day
 from fieldkit.safe_text import printable
 from fieldkit.services.contest_day import day_of, keep_day
-from fieldkit.services.launch_day import planned_mass, save_mass
+from fieldkit.services.launch_day import planned_mass
 from fieldkit.services.planning import rocket_of
-from fieldkit.services.sites import put_site, site_of
+from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.help import Help
@@ -238,14 +238,13 @@ class PlanScreen(PageScreen):
         self._view = 2 if day != known[0] and self._view == 0 else self._view
         weighed = cast("float | None", values[contest_form.WEIGHED.name])
 
-        def work() -> None:
-            keep_day(self.resources.ledger, season, day)
-            if site != known[1]:
-                put_site(self.resources.ledger, site)
-            if weighed is not None:
-                save_mass(self.resources.ledger, weighed)
+        changed = day if day != known[0] else None, site if site != known[1] else None
+        work = partial(keep_day, self.resources.ledger, season, *changed, weighed)
+        self.change(work, self._kept_day)
 
-        self.change(work, lambda _: self.field_app.changed())
+    def _kept_day(self, changed: bool) -> None:
+        self.show_notice("Saved the day. u to undo" if changed else "Nothing has changed")
+        self.field_app.changed()
 
     def copied(self) -> str:
         """The answer as text."""

@@ -1,6 +1,6 @@
 """The lists of the Setup page as headings, rows and cells, and the answers of their forms."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fieldkit.flight import BY_NAME, Flight
@@ -23,11 +23,12 @@ NORMAL_TABLE_WIDTH, WIDE_TABLE_WIDTH = 70, 96
 
 
 class ListContents(NamedTuple):
-    """A list for a table: its columns, its rows, and their cells."""
+    """A list for a table: its columns, its rows, their cells, and the name by which a row is found again."""
 
     heads: list[Head]
     keys: Sequence[Any]
     cells: Cells
+    name: Callable[[Any], Hashable] = lambda key: key
 
 
 def motors_listed(found: "Sequence[Motor]", system: str, width: int) -> ListContents:
@@ -65,7 +66,7 @@ def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
 
     heads = [Head("rocket", 0), Head("config", 8), Head("dry mass", 9, True), Head("diameter", 9, True)]
     heads += [Head("flights", 7, True), Head("last motor", 14)][: 1 if narrow else 2]
-    return ListContents(heads, names.builds, cells)
+    return ListContents(heads, names.builds, cells, lambda group: group.names)
 
 
 def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
@@ -81,7 +82,7 @@ def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
 
     heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
     heads += [Head("flights", 7, True), Head("last", 10)][: 1 if narrow else 2]
-    return ListContents(heads, names.sites, cells)
+    return ListContents(heads, names.sites, cells, lambda place: place.site.name)
 
 
 def kits_listed(kits: "Sequence[Kit]", system: str) -> ListContents:
@@ -92,7 +93,7 @@ def kits_listed(kits: "Sequence[Kit]", system: str) -> ListContents:
         return [kit.name, *(kit_text(kit, name, system) for name in ("dry_mass", "diameter", "mount"))]
 
     heads = [Head("kit", 0), Head("dry mass", 9, True), Head("diameter", 9, True), Head("mount", 9, True)]
-    return ListContents(heads, kits, cells)
+    return ListContents(heads, kits, cells, lambda kit: kit.name)
 
 
 def settings_listed(settings: Settings, ledger: str) -> ListContents:

@@ -131,6 +131,11 @@ class SetupScreen(PageScreen):
         self._show()
 
     @on(Input.Changed)
+    def _search_anew(self) -> None:
+        """Start a new search at its first motor."""
+        self.query_one(Table).by_hand = False
+        self._search_now()
+
     def _search_now(self) -> None:
         text = self.query_one(Input).value
         self.ask(lambda: self.resources.motors.search(text), self._have_motors, "motors")
@@ -151,10 +156,10 @@ class SetupScreen(PageScreen):
         self.query_one("#search").display = self._kind == 0
         self.query_one("#card").set_class(self._kind == 0, "-motors")
         self.query_one(Table).set_class(KINDS[self._kind] == "Settings", "-settings")
-        heads, keys, cells = self._list()
+        heads, keys, cells, name = self._list()
         table = self.query_one(Table)
         table.enter, table.empty = "Change" if self._kind else "Details", EMPTY[self._kind]
-        table.show(heads, keys, cells)
+        table.show(heads, keys, cells, name=name)
         self.query_one(KeyBar).follow()
         self._beside()
 

@@ -1,6 +1,6 @@
 """A table of any length: only visible lines are drawn, so that five thousand flights respond immediately."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -109,11 +109,21 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.by_hand = False
         """Whether the flyer has moved the cursor since the table was last reset."""
 
-    def show(self, heads: Sequence[Head], keys: Sequence[Any], cells: Cells, *, keep: bool = True) -> None:
-        """Show a row for each key; the cursor stays on its row if that still exists and the user chose it."""
-        before, keep = self.current, keep and self.by_hand
+    def show(
+        self,
+        heads: Sequence[Head],
+        keys: Sequence[Any],
+        cells: Cells,
+        *,
+        keep: bool = True,
+        name: Callable[[Any], Hashable] = lambda key: key,
+    ) -> None:
+        """Show a row for each key. If the user chose a row, the cursor stays on it, or takes the place of a row that is
+        gone; `name` identifies a row whose key has changed."""
+        before = self.current
+        row = _place(self.cursor, list(map(name, self.keys)), list(map(name, keys))) if keep and self.by_hand else 0
         self.heads, self.keys, self.cells = heads, keys, cells
-        self.set_reactive(Table.cursor, keys.index(before) if keep and before in keys else 0)
+        self.set_reactive(Table.cursor, row)
         self.virtual_size = Size(self.size.width, len(keys) + 1)
         self._in_sight()
         self.refresh()
@@ -238,6 +248,16 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         """Redraw all visible lines, because the heading does not scroll."""
         super().watch_scroll_y(old_value, new_value)
         self.refresh(Region(0, 0, *self.size))
+
+
+def _place(cursor: int, old: Sequence[Hashable], new: Sequence[Hashable]) -> int:
+    """The place of the cursor when other rows are shown: that of its row, or of the row instead of it, or of the next
+    row that is still there, or of the one before it."""
+    places = {name: place for place, name in enumerate(new)}
+    if old[cursor : cursor + 1] and old[cursor] not in places and len(old) == len(new):
+        return cursor
+    around = (*old[cursor:], *reversed(old[:cursor]))
+    return next((places[name] for name in around if name in places), 0)
 
 
 def fitted(text: str, width: int, right: bool, tail: bool = False) -> str:

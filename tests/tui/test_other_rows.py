@@ -1,0 +1,250 @@
+"""Keys act on what is shown: after another plan, another page, a removed row, an undone or repeated change."""
+
+from datetime import UTC, date, datetime, timedelta
+from pathlib import Path
+from unittest.mock import patch
+
+import pytest
+from textual.widgets import Input
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, models
+from fieldkit.services import close_loop
+from fieldkit.services.manual_entry import STARTED
+from fieldkit.tui.add.add_page import AddScreen
+from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.flights.flights_page import FlightsScreen
+from fieldkit.tui.widgets.dialogs import AskYes
+from fieldkit.tui.widgets.table import Table
+from tests.pressing import at_home, hurry, looked_at, opened, press, shown, text_of, typed, words
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return at_home(tmp_path, monkeypatch)
+
+
+def changes(file: Path) -> list[str]:
+    with Ledger.open(file) as ledger:
+        return [change.command for change in ledger.history()]
+
+
+def another_rocket(file: Path, name: str = "Bee", when: datetime = datetime(2026, 3, 1)) -> None:
+    bee = Flight("b", name, "Z", "F39", dry_mass=0.4, diameter=0.066, apogee=100.0, date_time=when)
+    with Ledger.open(file) as ledger:
+        ledger.add([bee])
+
+
+async def test_enter_behind_another_rocket_does_not_save_a_forecast_of_the_former(file: Path) -> None:
+    another_rocket(file)
+    async with opened(file, page="next_flight") as pilot:
+        before = text_of(pilot, "#plan")
+        await hurry(pilot, "b", "enter")
+        assert text_of(pilot, "#plan") != before
+        assert changes(file)[-1] == "plan"
+        assert "Enter again" in words(pilot)
+        await press(pilot, "enter", "_")
+        assert changes(file)[-1] == "forecast"
+
+
+async def test_a_plan_for_a_rocket_of_unknown_mass_is_shown_and_can_be_completed(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "p", "ctrl+u", *typed("Nova"), "ctrl+s", "y", "_")
+        assert "Nova B: no dry mass known; p to enter one" in text_of(pilot, "#plan")
+        assert not pilot.app.screen.query_one(Table).keys
+        await press(pilot, "enter", "_")
+        assert "forecast" not in changes(file)
+        await press(pilot, "p")
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Nova"
+        await press(pilot, "down", "down", *typed("400"), "ctrl+s", "_")
+        assert "Nova B · 400 g" in text_of(pilot, "#plan")
+        assert pilot.app.screen.query_one(Table).keys
+        await press(pilot, "u", "_", "b", "_")
+        assert "Astra" in text_of(pilot, "#plan")
+
+
+async def test_the_palette_opens_another_flight_while_one_is_open(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "0")
+        await press(pilot, "ctrl+p", *typed("Flight 3 "), "_", "enter", "_")
+        assert isinstance(pilot.app.screen, FlightScreen)
+        assert "3 · Astra A" in words(pilot)
+
+
+@pytest.mark.parametrize(("page", "key", "back"), [("flights", "enter", "1"), ("next_flight", "d", "f")])
+async def test_the_key_of_a_page_closes_what_is_open_over_it(file: Path, page: str, key: str, back: str) -> None:
+    async with opened(file, page=page) as pilot:
+        first = pilot.app.screen
+        await press(pilot, key)
+        assert pilot.app.screen is not first
+        await press(pilot, back)
+        assert pilot.app.screen is first
+
+
+async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "e", *["down"] * 2, "ctrl+u")
+        await hurry(pilot, *"F24W999", "ctrl+s")
+        assert "✗ 'F24W999': found" in words(pilot)
+        assert pilot.app.focused is pilot.app.screen.query_one("#in-motor")
+        await press(pilot, "ctrl+u", *typed("F24-4W"), "ctrl+s", "_")
+        assert "Saved flight 12: motor" in words(pilot)
+
+
+async def test_a_flight_that_is_redone_leaves_no_draft_behind(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"), "ctrl+s", "_", "u", "_")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("apogee").line.value == "200m"
+        await press(pilot, "U", "_")
+        assert screen.field("apogee").line.value == ""
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 13
+
+
+async def test_a_tag_of_ones_own_that_was_cleared_can_be_set_again(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.tag("12", "windy")
+    async with opened(file) as pilot:
+        await press(pilot, "t")
+        pilot.app.screen.query_one(Table).move_to("windy")
+        await press(pilot, "space", "_")
+        assert "▸[ ] windy" in shown(pilot)
+        await press(pilot, "space", "_")
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("12").tags == ("windy",)
+
+
+async def test_the_cursor_stays_where_a_flight_was_removed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, *["down"] * 3, "x", "_")
+        assert pilot.app.screen.query_one(Table).current == "8"
+        await press(pilot, "end", "x", "_")
+        assert pilot.app.screen.query_one(Table).current == "2"
+
+
+async def test_the_cursor_stays_on_a_rocket_that_was_edited_or_renamed(file: Path) -> None:
+    for number, name in enumerate(("Cat", "Dog", "Elk")):
+        another_rocket(file, name, datetime(2026, 9, 1 + number))
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right", "down")
+        table = pilot.app.screen.query_one(Table)
+        await press(pilot, "enter", "down", "down", *typed("390"), "ctrl+s", "_")
+        assert "390 g" in table.current_text()
+        assert table.current.names == ("Dog", "Z")
+        await press(pilot, "enter", "ctrl+u", *typed("Duck"), "ctrl+s", "_")
+        assert table.current.names == ("Duck", "Z")
+
+
+async def test_a_change_is_shown_although_its_screen_was_closed_at_once(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "t")
+        await hurry(pilot, "space", "escape")
+        assert isinstance(pilot.app.screen, FlightsScreen)
+        assert "+4.1 weak_laun" in words(pilot)
+
+
+@pytest.fixture
+def today(file: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The ledger, with forecasts saved now."""
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    return file
+
+
+async def test_add_offers_the_open_forecast_that_home_shows(today: Path) -> None:
+    another_rocket(today)
+    async with opened(today, page="next_flight") as pilot:
+        while "Astra B" not in text_of(pilot, "#plan"):
+            await press(pilot, "b", "_")
+        await press(pilot, "enter", "_", "b", "_")
+        while "Bee" not in text_of(pilot, "#plan"):
+            await press(pilot, "b", "_")
+        await press(pilot, "enter", "_", "a", "_", *typed("140"), "ctrl+s", "_")
+        if isinstance(pilot.app.screen, AskYes):
+            await press(pilot, "y", "_")
+        await press(pilot, "0", "_")
+        assert "Astra B on" in text_of(pilot, "#next .heading")
+        await press(pilot, "a", "_")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert (screen.field("rocket").answer, screen.field("config").answer) == ("Astra", "B")
+
+
+async def test_add_offers_a_saved_forecast_although_an_old_flight_has_no_mass(today: Path) -> None:
+    old = Flight("x", "Astra", "A", "F24-4W", apogee=150.0, date_time=datetime(2026, 4, 1))
+    with Ledger.open(today) as ledger:
+        ledger.add([old])
+    async with opened(today, page="next_flight") as pilot:
+        await press(pilot, "down", "enter", "_")
+        motor = pilot.app.screen.query_one(Table).current.designation
+        await press(pilot, "a", "_")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert f"AeroTech {motor}" in screen.field("motor").answer
+
+
+async def test_the_form_of_a_contest_day_is_one_change(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "d", "e", *typed("785ft"))
+        form, before = pilot.app.screen, changes(file)
+        for name, text in (("size", "400 m"), ("lift_off_mass", "500 g")):
+            form.query_one(f"#in-{name}", Input).value = text
+        await press(pilot, "ctrl+s", "_")
+        assert changes(file) == [*before, "day"]
+        assert "Saved the day. u to undo" in words(pilot)
+        await press(pilot, "u", "_")
+    with Ledger.open(file) as ledger:
+        assert [ledger.draft(name) for name in ("contest", "sites", "plan")] == [None, None, None]
+
+
+async def test_a_model_in_use_is_not_said_to_be_declined(file: Path) -> None:
+    with patch.object(close_loop, "look", lambda *_: looked_at()):
+        async with opened(file, page="loop") as pilot:
+            await press(pilot, "S", "_", "D", "_")
+            assert "Declined: the model is unchanged" in words(pilot)
+            await press(pilot, "A", "_", "D", "_")
+            assert "Already accepted: forecasts use it. u to undo" in words(pilot)
+
+
+async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file: Path) -> None:
+    async with opened(file, (170, 50)) as pilot:
+        screen = pilot.app.screen
+        assert isinstance(screen, FlightsScreen)
+        while "miss▼" not in shown(pilot):
+            await press(pilot, "s")
+        order = list(screen.query_one(Table).keys)
+        await pilot.resize_terminal(122, 40)
+        while "alpha" in shown(pilot):
+            await press(pilot, "_")
+        assert "miss▼" in shown(pilot)
+        assert screen.query_one(Table).keys == order
+
+
+async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None:
+    yesterday = f"{date.today() - timedelta(days=1)}"
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("200"))
+    with Ledger.open(file) as ledger:
+        assert ledger.draft(STARTED) == {"date_time": f"{date.today()}"}
+        ledger.keep_draft(STARTED, {"date_time": yesterday})
+    async with opened(file) as pilot:
+        await press(pilot, "a", "ctrl+s", "_")
+        assert "Saved flight 13" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert f"{ledger.flight('13').date_time:%Y-%m-%d}" == yesterday
+
+
+async def test_a_flight_stays_open_when_another_rocket_has_one_with_its_number(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter")
+        with Ledger.open(file) as ledger:
+            ledger.add([Flight("12", "Bee", "Z", "F39", dry_mass=0.4, apogee=100.0)])
+        pilot.app.look_round()  # type: ignore[attr-defined]
+        await press(pilot, "_")
+        assert "Astra/12 · Astra B" in words(pilot)
+        await press(pilot, "x", "_")
+    with Ledger.open(file) as ledger:
+        assert [flight.rocket for flight in ledger.flights() if flight.flight_id == "12"] == ["Bee"]
