@@ -15,6 +15,7 @@ import pytest
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, journal
+from fieldkit.ledger.backups import backups
 
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
@@ -130,6 +131,19 @@ def test_every_write_of_a_command_fails_in_turn(tmp_path: Path) -> None:
     bench.fresh()
     assert "flights.csv" in bench.judged(calls.Ended(0, "", "", True))[1]
     assert bench.judged(calls.Ended(calls.HANGS, "", "", True))[1] == "it hangs"
+
+
+@traced
+def test_calls_of_the_backup_of_a_new_day_fail_too(tmp_path: Path) -> None:
+    with ledgers.at_home(tmp_path / "home"):
+        add, _ = session.new_day(tmp_path / "found")
+    trial = failing.Bench(tmp_path / "trial", add)
+    found = trial.learn()
+    assert len(backups(trial.file)) == 2
+    assert "rename" in {name for name, _ in found}  # of the backup, to its name
+    rename = next(calls.Fault(*one, calls.EIO) for one in found if one[0] == "rename")
+    assert trial.judged(trial.tried(rename)) == ("finished anyway", "")
+    assert len(backups(trial.file)) == 1
 
 
 @traced
