@@ -1,6 +1,7 @@
 """Real kills, a few of each kind; `python -m bench.faults` runs more."""
 
 import os
+import random
 import sqlite3
 import subprocess
 import sys
@@ -204,6 +205,15 @@ def test_a_change_whose_server_process_is_killed_leaves_no_trace(url: str, count
     outcome = statements.process_killed(url, counts)
     assert outcome.faults == []
     assert outcome.tried >= len(statements.CHANGES)
+
+
+@pytest.mark.postgres
+def test_names_too_long_for_the_index_of_a_server_are_refused_in_a_line(url: str) -> None:
+    rocket = random.Random(1).randbytes(3000).hex()  # names that repeat are compressed, and fit
+    with Ledger.open(url) as ledger:
+        with pytest.raises(LedgerError, match="expected at most 2600 bytes; nothing was changed"):
+            ledger.add([FIRST.with_changes(rocket=rocket)])
+        assert ledger.flights() == []
 
 
 @pytest.mark.postgres
