@@ -31,7 +31,7 @@ _SQLITE = {
 }
 
 _SERVER = {
-    "54000": "a rocket's name and flight_id together are too long for this server, expected at most 2600 bytes; nothing "
+    "54000": "a rocket's name and flight_id are together too long for a server, expected at most 2600 bytes; nothing "
     "was changed",
 }
 """Reasons by PostgreSQL's codes; 54000 is a row that exceeds a limit, as that of an index on names."""
