@@ -98,6 +98,8 @@ def _of_calls(folder: Path, others: int) -> Iterator[Part]:
         else:
             there = folder / "trials" / str(number)
             yield f"fails_{name}", partial(failing.every_call, there, name, found, others, others)
+    new_day = folder / "new_day"
+    yield "fails_on_a_new_day", partial(failing.on_a_new_day, new_day, others, others)
     yield "fails_histories", partial(failing.history, folder / "histories", 2 * others, SEED)
 
 

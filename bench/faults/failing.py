@@ -19,7 +19,7 @@ from bench.faults.calls import GROUPS, HANGS, TRACEBACK, Ended, Fault, command, 
 from bench.faults.kills import unit
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, after, at_home, fieldkit, season, state
 from bench.faults.paused import from_first_write
-from bench.faults.session import Call, named
+from bench.faults.session import Call, named, new_day
 from fieldkit.paths import DATA_FILES
 
 FILES_OF_THE_START = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
@@ -169,6 +169,16 @@ def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], r
         shutil.rmtree(folder / str(number), ignore_errors=True)
     if not mine:
         outcome.faults.append("no example calls it")
+    return outcome
+
+
+def on_a_new_day(folder: Path, reads: int, others: int) -> Outcome:
+    """Calls that make the first backup of a day, with each of their system calls failing, as in `every_call`."""
+    outcome = Outcome("a call fails", "add and capture with the backup of a new day")
+    with at_home(folder / "home"):
+        some = new_day(folder / "found")
+    for number, call in enumerate(some):
+        _each(outcome, Bench(folder / str(number), call), reads, others)
     return outcome
 
 

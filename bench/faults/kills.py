@@ -70,10 +70,11 @@ def _with_an_import(file: Path) -> None:
 SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
 ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
 """Includes a time: otherwise every trial would record its own, and every ledger would differ."""
+CAPTURE = ("capture", "PORT", "--device", "micropeak", "--import", "--set", "rocket=Comet")
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
-    Case("capture", ("capture", "PORT", "--device", "micropeak", "--import", "--set", "rocket=Comet"), season, 1.0),
+    Case("capture", CAPTURE, season, 1.0),
     Case("undo", ("undo",), _with_an_import),
     Case("migrate", ("history",), lambda file: old(file, "m001_flights")),
     Case("loop", ("loop", "--effect", "motor_thrust"), season, 0.02),

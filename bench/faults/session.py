@@ -9,15 +9,17 @@ import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import chdir
 from dataclasses import dataclass
+from datetime import timedelta
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from typer.main import get_command
 
-from bench.faults.kills import unit
-from bench.faults.ledgers import ROOT, fieldkit
+from bench.faults.kills import ADD, CAPTURE, unit
+from bench.faults.ledgers import ROOT, fieldkit, season
 from fieldkit.cli.main import app
+from fieldkit.ledger.backups import STAMP, backups
 
 SESSION = ROOT / "docs" / "examples.sh"
 SAMPLES = Path(__file__).with_name("samples")
@@ -131,6 +133,18 @@ def calls(folder: Path) -> list[Call]:
         if status:
             raise ValueError(f"{shlex.join(words)}: {message.strip()}")
     return made
+
+
+def new_day(folder: Path) -> list[Call]:
+    """`add` and `capture --import`, in a ledger whose only backup is a day old, so that both make another."""
+    found = furnished(folder)
+    ledger = found / "ledger.db"
+    season(ledger)
+    fieldkit(ledger, "tag", "1", "mine")
+    for one in backups(ledger):
+        earlier = one.at - timedelta(days=1)
+        one.file.rename(one.file.with_name(f"{one.number:06d}_{earlier:{STAMP}}_{one.changes}.db"))
+    return [Call(ADD, found), Call(CAPTURE, found)]
 
 
 def furnished(workplace: Path) -> Path:

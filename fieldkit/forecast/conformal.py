@@ -8,11 +8,17 @@ contain the flight, even if the model is wrong (Vovk, Gammerman and Shafer, Algo
 
 from collections.abc import Mapping, Sequence
 from math import ceil, log
+from typing import Any
 
 MIN_FORECASTS_TO_CORRECT = 20
 """Minimum number of earlier forecasts for a correction: with fewer, the largest surprise would determine it. [1]"""
 LEVEL = 0.9
 """Nominal coverage of an interval. [1]"""
+MAX_STRETCH = 10.0
+"""Largest factor: flights ten half intervals from the median are a fault in their records, and a larger factor would
+soon make an apogee infinite. [1]"""
+MAX_SAVED = 1e6
+"""Magnitude of a number saved with a forecast, an apogee [m] or a log score [nat], above which it is damaged."""
 
 
 def surprise(flown: float, interval: Sequence[float]) -> float:
@@ -24,8 +30,8 @@ def surprise(flown: float, interval: Sequence[float]) -> float:
     p05, p50, p95 = interval
     if not min(flown, p05, p50, p95) > 0:
         return float("inf")
-    width = log(p95 / p50) if flown >= p50 else log(p05 / p50)
-    return abs(log(flown / p50) / width) if width else float("inf")
+    width = log(p95 if flown >= p50 else p05) - log(p50)  # a ratio of absurd numbers would overflow
+    return abs((log(flown) - log(p50)) / width) if width else float("inf")
 
 
 def stretch(surprises: Sequence[float]) -> float | None:
@@ -34,7 +40,7 @@ def stretch(surprises: Sequence[float]) -> float | None:
     if count < MIN_FORECASTS_TO_CORRECT:
         return None
     factor = sorted(surprises)[ceil((count + 1) * LEVEL) - 1]
-    return factor if factor < float("inf") else None
+    return min(factor, MAX_STRETCH) if factor < float("inf") else None
 
 
 def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, float]:
@@ -45,12 +51,21 @@ def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, f
     return p50 * (p05 / p50) ** factor, p50, p50 * (p95 / p50) ** factor
 
 
-def saved_surprises(saved: Sequence[Mapping[str, object]]) -> list[float]:
+def are_numbers(saved: object, count: int) -> bool:
+    """Whether a saved value is a list of this many numbers of a plausible size."""
+    if not isinstance(saved, list) or len(saved) != count:
+        return False
+    return all(isinstance(one, float | int) and abs(one) < MAX_SAVED for one in saved)
+
+
+def is_result(saved: Mapping[str, Any]) -> bool:
+    """Whether a prediction saved in a ledger is a forecast of a flown flight and complete: any program may have written
+    it."""
+    named = all(isinstance(saved.get(name), str) for name in ("rocket", "flight_id"))
+    return named and are_numbers([saved.get("flown_m")], 1) and are_numbers(saved.get("interval_m"), 3)
+
+
+def saved_surprises(saved: Sequence[Mapping[str, Any]]) -> list[float]:
     """Surprises of the forecasts saved in a ledger, one for each flight, from its latest forecast. [1]"""
-    last = {(one["rocket"], one["flight_id"]): one for one in saved if "flown_m" in one}
-    found = []
-    for one in last.values():
-        flown, interval = one["flown_m"], one["interval_m"]
-        if isinstance(flown, float) and isinstance(interval, list):
-            found.append(surprise(flown, interval))
-    return found
+    last = {(one["rocket"], one["flight_id"]): one for one in saved if is_result(one)}
+    return [surprise(one["flown_m"], one["interval_m"]) for one in last.values()]

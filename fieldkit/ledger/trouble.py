@@ -30,6 +30,11 @@ _SQLITE = {
     "SQLITE_PERM": "no permission to use the file",
 }
 
+_SERVER = {
+    "54000": "a rocket's name and flight_id are together too long for a server, expected at most 2600 bytes; nothing "
+    "was changed",
+}
+"""Reasons by PostgreSQL's codes; 54000 is a row that exceeds a limit, as that of an index on names."""
 _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 """SQLite's messages, which have no code of their own, about invalid text."""
 
@@ -65,6 +70,8 @@ def _reason(error: DBAPIError) -> str | None:
     if message.startswith(_GARBLED_TEXT_MESSAGES):
         return f"the file is damaged ({message})"
     state = getattr(error.orig, "sqlstate", None)
+    if state in _SERVER:
+        return _SERVER[state]
     refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
     if refused or (not code and (error.connection_invalidated or type(error).__name__ == "OperationalError")):
         return message

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
-from fieldkit.forecast.conformal import saved_surprises, stretch
+from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.evaluation.stacking import MODEL_ALONE, saved_scores, weights_after
 from fieldkit.forecast.predict import fly_ahead, learn, predict
@@ -216,7 +217,7 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
         "flown_m": float(row.flown),
         "interval_m": [float(end) for end in row.issued],
         "earlier": row.earlier,
-        "log_scores": [float(score) for score in row.log_scores],
+        "log_scores": [float(score) if isfinite(score) else None for score in row.log_scores],
         "evaluation": "forward in time",
     }
     digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
@@ -226,7 +227,7 @@ def _kept_forecast(row: "Forecast") -> NewPrediction:
 def earlier_forecasts(ledger: Ledger, motors: Catalogue, but: Flight | None = None) -> EarlierForecasts:
     """The results of the saved forecasts of flights that are still in the ledger, clean and with the same apogee,
     except of one flight; the latest forecast of each flight counts."""
-    saved = [kept.payload for kept in ledger.predictions() if "flown_m" in kept.payload]
+    saved = [kept.payload for kept in ledger.predictions() if is_result(kept.payload)]
     if not saved:
         return EarlierForecasts()
     left_out = (but.rocket, but.flight_id) if but else None

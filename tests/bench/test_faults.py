@@ -1,6 +1,7 @@
 """Real kills, a few of each kind; `python -m bench.faults` runs more."""
 
 import os
+import random
 import sqlite3
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, journal
+from fieldkit.ledger.backups import backups
 
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
@@ -133,6 +135,19 @@ def test_every_write_of_a_command_fails_in_turn(tmp_path: Path) -> None:
 
 
 @traced
+def test_calls_of_the_backup_of_a_new_day_fail_too(tmp_path: Path) -> None:
+    with ledgers.at_home(tmp_path / "home"):
+        add, _ = session.new_day(tmp_path / "found")
+    trial = failing.Bench(tmp_path / "trial", add)
+    found = trial.learn()
+    assert len(backups(trial.file)) == 2
+    assert "rename" in {name for name, _ in found}  # of the backup, to its name
+    rename = next(calls.Fault(*one, calls.EIO) for one in found if one[0] == "rename")
+    assert trial.judged(trial.tried(rename)) == ("finished anyway", "")
+    assert len(backups(trial.file)) == 1
+
+
+@traced
 def test_a_replay_contains_exactly_what_was_acknowledged_among_faults(tmp_path: Path) -> None:
     outcome = failing.history(tmp_path, 6, seed=3)
     assert outcome.faults == []
@@ -190,6 +205,15 @@ def test_a_change_whose_server_process_is_killed_leaves_no_trace(url: str, count
     outcome = statements.process_killed(url, counts)
     assert outcome.faults == []
     assert outcome.tried >= len(statements.CHANGES)
+
+
+@pytest.mark.postgres
+def test_names_too_long_for_the_index_of_a_server_are_refused_in_a_line(url: str) -> None:
+    rocket = random.Random(1).randbytes(3000).hex()  # names that repeat are compressed, and fit
+    with Ledger.open(url) as ledger:
+        with pytest.raises(LedgerError, match="expected at most 2600 bytes; nothing was changed"):
+            ledger.add([FIRST.with_changes(rocket=rocket)])
+        assert ledger.flights() == []
 
 
 @pytest.mark.postgres

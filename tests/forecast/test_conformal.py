@@ -1,5 +1,7 @@
 """Intervals corrected by the results of earlier forecasts."""
 
+import json
+from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -7,13 +9,21 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT, saved_surprises, stretch, stretched, surprise
+from fieldkit.forecast.conformal import (
+    MAX_STRETCH,
+    MIN_FORECASTS_TO_CORRECT,
+    saved_surprises,
+    stretch,
+    stretched,
+    surprise,
+)
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_by_earlier
-from fieldkit.ledger import Ledger
+from fieldkit.forecast.prediction import spread_out
+from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import catalogue
 from fieldkit.presentation.forecast_text import in_words
 from fieldkit.services.forecast_record import forecast_record
-from fieldkit.services.forecasts import keep_forecasts, predict_plans
+from fieldkit.services.forecasts import earlier_forecasts, keep_forecasts, predict_plans
 
 pytestmark = pytest.mark.fast
 
@@ -71,6 +81,45 @@ def test_a_flight_scored_twice_is_used_once() -> None:
     one = {"rocket": "Astra", "flight_id": "1", "interval_m": list(INTERVAL)}
     kept = [one | {"flown_m": 130.0}, one | {"flown_m": 169.0}, {"rocket": "Astra", "flight_id": "2", "apogee_m": {}}]
     assert saved_surprises(kept) == pytest.approx([2.0])
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"rocket": ["Astra"]},
+        {"flight_id": None},
+        {"flown_m": "169"},
+        {"flown_m": 10**400},
+        {"interval_m": None},
+        {"interval_m": [1.0]},
+        {"interval_m": [1.0, "2", 3.0]},
+        {"interval_m": [[1.0], [2.0], [3.0]]},
+        {"interval_m": [1e-320, 1.0, 1e308]},
+    ],
+)
+def test_damaged_results_of_forecasts_are_left_out(damage: dict[str, object], tmp_path: Path) -> None:
+    flights = [Flight(str(n), "Astra", apogee=169.0) for n in range(MIN_FORECASTS_TO_CORRECT)]
+    saved = {"rocket": "Astra", "flown_m": 169.0, "interval_m": list(INTERVAL), "log_scores": [0.0, 1.0, 1.0]}
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add(flights)
+        whole = [saved | {"flight_id": one.flight_id} for one in flights]
+        payloads = [*whole, whole[0] | damage]
+        ledger.keep_predictions([NewPrediction(one, str(n), "Astra", "") for n, one in enumerate(payloads)])
+        assert earlier_forecasts(ledger, catalogue()).count == len(flights)
+
+
+def test_a_score_that_is_not_finite_is_saved_as_missing(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        keep_forecasts(ledger, [replace(forecast(1, 169.0), log_scores=(0.0, float("-inf"), 1.0))])
+        (kept,) = ledger.predictions()
+    json.dumps(kept.payload, allow_nan=False)  # a server stores only such documents
+    assert kept.payload["log_scores"] == [0.0, None, 1.0]
+
+
+def test_no_record_of_earlier_forecasts_makes_an_interval_infinite() -> None:
+    absurd = surprise(260.0, (1e-320, 1.0, 1.0000001))
+    assert stretch([absurd] * MIN_FORECASTS_TO_CORRECT) == MAX_STRETCH
+    assert np.isfinite(spread_out(np.array([0.0, 1.0, 1e5]), MAX_STRETCH)).all()
 
 
 def test_a_forecast_is_widened_as_scored_ones_required_and_reports_it(tmp_path: Path) -> None:

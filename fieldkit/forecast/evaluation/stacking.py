@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.forecast.conformal import are_numbers
 from fieldkit.shapes import Array, Float
 
 STACKED_RIVALS = ("fleet_ratio", "scalar")
@@ -101,12 +102,12 @@ def weights_after(earlier: Iterable[ScoredForecast], *, first: bool) -> tuple[fl
 
 
 def saved_scores(saved: Iterable[Mapping[str, Any]]) -> list[ScoredForecast]:
-    """The scores of forecasts saved in a ledger; those without, from an older version, are left out."""
-    found = [(one.get("earlier"), one.get("log_scores")) for one in saved]
+    """The scores of forecasts saved in a ledger; those without, from an older version, and damaged ones are left
+    out."""
     return [
-        ScoredForecast(not earlier, tuple(scores))
-        for earlier, scores in found
-        if isinstance(scores, list) and len(scores) == len(MODEL_ALONE) and np.isfinite(scores).all()
+        ScoredForecast(not one.get("earlier"), tuple(one["log_scores"]))
+        for one in saved
+        if are_numbers(one.get("log_scores"), len(MODEL_ALONE))
     ]
 
 

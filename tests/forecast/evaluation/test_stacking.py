@@ -74,6 +74,11 @@ def test_saved_scores_are_read_and_damaged_ones_left_out() -> None:
         {"log_scores": None},
         {"log_scores": [1.0]},
         {"log_scores": [1.0, float("nan"), 2.0]},
+        {"log_scores": [1.0, 1e308, 2.0]},
+        {"log_scores": [1.0, 10**400, 2.0]},
+        {"log_scores": ["1", "2", "3"]},
+        {"log_scores": [[1.0], 2.0, 3.0]},
+        {"log_scores": [None, 2.0, 3.0]},
     ]
     assert saved_scores([good, *bad]) == [ScoredForecast(True, (1.0, 2.0, 3.0))]
 
