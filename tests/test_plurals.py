@@ -54,7 +54,6 @@ NEVER_ONE = {
     "points": "points, a decimal number",
     "best.gain_error": "points, a decimal number",
     "advice.gain_error": "points, a decimal number",
-    "parser.title": "files of a format",
     "len(READ)": "readouts that are asked for",
     "found['n']": "simulated flights of the paper, thousands",
 }

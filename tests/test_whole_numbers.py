@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.faults.session import DESK
+from bench.faults.session import SAMPLES
 from fieldkit.capture.sentences import sentences
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
@@ -65,7 +65,7 @@ def test_a_count_of_flights_that_is_not_a_number_is_ignored() -> None:
 @pytest.mark.parametrize("number", ["\u00b2", LONG])
 def test_a_stage_with_any_number_is_read(number: str) -> None:
     ours = f'<motorconfiguration configid="a"><stage number="{number}" active="false"/></motorconfiguration>'
-    rocket = root_of((DESK / "skylark.ork").read_bytes().replace(b"</name>", b"</name>" + ours.encode(), 1), "a.ork")
+    rocket = root_of((SAMPLES / "skylark.ork").read_bytes().replace(b"</name>", b"</name>" + ours.encode(), 1), "a.ork")
     assert reference_diameter(next(rocket.iter("rocket")), "a") > 0
 
 

@@ -57,7 +57,7 @@ def _set(words: str) -> frozenset[str]:
 
 
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
-_ABOVE = re.compile(r"(.*?)\s+((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
+_ABOVE = re.compile(r"(.*?)\s{1,4}((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `ft AGL`, `m above sea level`."""
 _REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
 """Words of a pressure that is that of the day, not that of a sample."""
