@@ -10,6 +10,6 @@ def no_op(_text: str, _share: float) -> None:
     """The callback that ignores every report."""
 
 
-def part(on_progress: ReportProgress, start: float, share: float) -> ReportProgress:
-    """The callback for a part of a computation that starts at one fraction of the whole and covers `share` of it."""
-    return lambda text, done: on_progress(text, start + share * done)
+def part(on_progress: ReportProgress, start: float, covered: float) -> ReportProgress:
+    """The callback for a part of a computation that starts at one fraction of the whole and covers `covered` of it."""
+    return lambda text, done: on_progress(text, start + covered * done)

@@ -55,8 +55,8 @@ def histories(
     found = []
     for number, (name, flown) in enumerate(known.items()):
 
-        def report_flight(flight: str, share: float, name: str = name, number: int = number) -> None:
-            on_progress(f"{name} {flight}", (number + share) / len(known))
+        def report_flight(flight: str, fraction: float, name: str = name, number: int = number) -> None:
+            on_progress(f"{name} {flight}", (number + fraction) / len(known))
 
         found.append(_history(name, flown, report_flight))
     return sorted(found, key=lambda one: -one.flights)
@@ -171,7 +171,9 @@ def _row(name: str, flights: int, verdict: str, before: Array, after: Array, ins
     if not len(before):
         return f"| {name} | {flights} | {verdict} | 0 | | | | |"
     shares = (np.abs(before).mean(), np.abs(after).mean(), inside[0].mean(), inside[1].mean())
-    return f"| {name} | {flights} | {verdict} | {len(before)} | {' | '.join(f'{share:.0%}' for share in shares)} |"
+    return (
+        f"| {name} | {flights} | {verdict} | {len(before)} | {' | '.join(f'{fraction:.0%}' for fraction in shares)} |"
+    )
 
 
 def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[str]:

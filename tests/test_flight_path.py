@@ -19,6 +19,6 @@ def test_the_flights_of_a_forecast_stop_at_few_files() -> None:
 
 
 def test_objects_that_hold_the_flights_travel_further() -> None:
-    held = stops(passes(holders=True))
-    assert "fieldkit/inference/laplace/fit.py" in held
-    assert len(held) > len(stops(passes()))
+    found = stops(passes(holders=True))
+    assert "fieldkit/inference/laplace/fit.py" in found
+    assert len(found) > len(stops(passes()))

@@ -112,8 +112,8 @@ def _within(row: dict[str, Any]) -> Iterator[str]:
     """The time within which each percentage of the rounds ended, if a benchmark reports it."""
     for key, value in row.items():
         if key.startswith("within_"):
-            _, share, what, _ = key.split("_")
-            yield f"{share} {what} within {value:g} ms"
+            _, percent, what, _ = key.split("_")
+            yield f"{percent} {what} within {value:g} ms"
 
 
 def main() -> int:

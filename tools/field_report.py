@@ -77,7 +77,7 @@ def fresh(card: dict) -> Iterator[str]:
         rows = []
         for name, one in card[key].items():
             covers = [one["coverage"][parameter].values() for parameter in ("drag_area", "alpha")]
-            cover = [" / ".join(f"{100 * share:.1f}" for share in shares) for shares in covers]
+            cover = [" / ".join(f"{100 * one:.1f}" for one in shares) for shares in covers]
             figures = [f"{one['log_density']:.3f}", f"{one['cd_mae']:.4f}", f"{one['alpha_mae']:.4f}"]
             rows.append([name, *figures, *cover, percent(one["false_alarms"], 2)])
         headers = ["readouts", "log density", "MAE Cd", "MAE alpha", "coverage 50/80/90/95%: drag area", "alpha"]

@@ -164,9 +164,16 @@ def _card(name: str, card: Mapping[str, Any]) -> str:
 {chr(10).join(priors)}"""
 
 
+def _law(prior: Mapping[str, Any]) -> str:
+    """A distribution with its numbers and unit: `uniform, 0.3 to 0.9 [1]`."""
+    uniform = prior["law"] == "uniform"
+    numbers = "{low:g} to {high:g}" if uniform else "mean {mean:g}, sd {sd:g}"
+    return f"{prior['law']}, {numbers.format(**prior)} [{prior['unit']}]"
+
+
 def _text(value: Any) -> str:
     if isinstance(value, Mapping):
-        return ", ".join(f"{key} {item}" for key, item in value.items())
+        return _law(value) if "law" in value else ", ".join(f"{key} {item}" for key, item in value.items())
     if isinstance(value, list):
         own = [item for item in value if "." not in str(item)]
         per_effect = dict.fromkeys(item.partition(".")[2] for item in value if item not in own)

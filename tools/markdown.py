@@ -31,6 +31,6 @@ def measured(name: str) -> dict[str, Any] | None:
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
-def percent(share: float | None, digits: int = 1) -> str:
+def percent(fraction: float | None, digits: int = 1) -> str:
     """A fraction in percent, `-` for none."""
-    return "-" if share is None else f"{100 * share:.{digits}f}%"
+    return "-" if fraction is None else f"{100 * fraction:.{digits}f}%"

@@ -92,8 +92,8 @@ def row(motor: Row) -> Row:
     if not motor.get("samples"):
         raise BadValue("no samples")
     time, thrust = knots(*zip(*_in_order(motor["samples"]), strict=True))
-    share = impulse(time, thrust) / motor["totImpulseNs"]
-    if abs(share - 1) > IMPULSE_TOLERANCE:
+    ratio = impulse(time, thrust) / motor["totImpulseNs"]
+    if abs(ratio - 1) > IMPULSE_TOLERANCE:
         raise BadValue("impulse of the samples off the certified one by more than 25%")
     total = motor.get("totalWeightG")
     propellant = motor.get("propWeightG")

@@ -59,9 +59,9 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
     """Every part of the bench but `club`, run one after the other; `killed` is the total number of kills, `others` the
     size of each other part."""
     folders = (scratch / str(number) for number in range(1000))
-    share, rest = divmod(killed, len(kills.CASES))
+    each, rest = divmod(killed, len(kills.CASES))
     for place, case in enumerate(kills.CASES):
-        number = share + (place < rest)
+        number = each + (place < rest)
         yield f"kill_{case.name}", partial(kills.kills, case, next(folders), number, SEED + place)
     if discs.can_mount():
         yield "full_disc", partial(discs.full_disc, next(folders), step=max(1, 64 // others))

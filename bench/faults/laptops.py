@@ -179,16 +179,16 @@ def _judged(outcome: Outcome, url: str, folder: Path) -> Outcome:
         if sign in {"+", "-"}:
             known[mark.lstrip("?")[1:]] = None if mark.startswith("?") else sign == "+"
     with Ledger.open(url) as ledger:
-        held = Counter(flight.flight_id for flight in ledger.flights() if flight.flight_id.startswith("L"))
+        stored = Counter(flight.flight_id for flight in ledger.flights() if flight.flight_id.startswith("L"))
         numbers = [change.number for change in ledger.history()]
         sites = ledger.draft(SITES) or {}
     lost = [mark[1:] for mark in marks if mark.startswith("*") and mark[1:] not in sites]
     outcome.faults += [f"the site {id} was acknowledged and is gone" for id in lost]
     for id, there in known.items():
-        if there is not None and bool(held[id]) != there:
+        if there is not None and bool(stored[id]) != there:
             outcome.faults.append(f"{id} was acknowledged to be {'there' if there else 'gone'}, and is not")
-    outcome.faults += [f"{id} is there {count} times" for id, count in held.items() if count > 1]
-    outcome.faults += [f"{id} is there, and nobody added it" for id in held if id not in known]
+    outcome.faults += [f"{id} is there {count} times" for id, count in stored.items() if count > 1]
+    outcome.faults += [f"{id} is there, and nobody added it" for id in stored if id not in known]
     if numbers != list(range(1, len(numbers) + 1)):
         outcome.faults.append("the journal is out of order")
     refused = sum(mark.startswith("?") for mark in marks)

@@ -73,16 +73,16 @@ def _press(file: Path, _: str, each: int) -> None:
 def _judged(outcome: Outcome, file: Path, changes: int, flights: int | None) -> Outcome:
     """Check that the journal has every change once and in order, and that the flights match the changes in effect."""
     with Ledger.open(file) as ledger:
-        history, held = ledger.history(), len(ledger.flights())
+        history, count = ledger.history(), len(ledger.flights())
     known = sum((12 if one.command == "import" else one.command == "add") for one in history if not one.undone)
     numbers = [one.number for one in history]
     if found := unsound(file):
         outcome.faults.append(found)
     if numbers != list(range(1, len(numbers) + 1)) or (flights is not None and len(history) != changes):
         outcome.faults.append(f"found {len(numbers)} changes, expected {changes}")
-    if held != (known if flights is None else flights):
-        outcome.faults.append(f"found {held} flights, expected {known if flights is None else flights}")
-    outcome.counts = {"changes in the journal": len(history), "flights": held}
+    if count != (known if flights is None else flights):
+        outcome.faults.append(f"found {count} flights, expected {known if flights is None else flights}")
+    outcome.counts = {"changes in the journal": len(history), "flights": count}
     return outcome
 
 

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
+from inspect import cleandoc
 from io import TextIOWrapper
 from typing import Annotated, Any, NoReturn
 
@@ -80,7 +81,16 @@ def _module(name: str) -> Mapping[str, Any]:
     commands = get_group(import_module(f"fieldkit.cli.{name}").app).commands
     for command in commands.values():
         name_values(command)
+        _join_lines(command)
     return commands
+
+
+def _join_lines(command: Any) -> None:
+    """Join the lines of each paragraph of the help, so that it wraps at the width of the terminal alone."""
+    paragraphs = cleandoc(command.help or "").split("\n\n")
+    command.help = "\n\n".join(" ".join(lines.split()) for lines in paragraphs)
+    for inner in getattr(command, "commands", {}).values():
+        _join_lines(inner)
 
 
 class Commands(TyperGroup):

@@ -11,7 +11,7 @@ app = typer.Typer()
 
 @app.command()
 def mappings(
-    forget: Annotated[int | None, typer.Option(help="Forget the mapping with this number.", metavar="NUMBER")] = None,
+    forget: Annotated[int | None, typer.Option(help="Delete the mapping with this number.", metavar="NUMBER")] = None,
     edit: Annotated[
         int | None, typer.Option(help="Replace the mapping with this number by --map.", metavar="NUMBER")
     ] = None,

@@ -7,7 +7,7 @@ from sqlalchemy import Connection, func, select
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
-from fieldkit.ledger.finding import Held, Identity, find
+from fieldkit.ledger.finding import Identity, StoredFlight, find
 from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
@@ -106,7 +106,7 @@ def _objection(flight: Flight, stored: Flight | None) -> str | None:
     return None
 
 
-def replace(recorder: ChangeRecorder, stored: Held, flight: Flight) -> bool:
+def replace(recorder: ChangeRecorder, stored: StoredFlight, flight: Flight) -> bool:
     """Replace a stored flight with a changed one; False if nothing changed.
 
     Raises LedgerError if another flight has its name, BadValue for values that cannot be stored.
@@ -131,7 +131,7 @@ def replace(recorder: ChangeRecorder, stored: Held, flight: Flight) -> bool:
 
 
 def renew(
-    recorder: ChangeRecorder, stored: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]
+    recorder: ChangeRecorder, stored: StoredFlight, flight: Flight, entered: Flight | None, others: Sequence[Original]
 ) -> bool:
     """Update a flight, and its imported state, from its files; False if nothing changed."""
     for original in others:
@@ -150,7 +150,7 @@ def _exists(connection: Connection, identity: Identity) -> bool:
     return connection.scalar(select(flights.c.entry).where(where)) is not None
 
 
-def remove(recorder: ChangeRecorder, stored: Held) -> None:
+def remove(recorder: ChangeRecorder, stored: StoredFlight) -> None:
     """Remove a flight; the bytes of its log stay in the ledger."""
     recorder.delete(tags, tags.c.entry == stored.entry)
     recorder.delete(flights, flights.c.entry == stored.entry)

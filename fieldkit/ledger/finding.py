@@ -18,7 +18,7 @@ Identity = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class StoredFlight:
     """A stored flight and its entry number; `entered` is its imported state, if it was edited since."""
 
     entry: int
@@ -79,38 +79,38 @@ def load(
     rocket: str | None = None,
     tag: str | None = None,
     entries: Sequence[int] | None = None,
-) -> list[Held]:
+) -> list[StoredFlight]:
     """Flights in the order flown: all, of one rocket, with a tag, or with these entry numbers."""
     query = _chosen(select(flights), rocket, tag).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
     if entries is not None and len(entries) <= MAX_ROWS_BY_NAME:
         query = query.where(flights.c.entry.in_(entries))
-    held = _all_held(connection, query)
+    stored = _all_stored(connection, query)
     if entries is not None and len(entries) > MAX_ROWS_BY_NAME:
         wanted = set(entries)
-        held = [one for one in held if one.entry in wanted]
-    return held
+        stored = [one for one in stored if one.entry in wanted]
+    return stored
 
 
-def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
+def find(connection: Connection, identities: Sequence[Identity]) -> list[StoredFlight]:
     """The flights that have one of these identities now or had it when they were imported."""
-    held: list[Held] = []
+    stored: list[StoredFlight] = []
     for start in range(0, len(identities), MAX_ROWS_BY_NAME):
         some = identities[start : start + MAX_ROWS_BY_NAME]
         entered = tuple_(*(flights.c.entered[name].as_string() for name in ("rocket", "flight_id")))
         now = select(flights.c.entry).where(tuple_(flights.c.rocket, flights.c.flight_id).in_(some))
         once = select(flights.c.entry).where(IS_EDITED, entered.in_(some))
-        held += _all_held(connection, select(flights).where(flights.c.entry.in_(now.union(once))))
-    return held
+        stored += _all_stored(connection, select(flights).where(flights.c.entry.in_(now.union(once))))
+    return stored
 
 
-def _all_held(connection: Connection, query: Select[Any]) -> list[Held]:
-    return [_held(row) for row in sound_flights(connection, query)]
+def _all_stored(connection: Connection, query: Select[Any]) -> list[StoredFlight]:
+    return [_stored(row) for row in sound_flights(connection, query)]
 
 
-def _held(row: Row) -> Held:
+def _stored(row: Row) -> StoredFlight:
     entered = row["entered"]
     once = flight_of(entered, entered["tags"]) if entered else None
-    return Held(row["entry"], flight_of(row, row["tags"]), once, row["log_digest"])
+    return StoredFlight(row["entry"], flight_of(row, row["tags"]), once, row["log_digest"])
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:

@@ -67,8 +67,8 @@ class Ledger(FlightsOut, BesideFlights):
         """Change fields of several flights, and the drafts `beside`, as one change named `what`; returns the number of
         flights changed."""
         with self._changing() as recorder:
-            held = naming.resolve_all(recorder.connection, ids) if changes else []
-            done = sum(book.replace(recorder, one, _edited(one.flight, changes)) for one in held)
+            stored = naming.resolve_all(recorder.connection, ids) if changes else []
+            done = sum(book.replace(recorder, one, _edited(one.flight, changes)) for one in stored)
             kept = [name for name, content in (beside or {}).items() if drafts.change(recorder, name, content)]
             if done or kept:
                 recorder.sign("edit", f"{what} ({', '.join([*changes, *kept])})")
@@ -103,21 +103,21 @@ class Ledger(FlightsOut, BesideFlights):
 
     def _alter(self, id: str, command: str, what: str, change: Callable[[Flight], Flight]) -> Flight:
         with self._changing() as recorder:
-            held = naming.resolve(recorder.connection, id)
-            flight = change(held.flight)
-            if book.replace(recorder, held, flight):
+            stored = naming.resolve(recorder.connection, id)
+            flight = change(stored.flight)
+            if book.replace(recorder, stored, flight):
                 recorder.sign(command, what)
         return flight
 
     def remove(self, *ids: str) -> list[Flight]:
         """Remove flights and return them; `undo` restores them."""
         with self._changing() as recorder:
-            gone = list({held.entry: held for held in naming.resolve_all(recorder.connection, ids)}.values())
-            for held in gone:
-                book.remove(recorder, held)
+            gone = list({stored.entry: stored for stored in naming.resolve_all(recorder.connection, ids)}.values())
+            for stored in gone:
+                book.remove(recorder, stored)
             if gone:
                 recorder.sign("remove", _listed(ids))
-        return [held.flight for held in gone]
+        return [stored.flight for stored in gone]
 
     def undo(self) -> Change:
         """Undo the last change and return it. Raises LedgerError if there is none."""
@@ -141,8 +141,8 @@ class Ledger(FlightsOut, BesideFlights):
 
 
 def _renew(recorder: ChangeRecorder, one: Renewal) -> bool:
-    held = naming.resolve(recorder.connection, one.id)
-    return book.renew(recorder, held, merged(held.flight, one.was, one.flight), one.entered, one.others)
+    stored = naming.resolve(recorder.connection, one.id)
+    return book.renew(recorder, stored, merged(stored.flight, one.was, one.flight), one.entered, one.others)
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:

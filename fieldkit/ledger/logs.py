@@ -7,7 +7,7 @@ from sqlalchemy import Connection, insert, select
 
 from fieldkit.files import MAX_FILE_SIZE
 from fieldkit.importing.incoming import OTHER_LOGS, Original, digest_of
-from fieldkit.ledger.finding import Held
+from fieldkit.ledger.finding import StoredFlight
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import logs
 from fieldkit.quantities import counted
@@ -20,17 +20,17 @@ def keep_log(connection: Connection, original: Original) -> None:
         connection.execute(insert(logs).values(**row))
 
 
-def log_of(connection: Connection, held: Held) -> bytes | None:
+def log_of(connection: Connection, stored: StoredFlight) -> bytes | None:
     """The original bytes of a stored flight's log, None if it has none. Raises DamagedRow if they are missing."""
-    content = _content(connection, held.log_digest)
-    if held.log_digest and content is None:
-        raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is missing")
+    content = _content(connection, stored.log_digest)
+    if stored.log_digest and content is None:
+        raise DamagedRow(f"the log {stored.log_digest} of flight {stored.flight.flight_id} is missing")
     return content
 
 
-def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
+def other_logs_of(connection: Connection, stored: StoredFlight) -> list[bytes]:
     """The original bytes of a stored flight's additional files."""
-    contents = [_content(connection, digest) for digest in held.flight.extra.get(OTHER_LOGS, "").split()]
+    contents = [_content(connection, digest) for digest in stored.flight.extra.get(OTHER_LOGS, "").split()]
     return [content for content in contents if content is not None]
 
 

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from sqlalchemy import Connection, or_, select, tuple_
 
 from fieldkit.errors import LedgerError
-from fieldkit.ledger.finding import Held, Identity, find
+from fieldkit.ledger.finding import Identity, StoredFlight, find
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 from fieldkit.quantities import counted
@@ -45,12 +45,12 @@ def _identities_meant(connection: Connection, texts: Collection[str]) -> list[Id
     return found
 
 
-def resolve(connection: Connection, id: str) -> Held:
+def resolve(connection: Connection, id: str) -> StoredFlight:
     """The flight that an id refers to. Raises LedgerError that suggests similar ids, or lists the matches."""
     return resolve_all(connection, [id])[0]
 
 
-def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
+def resolve_all(connection: Connection, texts: Sequence[str]) -> list[StoredFlight]:
     """The flights that ids refer to, in order. Raises LedgerError that suggests similar ids, or lists the matches."""
     known = ids(connection, _identities_meant(connection, set(texts)))
     by_name: dict[str, list[Identity]] = {}

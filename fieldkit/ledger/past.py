@@ -69,12 +69,12 @@ def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dic
 
 
 def _rows(connection: Connection) -> Rows:
-    held: dict[Table, list[Row]] = {
+    tables: dict[Table, list[Row]] = {
         flights: sound_flights(connection, select(flights)),
         tags: list(map(dict, connection.execute(select(tags)).mappings())),
         active_versions: sound_rows(connection, select(active_versions)),
     }
-    return {table.name: {_key(table.name, row): row for row in rows} for table, rows in held.items()}
+    return {table.name: {_key(table.name, row): row for row in rows} for table, rows in tables.items()}
 
 
 def _key(table: str, row: Any) -> tuple[Any, ...]:
@@ -82,14 +82,14 @@ def _key(table: str, row: Any) -> tuple[Any, ...]:
 
 
 def _apply(rows: Rows, image: Image) -> None:
-    held = rows.get(image.table)
-    if held is None:
+    present = rows.get(image.table)
+    if present is None:
         return
     if image.after is None:
-        held.pop(_key(image.table, image.before), None)
+        present.pop(_key(image.table, image.before), None)
         return
     key = _key(image.table, image.after)
-    held[key] = image.after if image.before is None else held[key] | image.after
+    present[key] = image.after if image.before is None else present[key] | image.after
 
 
 def _past(rows: Rows, rocket: str) -> Past:

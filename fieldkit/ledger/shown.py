@@ -21,8 +21,8 @@ class FlightsOut(OpenLedger):
         were entered earlier.
         """
         with self._reading() as connection:
-            entries = None if ids is None else [held.entry for held in naming.resolve_all(connection, ids)]
-            return [held.flight for held in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
+            entries = None if ids is None else [stored.entry for stored in naming.resolve_all(connection, ids)]
+            return [stored.flight for stored in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
 
     def pages(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[tuple[str, Flight]]]:
         """The same flights page by page, each with its id; all from one state of the ledger."""

@@ -41,12 +41,12 @@ def closed_form(
     limit = np.sqrt(net / drag)
     reach = np.minimum(drag * limit * motor["burn_time"] / mass, 300.0)
     speed = limit * np.tanh(reach)
-    share = drag * speed**2 / (empty * GRAVITY)
+    drag_to_weight = drag * speed**2 / (empty * GRAVITY)
     return {
         "top_speed": speed,
         "apogee": 2 * (1 - motor["middle"] / motor["burnout"]) * mass / drag * np.log(np.cosh(reach))
-        + empty / (2 * drag) * np.log1p(share),
-        "coast_to_apogee": np.sqrt(empty / (GRAVITY * drag)) * np.arctan(np.sqrt(share)),
+        + empty / (2 * drag) * np.log1p(drag_to_weight),
+        "coast_to_apogee": np.sqrt(empty / (GRAVITY * drag)) * np.arctan(np.sqrt(drag_to_weight)),
     }
 
 

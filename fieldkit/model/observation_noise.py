@@ -14,11 +14,11 @@ from fieldkit.shapes import Array, Flags, Float
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """Noise of a readout in SI: `floor` and `share` times its size, each times a Student t; the display rounds to
+    """Noise of a readout in SI: `floor` and `relative` times its size, each times a Student t; the display rounds to
     `step`."""
 
     floor: float
-    share: float
+    relative: float
     step: float
 
 
@@ -54,7 +54,7 @@ SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """Sets of readouts on which ensembles are evaluated, by name."""
-_SHARES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
+_PROBABILITIES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
 """Probabilities in training of those four sets, of all readouts but one, and of any subset."""
 
 
@@ -68,9 +68,9 @@ def measure(rng: np.random.Generator, truth: Truth) -> Observed:
     readouts[:, peak] = (readouts[:, peak] + offset) * gain
     for number, name in enumerate(READOUT_NAMES):
         noise = NOISE[name]
-        if noise.floor or noise.share:
+        if noise.floor or noise.relative:
             readouts[:, number] += noise.floor * rng.standard_t(TAIL, size=count)
-            readouts[:, number] *= np.maximum(1 + noise.share * rng.standard_t(TAIL, size=count), 0.05)
+            readouts[:, number] *= np.maximum(1 + noise.relative * rng.standard_t(TAIL, size=count), 0.05)
     readouts[:, burn] = np.maximum(readouts[:, burn], 0.05)
     readouts[:, READOUT_NAMES.index("avg_accel")] = readouts[:, speed] / readouts[:, burn]
     steps = np.array([NOISE[name].step for name in READOUT_NAMES])
@@ -88,8 +88,8 @@ def expected_sd(observed: Observed) -> Float[Array, "flight readout"]:
     """
     size = np.nan_to_num(observed.readouts, nan=0.0)
     noise = [NOISE[name] for name in READOUT_NAMES]
-    floor, share, step = (np.array([getattr(one, name) for one in noise]) for name in ("floor", "share", "step"))
-    variance = TAIL / (TAIL - 2) * (floor**2 + (share * size) ** 2) + step**2 / 12
+    floor, relative, step = (np.array([getattr(one, name) for one in noise]) for name in ("floor", "relative", "step"))
+    variance = TAIL / (TAIL - 2) * (floor**2 + (relative * size) ** 2) + step**2 / 12
     speed, peak, average = (READOUT_NAMES.index(name) for name in ("top_speed", "peak_accel", "avg_accel"))
     burn = observed.readout("burn_time")
     burn = np.where(np.isnan(burn), observed.figure("burn_time"), burn)
@@ -105,8 +105,8 @@ def forget(rng: np.random.Generator, observed: Observed) -> Observed:
     readouts = np.where(keep, observed.readouts, np.nan)
     declared = observed.declared.copy()
     count = len(observed)
-    for name, share in (("diameter", 0.25), ("delay", 0.3)):
-        declared[rng.uniform(size=count) < share, DECLARED_FIELDS.index(name)] = np.nan
+    for name, probability in (("diameter", 0.25), ("delay", 0.3)):
+        declared[rng.uniform(size=count) < probability, DECLARED_FIELDS.index(name)] = np.nan
     silence = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
     for name in DECLARED_FIELDS[3:]:
         declared[rng.uniform(size=count) < silence, DECLARED_FIELDS.index(name)] = np.nan
@@ -116,7 +116,7 @@ def forget(rng: np.random.Generator, observed: Observed) -> Observed:
 def _subsets(rng: np.random.Generator, count: int) -> Flags:
     """Whether each flight keeps each readout."""
     fixed = np.array([[name in kept for name in READOUT_NAMES] for kept in SUBSETS.values()])
-    kind = rng.choice(len(_SHARES), size=count, p=_SHARES)
+    kind = rng.choice(len(_PROBABILITIES), size=count, p=_PROBABILITIES)
     width = len(READOUT_NAMES)
     but_one = np.arange(width) != rng.integers(width, size=count)[:, None]
     anything = rng.uniform(size=(count, width)) < rng.uniform(0.1, 1.0, size=(count, 1))

@@ -41,8 +41,8 @@ class Air:
     def density_ratio(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Ratio of the density at a height above the pad [m] to the density at the pad. [1]"""
         if self.scale_height is not None:
-            share = np.asarray(height * (-1 / self.scale_height))
-            return np.asarray(np.exp(share, out=share))
+            exponent = np.asarray(height * (-1 / self.scale_height))
+            return np.asarray(np.exp(exponent, out=exponent))
         exponent = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
         np.log1p(exponent, out=exponent)
         exponent *= HYDROSTATIC - 1

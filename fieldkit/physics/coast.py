@@ -105,9 +105,9 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
     thin = even * setup.air.density_ratio(height)
     yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero, zero, zero)
     count = _count(np.log1p(thin * upward**2) / (thin * (2 * LAYER * g)))
-    share = upward / count
+    decrease = upward / count
     for _ in range(int(count.max())):
-        slower = np.maximum(upward - share, 0.0)
+        slower = np.maximum(upward - decrease, 0.0)
         total, fall = upward + slower, upward - slower
         squares = total * fall
         middle = height + squares * (0.25 / g) / (1 + 0.25 * thin * total**2)
@@ -135,7 +135,7 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)
     count = _count(4 + upward / (SPEED_STEP * setup.stride))
-    share = upward / count
+    decrease = upward / count
 
     def look(y: Array, at: Array) -> tuple[Array, Array]:
         """Velocity and acceleration at a point."""
@@ -160,7 +160,7 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     velocity, accelerations = look(y, upward)
     yield point(y, upward, accelerations[0])
     for _ in range(int(count.max())):
-        after = np.maximum(upward - share, 0.0)
+        after = np.maximum(upward - decrease, 0.0)
         step = after - upward
         half = upward + 0.5 * step
         k1 = rates(velocity, accelerations)

@@ -136,11 +136,11 @@ def settling(device: Float[Array, "*#draw"], speed: Float[Array, "*#draw"]) -> F
     Drag reduces the horizontal speed in proportion to the path through the air, u' = -g/U^2 |v| u. For a fall that
     starts at v0 and ends at U this integrates to U/g arccos(r) / sqrt(1 - r^2) with r = v0/U; for v0 = U it is U/g.
     """
-    share = speed / device
-    slow = np.arccos(np.minimum(share, 1.0)) / np.sqrt(np.maximum(1 - share**2, 1e-12))
-    fast = np.arccosh(np.maximum(share, 1.0)) / np.sqrt(np.maximum(share**2 - 1, 1e-12))
-    near = np.abs(share - 1) < 1e-4
-    return np.asarray(device / STANDARD_GRAVITY * np.where(near, 1.0, np.where(share < 1, slow, fast)))
+    ratio = speed / device
+    slow = np.arccos(np.minimum(ratio, 1.0)) / np.sqrt(np.maximum(1 - ratio**2, 1e-12))
+    fast = np.arccosh(np.maximum(ratio, 1.0)) / np.sqrt(np.maximum(ratio**2 - 1, 1e-12))
+    near = np.abs(ratio - 1) < 1e-4
+    return np.asarray(device / STANDARD_GRAVITY * np.where(near, 1.0, np.where(ratio < 1, slow, fast)))
 
 
 def _under(device: Array, stage: tuple[Array, Array], before: Array, air: Air, gravity: float) -> tuple[Array, Array]:

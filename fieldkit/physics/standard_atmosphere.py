@@ -29,11 +29,11 @@ _SCALE_HEIGHT = GAS_CONSTANT * _STRATOSPHERE_TEMPERATURE / GRAVITY
 
 def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
     """Height above sea level with this pressure [Pa] in the standard atmosphere; nan if it is not positive. [m]"""
-    share = np.asarray(pressure, float) / STANDARD_PRESSURE
-    share[~(share > 0)] = np.nan
-    height = STANDARD_TEMPERATURE / LAPSE * (1 - share ** (1 / HYDROSTATIC))
-    thin = share < _TOP / STANDARD_PRESSURE
-    height[thin] = TROPOPAUSE - _SCALE_HEIGHT * np.log(share[thin] * (STANDARD_PRESSURE / _TOP))
+    ratio = np.asarray(pressure, float) / STANDARD_PRESSURE
+    ratio[~(ratio > 0)] = np.nan
+    height = STANDARD_TEMPERATURE / LAPSE * (1 - ratio ** (1 / HYDROSTATIC))
+    thin = ratio < _TOP / STANDARD_PRESSURE
+    height[thin] = TROPOPAUSE - _SCALE_HEIGHT * np.log(ratio[thin] * (STANDARD_PRESSURE / _TOP))
     return height
 
 

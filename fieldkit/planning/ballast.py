@@ -220,7 +220,7 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
     if plan.dry_mass is None:
         raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
     low, high = (
-        edge or plan.dry_mass * share for edge, share in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
+        edge or plan.dry_mass * ratio for edge, ratio in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
         raise ImpossibleFlight("found a lowest mass above the highest mass")

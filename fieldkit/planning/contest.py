@@ -262,12 +262,12 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     fall, shape = fall_of(rocket.history, predictions[0].plan, found), (draws, rule.declared)
     mass, density = landing_mass(predictions[0].plan, found), air_of(predictions[0].plan).density
 
-    def timed(share: float) -> Float[Array, "draw declared"]:
-        speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, share)
+    def timed(area_ratio: float) -> Float[Array, "draw declared"]:
+        speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, area_ratio)
         return durations(predictions, fall, speeds)
 
     apogee = np.stack([one.apogee for one in predictions], axis=-1)
-    best = _best_area(lambda share: float(rule.points(apogee, timed(share)).mean()))
+    best = _best_area(lambda area_ratio: float(rule.points(apogee, timed(area_ratio)).mean()))
     duration = timed(area)
     return Outlook(predictions[0], rule.points(apogee, duration), duration, fall, *best)
 

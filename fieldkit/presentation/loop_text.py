@@ -213,9 +213,9 @@ def what_accepting_changes(found: Findings) -> Iterator[str]:
         )
 
 
-def _chance(share: float) -> str:
+def _chance(chance: float) -> str:
     """A probability in percent, never 0% or 100%."""
-    return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
+    return f"{chance:.0%}" if 0.01 <= chance <= 0.99 else "> 99%" if chance > 0.5 else "< 1%"
 
 
 def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:

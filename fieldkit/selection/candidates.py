@@ -75,14 +75,14 @@ Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
 class Candidate:
     """One way to extend a model: its terms, and the starting points of their fit.
 
-    `place.effect` is empty for a pattern. `starts` are values of the first term, each a starting point. `log_share` is
-    the log of its fraction of the prior odds of its effect.
+    `place.effect` is empty for a pattern. `starts` are values of the first term, each a starting point.
+    `log_fraction` is the log of its fraction of the prior odds of its effect.
     """
 
     place: Place
     terms: tuple[Term, ...]
     starts: tuple[float, ...] = (0.0,)
-    log_share: float = 0.0
+    log_fraction: float = 0.0
 
     @property
     def effect(self) -> str:
@@ -90,7 +90,7 @@ class Candidate:
         return spoken(self.place.effect)
 
 
-SINCE_SHARE = 0.4
+SINCE_FRACTION = 0.4
 """Fraction of an effect's prior odds for starting at some later flight. [1]"""
 
 
@@ -134,11 +134,11 @@ def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
         prior = effect.prior
         starts = effect.starts or ((prior.mean, 0.02 * prior.sd) if np.isfinite(prior.low) else (prior.mean,))
         since = beginnings[name]
-        share, form = (SINCE_SHARE if places[name] else 1.0) if since else 0.0, forms[spoken(name)]
+        late, form = (SINCE_FRACTION if places[name] else 1.0) if since else 0.0, forms[spoken(name)]
         for place in places[name]:
-            yield Candidate(place, effect_terms(place, model), starts, np.log((1 - share) / len(places[name]) / form))
+            yield Candidate(place, effect_terms(place, model), starts, np.log((1 - late) / len(places[name]) / form))
         for place in since:
-            yield Candidate(place, effect_terms(place, model), starts, np.log(share / len(since) / form))
+            yield Candidate(place, effect_terms(place, model), starts, np.log(late / len(since) / form))
 
 
 def _can_act(effect: Effect, model: Model) -> bool:

@@ -67,7 +67,7 @@ def prior_of(candidates: Sequence[Candidate]) -> float:
 
     Derivation: the odds of the set times the fraction of each effect's prior that its place has.
     """
-    return log_prior_odds(members_of(candidates)) + sum(candidate.log_share for candidate in candidates)
+    return log_prior_odds(members_of(candidates)) + sum(candidate.log_fraction for candidate in candidates)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,8 +35,8 @@ def pair_weights(families: Mapping[str, Sequence[Candidate]], columns: Columns, 
     tried = list(_tried([families[name] for name in names]))
     if len(names) < 2:
         return {}
-    share = np.array([one.candidate.log_share for one in tried])
-    weight = _gains(tried, columns, near) + share[:, None] + share
+    log_prior = np.array([one.candidate.log_fraction for one in tried])
+    weight = _gains(tried, columns, near) + log_prior[:, None] + log_prior
     places, kinds = ([one.place for one in tried], [one.family for one in tried])
     first_of_place = np.unique(places, return_index=True)[1]
     for axis in (0, 1):

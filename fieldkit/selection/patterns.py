@@ -41,7 +41,7 @@ def pattern_candidates(model: Model) -> list[Candidate]:
         Candidate(
             Place("", where),
             _pattern_terms(where, weigh(model.flights)),
-            log_share=float(-np.log(len(kind) * len(kinds))),
+            log_fraction=float(-np.log(len(kind) * len(kinds))),
         )
         for kind in kinds
         for where, weigh in kind.items()

@@ -26,9 +26,9 @@ def quick_candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidat
     simple = [{where: weight for where, weight in kind.items() if weight.ndim == 1} for kind in weighed]
     kinds = [kind for kind in simple if kind]
     for kind in kinds:
-        share = float(-np.log(len(kind) * len(kinds) * len(PATTERN_SDS)))
+        log_prior = float(-np.log(len(kind) * len(kinds) * len(PATTERN_SDS)))
         for where, weight in kind.items():
             for bends, sd in PATTERN_SDS.items():
                 term = Term(f"{bends} with {where}", bends, 0.0, sd, weight)
-                found.append(Candidate(Place("", where), (term,), log_share=share))
+                found.append(Candidate(Place("", where), (term,), log_fraction=log_prior))
     return found

@@ -170,7 +170,7 @@ def _candidate(estimate: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCa
     mean, sd = float(trials.mean[leader] * trials.unit[leader]), float(trials.sd[leader] * trials.unit[leader])
     if bends.squared:
         mean, sd = _root(mean, sd)
-    log_bayes = float(np.logaddexp.reduce(trials.log_bayes[rows] + trials.log_share[rows]))
+    log_bayes = float(np.logaddexp.reduce(trials.log_bayes[rows] + trials.log_fraction[rows]))
     after = _left_out_with(summary, trials, leader)
     return QuickCandidate(name, estimate.inclusion[name], log_bayes, str(own.place), mean, sd, bends.unit, after)
 

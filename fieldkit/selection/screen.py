@@ -75,7 +75,7 @@ def _worth_a_fit(family: Sequence[tuple[float, Candidate]], whole: float) -> lis
     order = sorted(family, key=lambda pair: -pair[0])
     kept = [(score, one) for score, one in order if score > order[0][0] - PLACE_WINDOW][:MAX_PLACES]
     others = whole - float(np.logaddexp.reduce([score for score, _ in kept]))
-    return [replace(one, log_share=one.log_share + others) for _, one in kept]
+    return [replace(one, log_fraction=one.log_fraction + others) for _, one in kept]
 
 
 def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
@@ -111,7 +111,7 @@ def _scored(family: Sequence[Candidate], columns: Columns, near: Fit) -> list[tu
     gains = iter(_gains(pairs, columns, near).tolist())
     found = []
     for one in family:
-        scores = [next(gains) + one.log_share for _ in one.starts]
+        scores = [next(gains) + one.log_fraction for _ in one.starts]
         kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
         found.append((max(scores), replace(one, starts=tuple(kept))))
     return found

@@ -147,8 +147,8 @@ def _singles(
     count = sum(len(family) for family in families.values())
     for turn in range(MAX_SEARCHES):
 
-        def report(share: float, turn: int = turn) -> None:
-            on_progress(f"{counted(count, 'candidate')}", (turn + share) / MAX_SEARCHES)
+        def report(fraction: float, turn: int = turn) -> None:
+            on_progress(f"{counted(count, 'candidate')}", (turn + fraction) / MAX_SEARCHES)
 
         worthy, near = screened(families, plain), plain
         trials = try_all(model, data, worthy, near, on_progress=report)

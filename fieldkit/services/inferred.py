@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 Model = Literal["history", "field", "paper"]
 """The available models: the history network, the field ensemble, the reference paper's ensemble."""
-FIT_SHARE = 0.5
+FIT_FRACTION = 0.5
 """Fraction of the progress for fitting the other rockets if none is cached. [1]"""
 
 
@@ -86,9 +86,9 @@ class FlightInference:
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
         if rockets:
-            self._shared |= fleet_priors(self._ledger, self._motors, rockets, part(on_progress, 0.0, FIT_SHARE))
+            self._shared |= fleet_priors(self._ledger, self._motors, rockets, part(on_progress, 0.0, FIT_FRACTION))
         shared = [self._shared[flight.rocket] for flight in flights]
-        on_progress("inferring", FIT_SHARE)
+        on_progress("inferring", FIT_FRACTION)
         return each_at_once([(flight, self._motors.resolve(flight.motor)) for flight in flights], shared)
 
 

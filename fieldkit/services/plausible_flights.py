@@ -44,14 +44,14 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
 
 
 def excluded_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
-    """Notes on the clean flights that no fit uses: a line for each implausible one, and one for each figure that
-    flights of a rocket lack."""
+    """Notes on the clean flights that are excluded from every fit: a line for each implausible one, and one for each
+    figure that flights of a rocket lack."""
     return implausible_flights(flights, motors) + incomplete_flights(flights, motors)
 
 
 def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
-    """A line for each rocket and each figure that its clean flights with readouts lack, so that no fit uses them: the
-    dry mass, or a known motor."""
+    """A line for each rocket and each figure that its clean flights with readouts lack, so that they are excluded
+    from every fit: the dry mass, or a known motor."""
     lacking: dict[tuple[str, str], list[str]] = {}
     known: dict[str, Found | None] = {}
     for flight in flights:
@@ -63,9 +63,20 @@ def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str
         if reason:
             lacking.setdefault((flight.rocket, reason), []).append(flight.flight_id)
     return [
-        f"{rocket + ': ' if rocket else ''}no fit uses {_named(ids)}: {reason}; edit to add it"
+        f"{rocket + ': ' if rocket else ''}{_named(ids)} {'is' if len(ids) == 1 else 'are'} excluded from every fit: "
+        f"{reason}; edit to add it"
         for (rocket, reason), ids in lacking.items()
     ]
+
+
+def exclusion(flight: Flight, motors: Catalogue) -> str:
+    """Why a clean flight is excluded from every fit; empty if it is used."""
+    if not flight.readouts():
+        return "no readouts"
+    if flight.dry_mass is None:
+        return "no dry mass"
+    found = _resolved(flight.motor, motors)
+    return implausible(flight, found.motor) or "" if found else "no known motor"
 
 
 def _named(ids: Sequence[str]) -> str:

@@ -15,9 +15,9 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     air. [K]
     """
     temperature = setup.air.temperature + strength
-    share = setup.air.temperature / temperature
-    air = replace(setup.air, density=setup.air.density * share, temperature=temperature)
-    return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * share)
+    ratio = setup.air.temperature / temperature
+    air = replace(setup.air, density=setup.air.density * ratio, temperature=temperature)
+    return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * ratio)
 
 
 EFFECT = Effect(

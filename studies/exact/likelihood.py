@@ -97,11 +97,11 @@ def _sum_table() -> Float[Array, "angle reach"]:
     return np.stack([*rows, stdtr(TAIL, _REACH)])
 
 
-def _below(values: Array, floor: Array, share: Array) -> Array:
+def _below(values: Array, floor: Array, relative: Array) -> Array:
     """Probability that noise of these two parts is below a value."""
     table = _sum_table()
-    size = np.hypot(floor, share)
-    place = np.arctan2(share, floor) / _ANGLES[1]
+    size = np.hypot(floor, relative)
+    place = np.arctan2(relative, floor) / _ANGLES[1]
     row = np.clip(place.astype(int), 0, len(_ANGLES) - 2)
     part = place - row
     column = np.clip(np.arcsinh(values / size) / 9.0, -1, 1) * 360 + 360
@@ -160,8 +160,8 @@ def log_likelihood(one: Problem, normals: Float[Array, "flight draw latent"]) ->
     for name, (low, high) in _bins(observed).items():
         both = np.isfinite(low) & np.isfinite(clean[name])
         middle = np.where(both, clean[name], 1.0)
-        share, floor = NOISE[name].share * np.abs(middle), np.full(len(middle), NOISE[name].floor)
-        ends = [_below(np.where(both, end, 1.0) - middle, floor, share) for end in (low, high)]
+        relative, floor = NOISE[name].relative * np.abs(middle), np.full(len(middle), NOISE[name].floor)
+        ends = [_below(np.where(both, end, 1.0) - middle, floor, relative) for end in (low, high)]
         log_probability = np.log(np.maximum(ends[1] - ends[0], 1e-300))
         total += np.where(both, log_probability, np.where(np.isfinite(low), -np.inf, 0.0))
     return np.asarray(total.reshape(normals.shape[:2]))
@@ -173,7 +173,7 @@ def misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[A
     found = [np.zeros(len(observed))]
     for name, (low, high) in _bins(observed).items():
         noise = NOISE[name]
-        size = np.sqrt(1.3 * (noise.floor**2 + (noise.share * clean[name]) ** 2) + (high - low) ** 2 / 12)
+        size = np.sqrt(1.3 * (noise.floor**2 + (noise.relative * clean[name]) ** 2) + (high - low) ** 2 / 12)
         found.append(np.nan_to_num((0.5 * (low + high) - clean[name]) / size))
     return np.clip(np.stack(found, axis=-1), -30, 30).reshape(*normals.shape[:2], -1)
 

@@ -30,12 +30,12 @@ def exact_means(
     paper's 3 m, and the quadrature Gauss-Legendre with `count` nodes per axis, which cluster at the prior's ends, where
     the posterior of a low flight is.
     """
-    node, share = np.polynomial.legendre.leggauss(count)
+    node, weights = np.polynomial.legendre.leggauss(count)
     cd, alpha = (low + (high - low) * (node + 1) / 2 for low, high in (CD_RANGE, ALPHA_RANGE))
     shape = (count, count, len(flights))
     grid = heights(np.broadcast_to(cd[:, None, None], shape), np.broadcast_to(alpha[:, None], shape))
     misfit = 0.5 * ((grid - flights.apogee) / APOGEE_NOISE) ** 2
-    weight = np.exp(misfit.min(axis=(0, 1)) - misfit) * share[:, None, None] * share[:, None]
+    weight = np.exp(misfit.min(axis=(0, 1)) - misfit) * weights[:, None, None] * weights[:, None]
     weight /= weight.sum(axis=(0, 1))
     return cd @ weight.sum(axis=1), alpha @ weight.sum(axis=0)
 

@@ -24,7 +24,7 @@ class BiasPart:
     """A part of the published bias, its name and the mean over the eight flights. [m]"""
 
     title: str
-    share: float
+    bias: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,14 +56,14 @@ def _parts(study: Study) -> Iterator[str]:
         "that the prior allows (most drag, least thrust), and no inference can match them."
     )
     yield ""
-    total = sum(part.share for part in study.parts)
+    total = sum(part.bias for part in study.parts)
     yield from _table(
         ("part", "part of the bias [m]"),
-        [(part.title, f"{_signed(part.share)}") for part in study.parts]
+        [(part.title, f"{_signed(part.bias)}") for part in study.parts]
         + [("**published bias**", f"**{_signed(total)}**")],
     )
     yield ""
-    three, ejection = sum(part.share for part in study.parts[:3]), study.ejection
+    three, ejection = sum(part.bias for part in study.parts[:3]), study.ejection
     yield _text(
         f"The excess impulse of the profile causes {three:+.1f} m, the estimator's shrinkage less than a meter. The "
         "missing casing mass, the shape of the thrust curve and the delay in the motor's name hardly change rebuilt "

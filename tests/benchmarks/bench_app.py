@@ -221,7 +221,9 @@ def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextM
 def shares(name: str, seconds: Sequence[float]) -> dict[str, Any]:
     """Quantiles of the response times, and the slowest keys."""
     slowest = sorted(zip(seconds, cycle(KEYS), strict=False), reverse=True)[:5]
-    within = {f"within_{share:.0%}_{name}_ms": round(float(np.quantile(seconds, share)) * 1e3, 1) for share in SHARES}
+    within = {
+        f"within_{fraction:.0%}_{name}_ms": round(float(np.quantile(seconds, fraction)) * 1e3, 1) for fraction in SHARES
+    }
     return within | {f"slowest_{name}_ms": [f"{key} {one * 1e3:.0f}" for one, key in slowest]}
 
 

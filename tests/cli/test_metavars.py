@@ -31,6 +31,11 @@ def test_no_option_shows_a_type_from_the_code(command: str, capsys: pytest.Captu
     assert re.findall(r"<(?:str|int|float|datetime|%[^>]*)>|\{[a-z_]+\}", shown) == []
 
 
+@pytest.mark.parametrize("command", sorted(COMMANDS))
+def test_the_help_wraps_at_the_width_of_the_terminal_alone(command: str) -> None:
+    assert "\n" not in COMMANDS[command].help.replace("\n\n", "")
+
+
 def test_each_placeholder_belongs_to_an_option_or_argument() -> None:
     names = {parameter.name for command in COMMANDS.values() for parameter in command.params}
     columns = {"coast_drag", "burn_impulse"}  # measured in logs only, no options

@@ -118,7 +118,7 @@ def test_a_closed_output_is_reported_in_one_line_that_does_not_deny_what_was_don
     assert done.returncode == 1
     saved, unused, line = done.stderr.splitlines()
     assert saved.startswith("Saved flight 9.")
-    assert "no fit uses flight 9" in unused
+    assert "flight 9 is excluded from every fit" in unused
     assert line.startswith("the output: found Bad file descriptor")
     assert line.endswith("may have finished, check `fieldkit history`")
     assert flights(ledger) == ["9"]

@@ -165,8 +165,8 @@ def test_a_day_without_a_temperature_has_the_temperature_of_the_effect() -> None
 def test_an_altimeters_scale_changes_only_heights() -> None:
     true, shown = flown("altimeter_scale", 0.0), flown("altimeter_scale", 0.1)
     for figure, value in shown.items():
-        share = 1.1 if figure in ("apogee", "eject_altitude") else 1.0
-        np.testing.assert_allclose(value, share * true[figure], rtol=1e-12, err_msg=figure)
+        factor = 1.1 if figure in ("apogee", "eject_altitude") else 1.0
+        np.testing.assert_allclose(value, factor * true[figure], rtol=1e-12, err_msg=figure)
 
 
 def test_an_altimeter_that_corrects_for_temperature_shows_true_heights() -> None:

@@ -92,16 +92,16 @@ def test_the_speed_gained_by_two_stages_is_the_integral_of_thrust_over_mass(boos
     booster, upper = MOTORS.resolve("D12-0").motor, MOTORS.resolve("C6-7").motor
     assert motor.loaded_mass == pytest.approx(booster.loaded_mass + upper.loaded_mass + booster_mass)
 
-    def share(one: Motor, t: float) -> float:
+    def burned(one: Motor, t: float) -> float:
         at = np.linspace(0, t, 400)
         return float(np.trapezoid(np.interp(at, one.time, one.thrust), at) / one.total_impulse)
 
     def first(t: float) -> float:
-        mass = dry + motor.loaded_mass - share(booster, t) * booster.propellant_mass
+        mass = dry + motor.loaded_mass - burned(booster, t) * booster.propellant_mass
         return float(np.interp(t, booster.time, booster.thrust)) / mass
 
     def second(t: float) -> float:
-        mass = dry + upper.loaded_mass - share(upper, t) * upper.propellant_mass
+        mass = dry + upper.loaded_mass - burned(upper, t) * upper.propellant_mass
         return float(np.interp(t, upper.time, upper.thrust)) / mass
 
     result = flown(motor, dry, 1e-9)

@@ -71,12 +71,12 @@ def test_a_filled_ellipsoid_tail_has_the_volume_of_half_an_ellipsoid() -> None:
     assert _mass("", tail) == pytest.approx(700 * 2 / 3 * math.pi * 0.03**2 * 0.1, rel=1e-3)
 
 
-@pytest.mark.parametrize(("section", "share"), [("square", 1.0), ("rounded", 0.99), ("airfoil", 0.85)])
-def test_the_mass_of_a_fin_includes_its_tab_and_depends_on_its_cross_section(section: str, share: float) -> None:
+@pytest.mark.parametrize(("section", "fraction"), [("square", 1.0), ("rounded", 0.99), ("airfoil", 0.85)])
+def test_the_mass_of_a_fin_includes_its_tab_and_depends_on_its_cross_section(section: str, fraction: float) -> None:
     """Source: OpenRocket's `FinSet`, whose tabs go through the wall of the tube."""
     more = f"<crosssection>{section}</crosssection><tabheight>0.012</tabheight><tablength>0.07</tablength>"
     fins = FINS.format(counts=f"<fincount>4</fincount>{more}")
-    assert _mass(fins) == pytest.approx(700 * 4 * (share * 0.08 * 0.08 + 0.012 * 0.07) * 0.003)
+    assert _mass(fins) == pytest.approx(700 * 4 * (fraction * 0.08 * 0.08 + 0.012 * 0.07) * 0.003)
 
 
 def test_a_fin_with_an_invalid_point_causes_no_crash() -> None:

@@ -375,8 +375,8 @@ def test_an_altimeters_gain_scales_only_heights() -> None:
     plain, shown = (fly(rocket(NOISY, altimeter_gain=gain, delay=5.0)) for gain in (1.0, 0.93))
     readings, others = shown.readouts(), plain.readouts()
     for name, value in readings.items():
-        share = 0.93 if name in ("apogee", "eject_altitude") else 1.0
-        np.testing.assert_allclose(value, share * others[name], rtol=1e-12, err_msg=name)
+        factor = 0.93 if name in ("apogee", "eject_altitude") else 1.0
+        np.testing.assert_allclose(value, factor * others[name], rtol=1e-12, err_msg=name)
     np.testing.assert_allclose(shown.apogee, plain.apogee)
 
 

@@ -38,15 +38,15 @@ def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left
     means = [one.mean for one in advice.ranked]
     assert means == sorted(means)
     assert (advice.current, advice.gain, advice.clear) == (None, None, False)
-    held = {one.motor.designation: in_season(one, RULE, frozenset({"f24w"})) for one in choices}
-    reasons = {name: [line.name for line in one.beyond_season] for name, one in held.items()}
+    judged = {one.motor.designation: in_season(one, RULE, frozenset({"f24w"})) for one in choices}
+    reasons = {name: [line.name for line in one.beyond_season] for name, one in judged.items()}
     assert reasons["F24W"] == []
     assert reasons["F39T"] == ["contest motor list"]
     assert reasons["G40W"] == ["contest impulse", "contest motor list"]
-    assert not held["F39T"].fits
-    assert {"contest impulse", "contest motor list"} <= set(held["G40W"].json()["why_not"])
-    listed = motor_advice(list(held.values()), RULE, None)
-    assert [one.choice.motor.designation for one in listed.ranked] == [name for name, one in held.items() if one.fits]
+    assert not judged["F39T"].fits
+    assert {"contest impulse", "contest motor list"} <= set(judged["G40W"].json()["why_not"])
+    listed = motor_advice(list(judged.values()), RULE, None)
+    assert [one.choice.motor.designation for one in listed.ranked] == [name for name, one in judged.items() if one.fits]
 
 
 def test_no_change_is_advised_unless_the_gain_is_clear(choices: list[MotorChoice]) -> None:

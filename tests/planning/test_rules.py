@@ -30,7 +30,7 @@ def rule(key: str, check: str) -> Rule:
     return next(one for one in SETS[key].rules if one.check == check)
 
 
-def held(name: str, dry_mass: float = 0.3, altitude: float = 200.0, rules: str = "") -> Governed:
+def under_rules(name: str, dry_mass: float = 0.3, altitude: float = 200.0, rules: str = "") -> Governed:
     build = build_of(catalogue().resolve(name).motor, dry_mass)
     return governed(build, altitude, Site(rules=rules), rule_sets(), TODAY)
 
@@ -150,7 +150,7 @@ def test_rules_that_no_figure_of_a_plan_can_check_are_quoted(key: str, check: st
     assert words in rule(key, check).text.words
     name = ("93G80-14A" if check == "sparky motors" else "H128W") if key == "nar_high_power" else "C6"
     rules = "UKRA" if key == "ukra" else ""
-    lines = {line.name: line for line in rule_lines.reminder_lines(held(name, rules=rules))}
+    lines = {line.name: line for line in rule_lines.reminder_lines(under_rules(name, rules=rules))}
     assert words in lines[check].text
     assert lines[check].verdict == "unknown"
 
@@ -167,9 +167,9 @@ def test_the_law_requires_a_quarter_of_the_altitude_and_at_least_1500_feet() -> 
 
 
 def test_there_is_no_spark_warning_for_a_motor_without_sparks() -> None:
-    line_names = [line.name for line in rule_lines.reminder_lines(held("H128W", 0.9))]
+    line_names = [line.name for line in rule_lines.reminder_lines(under_rules("H128W", 0.9))]
     assert "sparky motors" not in line_names
-    assert "throws sparks" in held("60F50-13A", 0.5).why
+    assert "throws sparks" in under_rules("60F50-13A", 0.5).why
 
 
 def test_the_law_of_classes_2_and_3_is_quoted() -> None:
@@ -188,13 +188,13 @@ def test_the_law_of_classes_2_and_3_is_quoted() -> None:
 def test_the_edge_of_a_high_power_field_is_no_nearer_than_people_may_stand() -> None:
     """For an N motor people stay 1,000 ft away, so up to 2,000 ft high it needs 2,000 ft across, not the 1,500 ft for
     the altitude."""
-    low, high = (held("N1000W", 20.0, altitude=feet * FOOT) for feet in (2000.0, 9000.0))
+    low, high = (under_rules("N1000W", 20.0, altitude=feet * FOOT) for feet in (2000.0, 9000.0))
     verdicts = [rule_lines.field_line(low, feet * FOOT).verdict for feet in (1500.0, 1990.0, 2000.0)]
     assert verdicts == ["unsafe", "unsafe", "ok"]
     assert "twice the distance of people" in rule_lines.field_line(low, None).text
     assert "twice" not in rule_lines.field_line(high, None).text
     assert rule_lines.field_line(high, 4490.0 * FOOT).verdict == "unsafe"
-    assert rule_lines.field_line(held("H128W", 0.9), 1500.0 * FOOT).verdict == "ok"
+    assert rule_lines.field_line(under_rules("H128W", 0.9), 1500.0 * FOOT).verdict == "ok"
 
 
 def test_the_limits_of_high_power_agree_with_the_published_figures() -> None:
@@ -229,76 +229,76 @@ def test_every_figure_has_a_quotation_a_source_and_a_certainty() -> None:
 )
 def test_the_code_is_chosen_by_motor_and_mass(name: str, mass: float, high: bool) -> None:
     """G80T is certified at 77.99 N and no high-power motor, though its curve averages more than 80 N."""
-    found = held(name, mass)
+    found = under_rules(name, mass)
     assert bool(found.why) is high
     assert found.sets[0].key == ("nar_high_power" if high else "nar_model")
 
 
 def test_25_degrees_are_too_much_only_for_high_power() -> None:
-    verdict = {name: rule_lines.angle_line(held(name, 0.9), np.radians(25)).verdict for name in ("F24W", "H128W")}
-    assert verdict == {"F24W": "ok", "H128W": "unsafe"}
+    lines = {name: rule_lines.angle_line(under_rules(name, 0.9), np.radians(25)) for name in ("F24W", "H128W")}
+    assert {name: line.verdict for name, line in lines.items()} == {"F24W": "ok", "H128W": "unsafe"}
 
 
 def test_a_line_without_a_figure_also_quotes_the_rule() -> None:
-    line = rule_lines.angle_line(held("C6"), None)
+    line = rule_lines.angle_line(under_rules("C6"), None)
     assert line.verdict == "unknown"
     assert "The rule: “pointed to within 30 degrees of the vertical”" in line.words()
 
 
 def test_a_300_foot_field_is_too_small_for_an_f() -> None:
-    line = rule_lines.field_line(held("F24W"), 300 * FOOT)
+    line = rule_lines.field_line(under_rules("F24W"), 300 * FOOT)
     assert line.verdict == "unsafe"
     assert "requires 305 m across" in line.text
     assert "requires 1000 ft across" in line.words("US")
     assert "(1,000 ft, up to 80 N s)" in line.rule  # as the table has it, whatever units are shown
-    assert rule_lines.field_line(held("F24W"), 1000 * FOOT).verdict == "ok"
-    assert rule_lines.field_line(held("F24W", rules="NAR contest"), 300 * FOOT).verdict == "ok"  # when it is one
+    assert rule_lines.field_line(under_rules("F24W"), 1000 * FOOT).verdict == "ok"
+    assert rule_lines.field_line(under_rules("F24W", rules="NAR contest"), 300 * FOOT).verdict == "ok"  # when it is one
 
 
 def test_high_power_requires_1500_feet_or_half_the_altitude() -> None:
-    tall = held("J350W", 3.0, altitude=4000 * FOOT)
+    tall = under_rules("J350W", 3.0, altitude=4000 * FOOT)
     assert "requires 2000 ft across" in rule_lines.field_line(tall, 1900 * FOOT).words("US")
     assert rule_lines.field_line(tall, 1900 * FOOT).verdict == "unsafe"
-    assert rule_lines.field_line(held("J350W", 3.0), 1500 * FOOT).verdict == "ok"
+    assert rule_lines.field_line(under_rules("J350W", 3.0), 1500 * FOOT).verdict == "ok"
 
 
 def test_a_small_high_power_field_is_unverified_and_no_better_than_caution() -> None:
-    line = rule_lines.field_line(held("G72DM", 0.5), 1000 * FOOT)
+    line = rule_lines.field_line(under_rules("G72DM", 0.5), 1000 * FOOT)
     assert line.verdict == "caution"
     assert "(unverified)" in line.words()
-    assert rule_lines.field_line(held("J350W", 3.0), 1000 * FOOT).verdict == "unsafe"
+    assert rule_lines.field_line(under_rules("J350W", 3.0), 1000 * FOOT).verdict == "unsafe"
 
 
 def test_the_distance_of_people_follows_the_table_and_is_larger_for_a_cluster() -> None:
-    one = held("H128W", 0.9)
+    one = under_rules("H128W", 0.9)
     assert rule_lines.distance_line(one, 100 * FOOT).verdict == "ok"
     assert rule_lines.distance_line(one, 99 * FOOT).verdict == "unsafe"
     assert rule_lines.distance_line(one, None).verdict == "unknown"
     many = replace(one, build=replace(one.build, complex=True))
     assert rule_lines.distance_line(many, 100 * FOOT).verdict == "unsafe"
     assert "50 ft across cleared" in rule_lines.distance_line(one, None).words("US")
-    assert rule_lines.distance_line(held("C6-5"), 15 * FOOT).verdict == "ok"
-    assert rule_lines.distance_line(held("C6-5", rules="Tripoli"), 15 * FOOT).verdict == "unsafe"
+    assert rule_lines.distance_line(under_rules("C6-5"), 15 * FOOT).verdict == "ok"
+    assert rule_lines.distance_line(under_rules("C6-5", rules="Tripoli"), 15 * FOOT).verdict == "unsafe"
 
 
 def test_bystanders_have_a_distance_by_law_from_class_2_on() -> None:
-    assert rule_lines.bystander_line(held("F24W"), None).verdict == "ok"
-    assert rule_lines.bystander_line(held("J350W", 3.0), 400.0).verdict == "unsafe"
-    assert rule_lines.bystander_line(held("J350W", 3.0), 460.0).verdict == "ok"
+    assert rule_lines.bystander_line(under_rules("F24W"), None).verdict == "ok"
+    assert rule_lines.bystander_line(under_rules("J350W", 3.0), 400.0).verdict == "unsafe"
+    assert rule_lines.bystander_line(under_rules("J350W", 3.0), 460.0).verdict == "ok"
 
 
 def test_certification_depends_on_the_installed_impulse() -> None:
-    texts = {name: rule_lines.certification_line(held(name, 2.0)).text for name in ("H128W", "J350W", "M1297W")}
+    texts = {name: rule_lines.certification_line(under_rules(name, 2.0)).text for name in ("H128W", "J350W", "M1297W")}
     assert [text[-1] for text in texts.values()] == ["1", "2", "3"]
-    assert rule_lines.certification_line(held("F24W")).verdict == "ok"
+    assert rule_lines.certification_line(under_rules("F24W")).verdict == "ok"
 
 
 def test_high_power_weighs_at_most_a_third_of_its_thrust() -> None:
-    heavy, light = rule_lines.weight_line(held("H128W", 5.0)), rule_lines.weight_line(held("H128W", 1.0))
+    heavy, light = rule_lines.weight_line(under_rules("H128W", 5.0)), rule_lines.weight_line(under_rules("H128W", 1.0))
     assert heavy is not None
     assert light is not None
     assert (heavy.verdict, light.verdict) == ("unsafe", "ok")
-    assert rule_lines.weight_line(held("F24W")) is None
+    assert rule_lines.weight_line(under_rules("F24W")) is None
 
 
 def test_a_country_is_added_by_a_file(tmp_path: Path) -> None:

@@ -45,18 +45,18 @@ flights = st.builds(
 ).filter(lambda flight: bool(flight.readouts()))
 
 
-def as_json(held: list[Flight]) -> str:
-    return json.dumps({"flights": [document(flight) for flight in held]})
+def as_json(flights: list[Flight]) -> str:
+    return json.dumps({"flights": [document(flight) for flight in flights]})
 
 
 @pytest.mark.parametrize("write", [csv_table, as_json])
 def test_an_export_imports_as_the_same_flights(write: object) -> None:
     @examples(60)
     @given(st.lists(flights, min_size=1, max_size=3, unique_by=by_name))
-    def law(held: list[Flight]) -> None:
-        intake = read(write(held).encode("utf-8"), "export", any_motor)
+    def law(flights: list[Flight]) -> None:
+        intake = read(write(flights).encode("utf-8"), "export", any_motor)
         assert intake.rejected == ()
-        assert [differences(*pair) for pair in zip(held, intake.flights, strict=True)] == [[]] * len(held)
+        assert [differences(*pair) for pair in zip(flights, intake.flights, strict=True)] == [[]] * len(flights)
 
     law()
 

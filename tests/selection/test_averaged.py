@@ -30,5 +30,5 @@ def test_a_repeated_fit_has_the_weight_of_importance_sampling() -> None:
     refitted = replace(one, sampled=unreliable)
     both = left_out(SetPosterior((sampled, refitted)))
     count = len(both.weight) // 2
-    share = both.weight[:count].sum(axis=0)
-    assert np.abs(share - 0.5).max() < 0.2
+    mean_weight = both.weight[:count].sum(axis=0)
+    assert np.abs(mean_weight - 0.5).max() < 0.2

@@ -39,14 +39,14 @@ def test_the_closed_form_agrees_with_the_fit_and_keeps_the_prior_of_an_effect(mo
     kept = screened(some, plain).families
     for name, found in kept.items():
         assert 1 <= len(found) <= MAX_PLACES
-        assert sum(np.exp(one.log_share) for one in found) <= 1.0 + 1e-9 or len(some[name]) > len(found)
+        assert sum(np.exp(one.log_fraction) for one in found) <= 1.0 + 1e-9 or len(some[name]) > len(found)
     monkeypatch.setattr(screen, "PLACE_WINDOW", np.inf)
     monkeypatch.setattr(screen, "MAX_PLACES", 1000)
     trials = try_all(plain.model, plain.data, screened(some, plain), plain)
     for name in LINEAR:
         own = [trial for trial in trials if trial.candidate.effect == name]
-        fitted = float(np.logaddexp.reduce([t.fit.log_evidence + t.candidate.log_share for t in own]))
-        chosen = {one.place: one.log_share for one in kept[name]}
+        fitted = float(np.logaddexp.reduce([t.fit.log_evidence + t.candidate.log_fraction for t in own]))
+        chosen = {one.place: one.log_fraction for one in kept[name]}
         few = [t.fit.log_evidence + chosen[t.candidate.place] for t in own if t.candidate.place in chosen]
         assert float(np.logaddexp.reduce(few)) == pytest.approx(fitted, abs=0.4)
 
@@ -64,7 +64,7 @@ def test_the_closed_form_of_a_pair_is_the_linear_model_with_both_effects() -> No
         slope=np.concatenate([plain.tangent.slope, *(step.slope[..., -1:] for step in steps)], axis=-1),
     )
     both = solve(plain.model.with_terms(*(one.terms[0] for one in ones)), plain.data, near, plain.flight_weight)
-    odds = log_prior_odds(pair) + sum(one.log_share for one in ones)
+    odds = log_prior_odds(pair) + sum(one.log_fraction for one in ones)
     (found,) = pair_weights(pair, worthy.columns, plain).values()
     assert found == pytest.approx(both.log_evidence - plain.log_evidence + odds, abs=0.01)
 

@@ -36,7 +36,7 @@ def candidate(effect: str, where: str = "", count: int = 1) -> Candidate:
     """An effect in one of `count` places of equal prior probability."""
     place = Place(effect, where)
     term = Term(str(place), effects()[effect], 0.0, 1.0, np.ones(4))
-    return Candidate(place, (term,), log_share=float(-np.log(count)))
+    return Candidate(place, (term,), log_fraction=float(-np.log(count)))
 
 
 def fitted(log_evidence: float) -> Any:

@@ -180,9 +180,9 @@ def test_the_forms_of_an_effect_share_its_prior_odds() -> None:
     model = season(site=["mead", "hill"] * 8)
     shares: dict[str, float] = {}
     for candidate in effect_candidates(model, np.ones(16, bool)):
-        shares[candidate.effect] = shares.get(candidate.effect, 0.0) + float(np.exp(candidate.log_share))
+        shares[candidate.effect] = shares.get(candidate.effect, 0.0) + float(np.exp(candidate.log_fraction))
     assert shares.pop("air_density") == pytest.approx(1.0)
-    assert all(share == pytest.approx(1.0) for share in shares.values())
+    assert all(one == pytest.approx(1.0) for one in shares.values())
 
 
 def test_a_flyers_own_column_is_tested_as_a_pattern() -> None:

@@ -369,8 +369,8 @@ def test_flights_that_no_fit_can_use_are_named_by_what_they_lack() -> None:
         GOOD.with_changes(flight_id="11", dry_mass=None, apogee=None),
     ]
     assert incomplete_flights([GOOD, *lacks_mass, other, *unused], catalogue()) == [
-        "Astra: no fit uses flights 2, 3, 4, 5, 6, and 2 others: no dry mass; edit to add it",
-        "Bird: no fit uses flight 1: no known motor; edit to add it",
+        "Astra: flights 2, 3, 4, 5, 6, and 2 others are excluded from every fit: no dry mass; edit to add it",
+        "Bird: flight 1 is excluded from every fit: no known motor; edit to add it",
     ]
 
 
@@ -378,7 +378,7 @@ def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fi
     rows = season(6)
     for row in rows[1:3]:
         row["dry_mass_g"] = ""
-    note = "Astra: no fit uses flights 2 and 3: no dry mass; edit to add it"
+    note = "Astra: flights 2 and 3 are excluded from every fit: no dry mass; edit to add it"
     assert note in " ".join(run_command(rows=rows)[2].split())
     for command in ("predict", "loop", "ballast"):
         assert note in " ".join(run_command(command, *FITS[command])[2].split()), command

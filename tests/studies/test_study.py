@@ -69,15 +69,15 @@ def assert_similar(written: str, here: str) -> None:
 
 
 def test_the_parts_add_up_to_the_published_bias(flights: Reference, steps: tuple[Step, ...]) -> None:
-    assert sum(part.share for part in parts_of(flights, steps)) == pytest.approx(12.3, abs=0.05)
+    assert sum(part.bias for part in parts_of(flights, steps)) == pytest.approx(12.3, abs=0.05)
 
 
 def test_the_profile_causes_most_of_the_bias_and_shrinkage_less_than_a_meter(
     flights: Reference, steps: tuple[Step, ...]
 ) -> None:
-    shares = [part.share for part in parts_of(flights, steps)]
-    assert sum(shares[:3]) == pytest.approx(13.7, abs=0.1)
-    assert 0 < shares[-2] < 1
+    biases = [part.bias for part in parts_of(flights, steps)]
+    assert sum(biases[:3]) == pytest.approx(13.7, abs=0.1)
+    assert 0 < biases[-2] < 1
 
 
 def test_the_profile_of_a_motor_changes_only_flights_on_it(flights: Reference, steps: tuple[Step, ...]) -> None:

@@ -134,6 +134,17 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "◆" in shown(pilot)
 
 
+async def test_a_flight_that_no_fit_can_use_says_why(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Kestrel", motor="F24-4W", apogee=200.0)])
+        ledger.add([Flight(flight_id="2", rocket="Kestrel", motor="F24-4W", apogee=200.0, dry_mass=0.322)])
+    async with opened(tmp_path / "ledger.db", (120, 36)) as pilot:
+        await press(pilot, "1", "home", "enter")
+        assert "Used in the model" in words(pilot)
+        await press(pilot, "escape", "end", "enter")
+        assert "Not used in the model: no dry mass" in words(pilot)
+
+
 async def test_a_tall_terminal_shows_the_rocket_below_a_flight_without_a_log(file: Path) -> None:
     async with opened(file, (250, 60)) as pilot:
         await press(pilot, "enter")

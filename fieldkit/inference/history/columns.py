@@ -176,7 +176,7 @@ def _sums(trials: Trials, which: str = "log_bayes") -> dict[str, float]:
         return {}
     order = [row for rows in groups.values() for row in rows]
     starts = np.cumsum([0, *(len(rows) for rows in groups.values())])[:-1]
-    joint = (getattr(trials, which) + trials.log_share)[order]
+    joint = (getattr(trials, which) + trials.log_fraction)[order]
     return dict(zip(groups, np.logaddexp.reduceat(joint, starts).tolist(), strict=True))
 
 

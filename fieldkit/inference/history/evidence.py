@@ -16,7 +16,7 @@ from fieldkit.inference.history.placed_effects import Directions, Placed, Placed
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
-_NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "gradient")
+_NUMBERS = ("log_fraction", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "gradient")
 """Scalar fields of trials."""
 
 
@@ -25,7 +25,7 @@ class Trials:
     """Candidates added to a linear fit, one entry each; a candidate with several starts has several entries.
 
     `candidate` is the number of the candidate, and `family` its name in a verdict. `log_bayes` includes no prior;
-    `log_share` is the candidate's part of its effect's log prior. `robust` is `log_bayes` without the flight that
+    `log_fraction` is the candidate's part of its effect's log prior. `robust` is `log_bayes` without the flight that
     contributes most to it. `shift` has the effect of a unit of strength on the flown flights as columns, and `weighed`
     is the same times the inverse covariance at the most likely scales. `forecast_gain` is the effect of a unit on the
     log apogee of each plan, net of what the other terms absorb.
@@ -33,7 +33,7 @@ class Trials:
 
     candidate: tuple[int, ...]
     family: tuple[str, ...]
-    log_share: Float[Array, "trial"]
+    log_fraction: Float[Array, "trial"]
     log_bayes: Float[Array, "trial"]
     robust: Float[Array, "trial"]
     mean: Float[Array, "trial"]
@@ -49,7 +49,7 @@ class Trials:
     @property
     def weight(self) -> Float[Array, "trial"]:
         """Log evidence with the candidate's own prior. [nat]"""
-        return np.asarray(self.log_bayes + self.log_share)
+        return np.asarray(self.log_bayes + self.log_fraction)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,8 +132,8 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     bayes, mean, sd = strength_posterior(a, b, *prior)
     joint = weights.log_weight[:, None] + bayes
     log_bayes = np.logaddexp.reduce(joint, axis=0)
-    share = np.exp(joint - log_bayes)
-    middle = (share * mean).sum(axis=0)
+    fraction = np.exp(joint - log_bayes)
+    middle = (fraction * mean).sum(axis=0)
     weighed = first[best].reshape(shift.shape) - weights.sharp[best] @ (weights.slope @ back[best])
     own_a = (shift * weighed).sum(axis=1)
     own_b = (shift * weights.weighted_residual[best][..., None]).sum(axis=1)
@@ -142,11 +142,11 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
     return Trials(
         candidate=columns.number,
         family=columns.family,
-        log_share=columns.log_share,
+        log_fraction=columns.log_fraction,
         log_bayes=log_bayes,
         robust=log_bayes - np.maximum(bayes[best] - without, 0.0).max(axis=0),
         mean=middle,
-        sd=np.sqrt((share * (sd**2 + (mean - middle) ** 2)).sum(axis=0)),
+        sd=np.sqrt((fraction * (sd**2 + (mean - middle) ** 2)).sum(axis=0)),
         prior_mean=prior[0],
         prior_sd=prior[1],
         unit=columns.unit,
@@ -176,7 +176,7 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
     return Trials(
         candidate=columns.number[:1],
         family=columns.family[:1],
-        log_share=columns.log_share[:1],
+        log_fraction=columns.log_fraction[:1],
         log_bayes=log_bayes,
         robust=log_bayes,
         mean=np.array([size]),

@@ -26,7 +26,7 @@ class PlacedEffect(Protocol):
     @property
     def terms(self) -> tuple[Term, ...]: ...
     @property
-    def log_share(self) -> float: ...
+    def log_fraction(self) -> float: ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,7 @@ class Directions:
     moves: tuple[str, ...]
     kind: Int[Integers, "direction"]
     weight: Float[Array, "flight direction"]
-    log_share: Float[Array, "direction"]
+    log_fraction: Float[Array, "direction"]
     mean: Float[Array, "direction"]
     sd: Float[Array, "direction"]
     low: Float[Array, "direction"]
@@ -73,7 +73,7 @@ class _Direction(NamedTuple):
     family: str
     moves: str
     weight: Float[Array, "flight"]
-    log_share: float
+    log_fraction: float
     mean: float
     sd: float
     low: float
@@ -100,24 +100,24 @@ def _of_term(number: int, candidate: PlacedEffect, term: Term, names: Mapping[in
     about = (number, candidate.effect)
     bounded = (term.mean, term.sd, term.low, term.high, 1.0)
     if not isinstance(term.bends, Effect):
-        yield _Direction(*about, term.bends, term.weight, candidate.log_share, *bounded)
+        yield _Direction(*about, term.bends, term.weight, candidate.log_fraction, *bounded)
         return
     name = names[id(term.bends)]
     if not term.bends.starts:
-        yield _Direction(*about, started(name, 0), term.weight, candidate.log_share, *bounded)
+        yield _Direction(*about, started(name, 0), term.weight, candidate.log_fraction, *bounded)
         return
     density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
     for place, start in enumerate(term.bends.starts):
-        part = candidate.log_share + float(np.log(density[place] / sum(density)))
+        part = candidate.log_fraction + float(np.log(density[place] / sum(density)))
         yield _Direction(*about, started(name, place), term.weight, part, 1.0, START_SD, -np.inf, np.inf, start)
 
 
 def _stacked(some: Sequence[_Direction]) -> Directions:
     numbers, families, moves, weights, *rest = zip(*some, strict=True)
-    log_share, mean, sd, low, high, unit = (np.array(one, float) for one in rest)
+    log_fraction, mean, sd, low, high, unit = (np.array(one, float) for one in rest)
     within = log_mass(mean, sd, low, high)
     kinds = tuple(dict.fromkeys(moves))
     places = np.array([kinds.index(kind) for kind in moves])
     return Directions(
-        numbers, families, kinds, places, np.stack(weights, axis=-1), log_share, mean, sd, low, high, unit, within
+        numbers, families, kinds, places, np.stack(weights, axis=-1), log_fraction, mean, sd, low, high, unit, within
     )

@@ -149,7 +149,7 @@ def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float
         if rng.uniform() >= inclusion[name]:
             continue
         family = one.candidates[name]
-        odds = np.exp([candidate.log_share for candidate in family])
+        odds = np.exp([candidate.log_fraction for candidate in family])
         placed.append(family[int(rng.choice(len(family), p=odds / odds.sum()))])
     strange = rng.uniform() < inclusion[UNEXPLAINED] and len(one.rocket.used_in_fit) >= MIN_FLIGHTS_OF_PATTERN
     return _Lacks(tuple(placed), unexplained_pattern(rng, one.rocket) if strange else {})

@@ -95,8 +95,8 @@ def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled
     log_weight = np.logaddexp.reduce(target, axis=1) - log_density
     smooth, pareto_k = smoothed(log_weight)
     log_evidence = float(np.logaddexp.reduce(smooth)) - log(draws)
-    share = np.exp(smooth - np.logaddexp.reduce(smooth))
-    error = sqrt(float((share**2).sum()))
+    normalized = np.exp(smooth - np.logaddexp.reduce(smooth))
+    error = sqrt(float((normalized**2).sum()))
     folds = [_without(target, likelihood[..., row], log_density) for row in range(likelihood.shape[-1])]
     log_without, ks, weights = (np.array(part) for part in zip(*folds, strict=True))
     by_scale = weights.sum(axis=1).T

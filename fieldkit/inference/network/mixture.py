@@ -114,10 +114,10 @@ class Margin:
     def moments_of(self, values: Float[Array, "flight node"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
         """Mean and standard deviation of a function of the parameter, given by its values at the nodes, in their
         unit."""
-        share = np.diff(self.below, axis=1)
+        mass = np.diff(self.below, axis=1)
         middle = 0.5 * (values[:, 1:] + values[:, :-1])
-        mean = (share * middle).sum(axis=1)
-        return mean, np.sqrt((share * (middle - mean[:, None]) ** 2).sum(axis=1))
+        mean = (mass * middle).sum(axis=1)
+        return mean, np.sqrt((mass * (middle - mean[:, None]) ** 2).sum(axis=1))
 
     def rank(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
         """The cumulative probability at one value per flight. [1]"""

@@ -75,10 +75,10 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
     distance = np.where(np.isfinite(predicted.shown), predicted.distance, np.nan)
     low, high = 0.0, FALSE_ALARMS
     for _ in range(30):
-        share = 0.5 * (low + high)
-        at = np.nanquantile(distance, 1 - share, axis=0)
+        tried = 0.5 * (low + high)
+        at = np.nanquantile(distance, 1 - tried, axis=0)
         alarms = float((distance > at).any(axis=1).mean())
-        low, high = (share, high) if alarms < FALSE_ALARMS else (low, share)
+        low, high = (tried, high) if alarms < FALSE_ALARMS else (low, tried)
     return {name: float(limit) for name, limit in zip(INDEPENDENT_READOUTS, at, strict=True)}
 
 

@@ -19,7 +19,7 @@ from fieldkit.inference.training.fit import Progress
 MEMBERS = 5
 HIDDEN_UNITS = 128
 LAYERS = 3
-GUARD_SHARE = 0.1
+GUARD_WEIGHT = 0.1
 """Weight of the loss of the predicted readouts relative to that of the posterior. [1]"""
 MAX_FEATURE_SDS = 8.0
 """Features are clipped to this many standard deviations from their mean. [1]"""
@@ -118,7 +118,7 @@ def fit(
             found = members(features)
             loss = -log_density(found, target).mean()
             optimiser.zero_grad()
-            (loss + GUARD_SHARE * guard_loss(found, shown)).backward()
+            (loss + GUARD_WEIGHT * guard_loss(found, shown)).backward()
             nn.utils.clip_grad_norm_(members.parameters(), MAX_GRADIENT_NORM)
             optimiser.step()
             rate.step()

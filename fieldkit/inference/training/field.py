@@ -145,7 +145,7 @@ def _card(
         "seed": seed,
         "n_train": n_train,
         "priors": dict(PRIORS),
-        "noise": {name: {"floor": n.floor, "share": n.share, "step": n.step} for name, n in NOISE.items()},
+        "noise": {name: {"floor": n.floor, "share": n.relative, "step": n.step} for name, n in NOISE.items()},
         "accelerometer": {"offset": OFFSET, "gain": GAIN, "tail": TAIL},
         "intervals": INTERVALS,
         "held_out": HELD_OUT,

@@ -37,9 +37,9 @@ from fieldkit.parallel import workers
 from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
-TEST_SHARE = 0.1
+TEST_FRACTION = 0.1
 """Fraction of the histories for evaluation, never used in training. [1]"""
-VALIDATION_SHARE = 0.05
+VALIDATION_FRACTION = 0.05
 """Fraction of the histories for choosing the number of epochs. [1]"""
 HELD_OUT_ROCKETS = 150
 """Number of rockets on the held-out manufacturer's motors."""
@@ -125,7 +125,7 @@ def train_history(
 def split(whole: HistoryTable) -> tuple[HistoryTable, HistoryTable, HistoryTable]:
     """Histories for training, validation and evaluation; those of one rocket stay together."""
     count = len(whole.features)
-    test, validation = (max(int(count * share), 1) for share in (TEST_SHARE, VALIDATION_SHARE))
+    test, validation = (max(int(count * fraction), 1) for fraction in (TEST_FRACTION, VALIDATION_FRACTION))
     ends = (count - test - validation, count - test)
     return whole.rows(np.arange(ends[0])), whole.rows(np.arange(*ends)), whole.rows(np.arange(ends[1], count))
 

@@ -92,8 +92,8 @@ def _histogram(rank: Float[Array, "flight"]) -> dict[str, Any]:
     `excess` is the count of the largest bin relative to a uniform one, minus 1; `lack` is the same for the smallest.
     """
     counts = np.histogram(rank, BINS, (0.0, 1.0))[0]
-    share = counts * BINS / len(rank) - 1
-    return {"counts": counts.tolist(), "excess": float(share.max()), "lack": float(share.min())}
+    excess = counts * BINS / len(rank) - 1
+    return {"counts": counts.tolist(), "excess": float(excess.max()), "lack": float(excess.min())}
 
 
 def expected_coverage(
@@ -111,9 +111,9 @@ def expected_coverage(
     return np.asarray((far < own).mean(axis=0))
 
 
-def _curve(share: Float[Array, "flight"]) -> dict[str, Any]:
+def _curve(fraction: Float[Array, "flight"]) -> dict[str, Any]:
     levels = np.linspace(0.1, 0.9, 9)
-    covered = [round(float((share < level).mean()), 4) for level in levels]
+    covered = [round(float((fraction < level).mean()), 4) for level in levels]
     return {"at": [round(float(level), 1) for level in levels], "covered": covered}
 
 

@@ -58,9 +58,9 @@ def _forecast(
     counts, _ = np.histogram(rank, RANK_BINS, (0.0, 1.0))
     return {
         "histories": int(some.sum()),
-        **{f"coverage{round(100 * share)}": _coverage(own, truth, *ends) for share, ends in INTERVALS.items()},
+        **{f"coverage{round(100 * level)}": _coverage(own, truth, *ends) for level, ends in INTERVALS.items()},
         **{
-            f"linear_coverage{round(100 * share)}": _coverage(normal, truth, *ends) for share, ends in INTERVALS.items()
+            f"linear_coverage{round(100 * level)}": _coverage(normal, truth, *ends) for level, ends in INTERVALS.items()
         },
         "crps": float((pinball(own, truth) * size).mean()),
         "linear_crps": float((pinball(normal, truth) * size).mean()),

@@ -80,9 +80,9 @@ def measured(
 ) -> Observed:
     """The flights with noise on their readouts, in SI."""
     readouts = np.full(clean.shape, np.nan)
-    for name, (floor, share) in NOISE.items():
+    for name, (floor, relative) in NOISE.items():
         column = READOUT_NAMES.index(name)
-        spread = floor + share * clean[:, column]
+        spread = floor + relative * clean[:, column]
         readouts[:, column] = clean[:, column] + spread * rng.normal(size=len(clean))
     declared = np.full((len(clean), len(DECLARED_FIELDS)), np.nan)
     declared[:, 0], declared[:, 1] = _MASSES[config], paper.DIAMETER
@@ -124,8 +124,8 @@ class Exact:
         each = np.zeros(grid.shape[:-1]) + self.log_weight[:, None]
         for name in names:
             column = READOUT_NAMES.index(name)
-            floor, share = NOISE[name]
-            spread = floor + share * grid[..., column]
+            floor, relative = NOISE[name]
+            spread = floor + relative * grid[..., column]
             each -= 0.5 * ((flights.observed.readouts[row, column] - grid[..., column]) / spread) ** 2 + np.log(spread)
         log = np.logaddexp.reduce(each, axis=0)
         top = log.max()
@@ -134,8 +134,8 @@ class Exact:
     def medians(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "2"]:
         """Posterior medians of Cd and alpha given some readouts of one flight, which minimize the mean absolute error.
         [1]"""
-        share = np.exp(self.log_posterior(flights, row, names))
-        return np.array([_median(values, share) for values in (self.cd, self.alpha)])
+        mass = np.exp(self.log_posterior(flights, row, names))
+        return np.array([_median(values, mass) for values in (self.cd, self.alpha)])
 
 
 def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
@@ -172,12 +172,12 @@ def _against(
     best, divergence = np.empty((count, 2)), np.empty(count)
     for row in range(count):
         log = grid.log_posterior(flights, row, names)
-        share = np.exp(log)
+        mass = np.exp(log)
         best[row] = grid.medians(flights, row, names)
-        kept: Flags = share > 1e-12
+        kept: Flags = mass > 1e-12
         one = density.rows([row])
         own = one.log_density(cells[kept][:, None])[:, 0] - np.log(grid.cd[kept]) + np.log(size)
-        divergence[row] = float((share[kept] * (log[kept] - own)).sum())
+        divergence[row] = float((mass[kept] * (log[kept] - own)).sum())
     errors, least = np.abs(found[:count] - truth[:count]), np.abs(best - truth[:count])
     return {
         "cd_mae": float(errors[:, 0].mean()),
@@ -188,8 +188,8 @@ def _against(
     }
 
 
-def _median(values: Float[Array, "cell"], share: Float[Array, "cell"]) -> float:
+def _median(values: Float[Array, "cell"], mass: Float[Array, "cell"]) -> float:
     places, which = np.unique(values, return_inverse=True)
-    below = np.cumsum(np.bincount(which, share))
+    below = np.cumsum(np.bincount(which, mass))
     half = 0.5 * (places[1] - places[0])
     return float(np.interp(0.5, below, places + half))

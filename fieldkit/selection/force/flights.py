@@ -94,7 +94,7 @@ def _climb_track(forces: Forces) -> ClimbTrack:
 
 def _points(missing: Missing, worth: float) -> tuple[Point, ...]:
     """A climb summarized by means over equal numbers of samples in each phase."""
-    track, share = missing.track, worth / len(missing.force)
+    track, weight = missing.track, worth / len(missing.force)
 
     def phase(which: Flags, most: int) -> list[Point]:
         rows = np.flatnonzero(which)
@@ -105,7 +105,7 @@ def _points(missing: Missing, worth: float) -> tuple[Point, ...]:
                 float(track.time_from_liftoff[part].mean()),
                 float(track.speed[part].mean()),
                 float(missing.force[part].mean()),
-                float(missing.force[part].std() / np.sqrt(max(len(part) * share, 1.0))),
+                float(missing.force[part].std() / np.sqrt(max(len(part) * weight, 1.0))),
             )
             for part in parts
         ]

@@ -76,8 +76,8 @@ class FormStart:
 @dataclass(frozen=True, slots=True)
 class Saved:
     """The result of saving: the id of the flight (empty for a duplicate) and what it lacks to constrain Cd; or the
-    question with an error, and its reason; or why no fit uses the flight; or what must be `confirmed` before it is
-    added."""
+    question with an error, and its reason; or why the flight is excluded from every fit; or what must be
+    `confirmed` before it is added."""
 
     id: str = ""
     flight: Flight | None = None

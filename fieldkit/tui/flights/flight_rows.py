@@ -134,8 +134,8 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
     ]
     shown = [one for one in shown if not (brief and one.key == "alpha")]
     left = width - sum(c.width + 1 for c in shown) - 2
-    share = 2 / 3 if brief else 2 / 5
-    return [*shown, _drawn(int(left * share), scale, system)] if brief or width >= WITH_FORECASTS else shown
+    fraction = 2 / 3 if brief else 2 / 5
+    return [*shown, _drawn(int(left * fraction), scale, system)] if brief or width >= WITH_FORECASTS else shown
 
 
 def _drawn(room: int, scale: HeightScale, system: str) -> Shown:

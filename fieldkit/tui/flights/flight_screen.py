@@ -17,6 +17,7 @@ from fieldkit.flight.start import Start
 from fieldkit.quantities import in_system, measure, number, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts
+from fieldkit.services.plausible_flights import exclusion
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
@@ -157,8 +158,9 @@ class FlightScreen(PageScreen):
         """Read the flight; inferred values follow when they are computed."""
         self.ask(or_why(self._read), self._have)
 
-    def _read(self) -> tuple[str, Flight]:
-        """The flight with its id, which changes if another rocket has a flight with the same number."""
+    def _read(self) -> tuple[str, Flight, str]:
+        """The flight with its id, which changes if another rocket has a flight with the same number, and why it is
+        excluded from every fit."""
         ledger, shown = self.resources.ledger, self._flight
         try:
             flight = ledger.flight(self._flight_id if shown is None else f"{shown.rocket}/{shown.flight_id}")
@@ -166,19 +168,19 @@ class FlightScreen(PageScreen):
             flight = ledger.flight(self._flight_id)
             if shown is None or flight.readouts() != shown.readouts():
                 raise  # it is another rocket's; else the rocket was renamed
-        return ledger.ids([flight])[0], flight
+        return ledger.ids([flight])[0], flight, exclusion(flight, self.resources.motors)
 
-    def _have(self, read: tuple[str, Flight] | str) -> None:
+    def _have(self, read: tuple[str, Flight, str] | str) -> None:
         if isinstance(read, str):
             leave(self, self._flight_id)
             return
-        self._flight_id, flight = read
+        self._flight_id, flight, excluded = read
         self._flight, system = flight, self.resources.settings.units
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Setup and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: used in the model"]),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging([_use(excluded)]),
         ]
         if flight.extra:
             blocks.append(cards.lines("Other data", logged.beside(flight.extra, system), 20))
@@ -276,6 +278,11 @@ class FlightScreen(PageScreen):
     def copied(self) -> str:
         """The flight as a card of text."""
         return "\n\n".join(self._text)
+
+
+def _use(excluded: str) -> str:
+    """Whether a flight without tags is used in the model, and if not, why."""
+    return f"Not used in the model: {excluded}" if excluded else "Used in the model"
 
 
 @dataclass(frozen=True, slots=True)

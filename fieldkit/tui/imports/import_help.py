@@ -17,7 +17,7 @@ IMPORT_HELP = Help(
         ("rejected", "Rows that cannot become flights: fix them in the file and import it again."),
         (
             "columns",
-            "m to map the columns of a table; M to change or delete saved mappings.",
+            "m to map the columns of a table; M to change or remove saved mappings.",
         ),
         ("edit", "Values that the file lacks, such as the rocket and its mass, for every flight in it."),
         (

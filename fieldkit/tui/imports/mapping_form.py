@@ -88,7 +88,7 @@ class MappingList(ModalScreen[None]):
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("e", "edit", "Edit"),
-        Binding("x,delete", "forget", "Forget", key_display="x"),
+        Binding("x,delete", "forget", "Remove", key_display="x"),
         Binding("escape", "dismiss", "Close"),
     ]
 

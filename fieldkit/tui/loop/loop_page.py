@@ -59,7 +59,7 @@ class LoopScreen(PageScreen):
 
         rocket: str
         text: str
-        share: float
+        done: float
 
     def __init__(self) -> None:
         super().__init__()
@@ -131,21 +131,21 @@ class LoopScreen(PageScreen):
             return
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
-        self.panels.share("reading flights", 0.0)
+        self.panels.progress("reading flights", 0.0)
         self._search = rocket
         report = partial(self._looking, rocket)
         self.ask(or_why(partial(look, self.resources, rocket, report)), self._looked, "look", alone=True)
 
-    def _looking(self, rocket: str, text: str, share: float) -> None:
+    def _looking(self, rocket: str, text: str, done: float) -> None:
         """Show the progress, unless another search was started or the app is closed."""
         go_on()
-        self.post_message(self.TrialProgress(rocket, text, share))
+        self.post_message(self.TrialProgress(rocket, text, done))
 
     @on(TrialProgress)
     def _progress(self, message: TrialProgress) -> None:
         """Show the progress, unless the search was dropped."""
         if message.rocket == self._search:
-            self.panels.share(message.text, message.share)
+            self.panels.progress(message.text, message.done)
 
     def _drop_search(self, why: str = "") -> None:
         """Clear the findings, and cancel a search that would bring others."""

@@ -79,10 +79,10 @@ class Panels(Container):
         self.query_one(Plot).show(None)
         self.query_one("#ranking", Table).show((), (), lambda _: ())
 
-    def share(self, text: str, share: float) -> None:
+    def progress(self, text: str, done: float) -> None:
         """Show the current step and the fraction done."""
-        if self.found is None or share < 1:
-            bar = "█" * round(share * 24)
+        if self.found is None or done < 1:
+            bar = "█" * round(done * 24)
             self.query_one("#verdict", Static).update(Content(f"searching: {printable(text)}\n[{bar:24}]"))
 
     def show(self, found: Findings, system: str) -> None:

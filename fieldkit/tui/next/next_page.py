@@ -268,7 +268,7 @@ class NextScreen(PageScreen):
         one = self._motors.known.get(motor)
         if one is None or self._motors.plan is not shown:
             if self._motors.plan is not None:
-                self.show_notice("Forecasts are still being computed; Enter again saves that of this motor")
+                self.show_notice("Still computing forecasts; press Enter again to save this one")
             return
 
         def work() -> "list[Prediction]":

@@ -34,7 +34,7 @@ from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score")
-SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
+AREA_RATIOS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Fractions of the parachute's area to choose from. [1]"""
 
 
@@ -118,7 +118,7 @@ class PlanScreen(PageScreen):
         super().__init__()
         self._decision = decision
 
-        self._view, self._aim, self._share = 0, 0, SHARES.index(1.0)
+        self._view, self._aim, self._area_ratio = 0, 0, AREA_RATIOS.index(1.0)
         self._season = season_of(date.today(), data_file("seasons"))
         self._shown_answer = Answer(())
 
@@ -185,7 +185,7 @@ class PlanScreen(PageScreen):
         if view == 1:
             return decision.noted(decision.ballast(settings.target, AIMS[self._aim], self._season, day))
         if view == 2:
-            return decision.noted(decision.contest(ledger, self._season, SHARES[self._share], day))
+            return decision.noted(decision.contest(ledger, self._season, AREA_RATIOS[self._area_ratio], day))
         if view == 3:
             return decision.noted(decision.landing())
         if view == 4:
@@ -214,7 +214,7 @@ class PlanScreen(PageScreen):
 
     def action_area(self, by: int) -> None:
         """Choose a larger or smaller parachute."""
-        self._share = min(max(self._share + by, 0), len(SHARES) - 1)
+        self._area_ratio = min(max(self._area_ratio + by, 0), len(AREA_RATIOS) - 1)
         self.action_view(2)
 
     async def action_day(self) -> None:

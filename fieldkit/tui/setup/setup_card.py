@@ -100,9 +100,9 @@ def of_build(group: Group, system: str, design: Start | None = None) -> Facts:
 
 
 def _used(flights: Sequence[Flight]) -> str:
-    """How many flights there are, and how many of them the model uses."""
+    """How many flights there are, and how many of them have no anomaly."""
     clean = sum(one.clean for one in flights)
-    return f"{len(flights)}, {'all' if clean == len(flights) else f'{clean} of them'} used in the model"
+    return f"{len(flights)}, {'all' if clean == len(flights) else f'{clean} of them'} clean"
 
 
 def _stability(design: Start) -> str:

@@ -25,6 +25,16 @@ OF_TEXTUAL = {
     "app.focus_next": "Next part of the page",
     "app.focus_previous": "Previous part of the page",
     "screen.copy_text": "",
+    "scroll_up": "Line up",
+    "scroll_down": "Line down",
+    "scroll_left": "",
+    "scroll_right": "",
+    "scroll_home": "First",
+    "scroll_end": "Last",
+    "page_up": "Page up",
+    "page_down": "Page down",
+    "page_left": "",
+    "page_right": "",
 }
 """Actions that Textual binds and describes itself, with the description in our help; an empty one omits the action."""
 

@@ -101,8 +101,8 @@ def test_another_hyperprior_gives_other_forecasts(found: list[Forecast]) -> None
 def test_progress_is_reported_and_it_can_be_stopped() -> None:
     steps: list[tuple[str, float]] = []
 
-    def on_progress(text: str, share: float) -> None:
-        steps.append((text, share))
+    def on_progress(text: str, done: float) -> None:
+        steps.append((text, done))
         if len(steps) == 3:
             raise KeyboardInterrupt
 

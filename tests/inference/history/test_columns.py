@@ -47,6 +47,6 @@ def test_evidence_of_an_effect_is_summed_over_its_places(trials: Trials) -> None
             assert not row.any()
             continue
         for column, which in (("log_bayes", "log_bayes"), ("robust", "robust"), ("by_forecast_fit", "log_bayes")):
-            whole = np.logaddexp.reduce(getattr(trials, which)[rows] + trials.log_share[rows])
+            whole = np.logaddexp.reduce(getattr(trials, which)[rows] + trials.log_fraction[rows])
             assert columns[column] == pytest.approx(float(shown_evidence(whole)), rel=1e-12)
         assert columns["places"] == pytest.approx(np.log(len(rows)))

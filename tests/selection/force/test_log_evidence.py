@@ -50,10 +50,10 @@ def test_a_force_in_every_flight_is_found() -> None:
     assert (found.flights, found.seen) == (FLIGHTS, FLIGHTS)
 
 
-@pytest.mark.parametrize("share", [0.8, 1.0, 1.25])
-def test_a_fraction_of_the_drag_refers_to_the_true_drag(share: float) -> None:
+@pytest.mark.parametrize("factor", [0.8, 1.0, 1.25])
+def test_a_fraction_of_the_drag_refers_to_the_true_drag(factor: float) -> None:
     """If the model lacks a drag in the coast, its fitted drag is too large, and the fraction does not refer to that."""
-    rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
+    rocket = replace(SLOW, drag_area=factor * SLOW.drag_area)
     climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
     (value,), (sd,) = regression(climb_, library(), FREE_TERMS).solve(["base drag"])
     assert value == pytest.approx(0.4, abs=3 * sd)
