@@ -190,6 +190,8 @@ def _added(file: Path) -> "list[Motor]":
 
     found = import_file(file, motor_folder())
     complain(f"Added {counted(len(found), 'motor')} from {file}")
+    for remark in (remark for motor in found for remark in motor.remarks):
+        complain(remark)
     return found
 
 
