@@ -20,7 +20,7 @@ from fieldkit.flight.site import Site
 from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
-from fieldkit.openrocket import archive, read_design
+from fieldkit.openrocket import Design, archive, read_design
 from fieldkit.planning.forecasts import forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
@@ -106,6 +106,29 @@ def test_a_simulation_in_the_file_gives_mass_and_drag() -> None:
     old = read_design(design(rest=SIMULATION.format(status="outdated")).encode(), "skylark.ork")
     assert old.dry_mass == pytest.approx(by_hand(), rel=0.002)
     assert any("older than the design" in note for note in old.notes)
+
+
+@pytest.mark.parametrize("event", ["tumble", "simabort"])
+def test_the_flight_of_a_simulation_that_tumbles_or_is_aborted_is_left_out(event: str) -> None:
+    def read(moment: float) -> Design:
+        upset = SIMULATION.format(status="uptodate").replace(
+            "<event", f'<event time="{moment}" type="{event}"/><event', 1
+        )
+        return read_design(design(rest=upset).encode(), "skylark.ork")
+
+    assert (read(2.5).cd, read(2.5).simulations[0].apogee) == (None, None)
+    assert read(2.5).dry_mass == pytest.approx(0.4)
+    assert any("Sim 1 tumbles or ends before apogee" in note for note in read(2.5).notes)
+    assert (read(6.0).cd, read(6.0).simulations[0].apogee) == (pytest.approx(0.55), 240)
+
+
+def test_a_simulation_in_another_language_is_named_as_such() -> None:
+    german = SIMULATION.format(status="uptodate").replace(
+        "Time,Altitude,Total velocity,Mass,Motor mass,Drag coefficient,Reference area",
+        "Zeit,Höhe,Gesamtgeschwindigkeit,Masse,Motormasse,Luftwiderstandsbeiwert,Referenzfläche",
+    )
+    found = read_design(design(rest=german).encode(), "skylark.ork")
+    assert any("not in English" in note for note in found.notes)
 
 
 def test_weighed_masses_take_precedence_over_computed_ones() -> None:
