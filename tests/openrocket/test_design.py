@@ -8,6 +8,7 @@ import io
 import json
 import math
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -106,6 +107,28 @@ def test_a_simulation_in_the_file_gives_mass_and_drag() -> None:
     old = read_design(design(rest=SIMULATION.format(status="outdated")).encode(), "skylark.ork")
     assert old.dry_mass == pytest.approx(by_hand(), rel=0.002)
     assert any("older than the design" in note for note in old.notes)
+
+
+def _zip(names: Mapping[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name, content in names.items():
+            archive.writestr(name, content)
+    return packed.getvalue()
+
+
+def test_a_design_that_was_sent_in_a_zip_or_saved_by_an_editor_is_read() -> None:
+    xml = design().encode()
+    forms = {
+        "blank line": b"\r\n" + xml,
+        "padding": xml + b"\n\0\0",
+        "wide": design().replace("utf-8", "UTF-16").encode("utf-16"),
+        "zip in a zip": _zip({"__MACOSX/._my.ork": b"\0\5\x16", "my.ork": _zip({"rocket.ork": xml})}),
+    }
+    for name, content in forms.items():
+        assert read_design(content, "a.ork").dry_mass == pytest.approx(by_hand(), rel=0.002), name
+    with pytest.raises(DamagedLog):
+        read_design(_zip({"a.ork": _zip({"b.ork": _zip({"rocket.ork": xml})})}), "a.ork")
 
 
 @pytest.mark.parametrize("event", ["tumble", "simabort"])
