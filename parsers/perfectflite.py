@@ -10,6 +10,7 @@ Source: files of nine flights, listed with the format.
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import islice, pairwise
 
 import numpy as np
 
@@ -19,11 +20,15 @@ from fieldkit.flight import BY_NAME
 from fieldkit.flight.limits import check
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
+from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.text import first_lines, shown
 from fieldkit.quantities import counted
 
 MOST_ABOVE = 5
 """Number of lines in which the first one must be, after blank lines or a title. [1]"""
+MOST_FLIGHTS = 100
+"""Number of flights in one file, if somebody put several together. [1]"""
+NEXT_FLIGHT = re.compile(rb"^[\" ]{0,9}PerfectFlite [A-Za-z]", re.MULTILINE)
 MOST_HEADER = 100
 """Number of lines that are searched for the column names. [1]"""
 ERASED_VOLTAGE = 25.50
@@ -55,6 +60,21 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
+    starts = [0, *(match.start() for match in islice(NEXT_FLIGHT.finditer(log), 1, MOST_FLIGHTS)), len(log)]
+    found: list[Found] = []
+    for start, end in pairwise(starts):
+        above = log.count(b"\n", 0, start)
+        try:
+            found += [below(item, above) for item in _flight(log[start:end])]
+        except DamagedLog as error:
+            found.append(below(error, above))
+    if not any(isinstance(item, Reading) for item in found):
+        raise next(item for item in found if isinstance(item, DamagedLog))
+    return found
+
+
+def _flight(log: bytes) -> list[Found]:
+    """What was found in one file, or in one of several in a row."""
     header, data_row, data = _header(log)
     table = _table(log, data_row, data, _length(header))
     remarks: list[Found] = []

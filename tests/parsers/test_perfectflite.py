@@ -167,3 +167,13 @@ def test_heights_of_a_pf2_have_the_unit_of_its_apogee_or_of_their_column(
     assert series.speed is not None
     assert (series.altitude[1], series.speed[1]) == (pytest.approx(height), pytest.approx(speed))
     assert flight.stated["apogee"] == pytest.approx(308.0 if b"m" in apogee else 308 * 0.3048)
+
+
+def test_several_files_in_a_row_are_flights_with_their_own_figures() -> None:
+    bad = ROWS.replace("0.50, 10,", "0.50, x,")
+    log = HEADER + DATA + ROWS + HEADER.replace("100'", "200'").replace("Number: 1", "Number: 2") + DATA + bad
+    found = parsers()["perfectflite"].read(log.encode())
+    flights = [item for item in found if isinstance(item, Reading)]
+    assert [(one.stated["apogee"], one.serial) for one in flights] == [(100 * FOOT, "1"), (200 * FOOT, "2")]
+    assert [len(one.clocks[0].time) for one in flights] == [20, 19]
+    assert [item.row for item in found if isinstance(item, DamagedLog)] == [1 + log[: log.index("x,")].count("\n")]
