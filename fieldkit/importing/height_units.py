@@ -12,7 +12,7 @@ from fieldkit.units import FOOT
 
 CLIMB = 30.0
 """Smallest climb whose pressures determine the unit of heights. [m]"""
-HIGH = 0.3
+COMPARED_FRACTION = 0.3
 """Fraction of the climb above which heights are compared: below it, offsets count too much. [1]"""
 TOLERANCE = 1.25
 """Largest factor between the heights and those of the standard atmosphere, in the right unit. [1]"""
@@ -51,7 +51,7 @@ def _ratio(expected: Float[Array, "time"], altitude: Float[Array, "time"]) -> fl
         return float("nan")
     expected, altitude = expected[both], altitude[both]
     climb = float(np.quantile(expected, 0.98))
-    high = expected > HIGH * climb
+    high = expected > COMPARED_FRACTION * climb
     if climb < CLIMB or high.sum() < 5:
         return float("nan")
     return float(np.median((altitude[high] - np.median(altitude[:5])) / (expected[high] - np.median(expected[:5]))))
