@@ -49,8 +49,8 @@ def read(log: bytes) -> list[Found]:
     groups = _groups(head.names)
     wanted = []
     for clock, places in groups:
-        wanted.append(Channel(str(clock), clock, header="time"))
-        wanted += [Channel(str(place), place, _unit(head.names[place]), header=head.names[place]) for place in places]
+        wanted.append(Channel(str(clock), clock, header="time", becomes="time"))
+        wanted += [_channel(head.names[place], place) for place in places]
     widths = range(head.names.index("time") + 2, len(head.names) + 1)  # empty cells may be missing on the right
     table = read_columns(log, wanted, after=head.row, separator=head.separator, widths=widths)
     series: list[Series] = []
@@ -80,8 +80,10 @@ def _groups(names: Sequence[str]) -> list[tuple[int, list[int]]]:
     return [(clock, places) for clock, places in groups if places]
 
 
-def _unit(name: str) -> Unit:
-    return CHANNELS[name][1] if name in CHANNELS else Unit(1.0)
+def _channel(name: str, place: int) -> Channel:
+    """A column, whose name here is its index, because names repeat."""
+    becomes, unit = CHANNELS.get(name, ("", Unit(1.0)))
+    return Channel(str(place), place, unit, header=name, becomes=becomes)
 
 
 def _known(table: LogTable, clock: int) -> Float[Array, "row"]:

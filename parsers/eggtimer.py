@@ -19,6 +19,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
+from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.header import Header, find_header, header_in
 from fieldkit.importing.tables.pad_state import marks
 from fieldkit.importing.tables.text import lines, narrow
@@ -128,7 +129,7 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
     for one in parts:
         reading = _reading(one, part)
         found += [reading] if _spelled_unit(head) else [reading, Note(_why(one, head), row=head.row)]
-    return [*found, *(_below(remark, above) for remark in remarks)]
+    return [*found, *(below(remark, above) for remark in remarks)]
 
 
 def _spelled_unit(head: Header) -> str:
@@ -181,15 +182,6 @@ def _felt(printed: Float[Array, "row"] | None) -> Float[Array, "row"] | None:
 def _why(table: LogTable, head: Header) -> str:
     why = "as the Classic prints it" if set(head.names) >= CLASSIC else "as the fall after apogee shows"
     return f"has no units; altitude is taken in {_unit(table, head)}, {why}"
-
-
-def _below(item: Found, rows: int) -> Found:
-    """A note whose row is counted from the start of the file."""
-    if isinstance(item, Note) and item.row is not None:
-        return replace(item, row=item.row + rows)
-    if isinstance(item, DamagedLog) and item.row is not None:
-        return DamagedLog(item.found, row=item.row + rows, column=item.column)
-    return item
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:

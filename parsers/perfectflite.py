@@ -1,15 +1,16 @@
 """PerfectFlite .pf2, regardless of the name: Pnut, StratoLogger SL100 and StratoLoggerCF, 20 samples per second.
 
-A block of `Name: value` lines, a line of column names, and rows. Heights are in feet, temperatures in the unit given in
-the line of column names. The stated apogee is the device's own and may differ from the highest row. If power was lost
-the rest of the log is filled with 25.50 V; the heights in these rows were never measured. A spreadsheet may have added
-quotation marks and commas.
+A block of `Name: value` lines, a line of column names, and rows. Heights are in feet unless the apogee above them or
+the line of column names is in meters; temperatures are in the unit given in that line. The stated apogee is the
+device's own and may differ from the highest row. If power was lost the rest of the log is filled with 25.50 V; the
+heights in these rows were never measured. A spreadsheet may have added quotation marks and commas.
 Source: files of nine flights, listed with the format.
 """
 
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import islice, pairwise
 
 import numpy as np
 
@@ -19,24 +20,31 @@ from fieldkit.flight import BY_NAME
 from fieldkit.flight.limits import check
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
+from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.text import first_lines, shown
 from fieldkit.quantities import counted
 
 MOST_ABOVE = 5
 """Number of lines in which the first one must be, after blank lines or a title. [1]"""
+MOST_FLIGHTS = 100
+"""Number of flights in one file, if somebody put several together. [1]"""
+NEXT_FLIGHT = re.compile(rb"^[\" ]{0,9}PerfectFlite [A-Za-z]", re.MULTILINE)
 MOST_HEADER = 100
 """Number of lines that are searched for the column names. [1]"""
 ERASED_VOLTAGE = 25.50
 """Battery voltage of an erased byte: no sample was written here. [V]"""
-FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
 DATA = re.compile(r"[\s\"]*Data\s*:(?=.*Time)(?=.*Altitude)", re.IGNORECASE)
 COLUMNS = {
-    "time": ("time", units.unit("time", "s")),
-    "altitude": ("altitude", FEET),
-    "velocity": ("speed", FEET_A_SECOND),
-    "voltage": ("voltage", units.unit("voltage", "v")),
+    "time": ("time", "time", "s"),
+    "altitude": ("altitude", "length", "{length}"),
+    "velocity": ("speed", "speed", "{length}/s"),
+    "voltage": ("voltage", "voltage", "v"),
 }
-"""Channel and unit of each column by name; the name of the temperature includes its unit."""
+"""Channel, quantity and usual unit of each column by name; the name of the temperature includes its unit."""
+COLUMN = re.compile(r"[\s(]*([a-z]+)(?:\s*\(\s*([^()\s]{1,8})\s*\))?[\s)]*", re.IGNORECASE)
+"""The name of a column, and its unit if the name is followed by one."""
+LENGTH = re.compile(r"\s*(-?\d{1,6}(?:\.\d{1,3})?)\s*('|ft\b|m\b)")
+"""A height in the lines above the samples, and its unit."""
 LEAST_WIDTH = 3
 """Smallest number of cells in a row: some rows have neither temperature nor voltage. [1]"""
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
@@ -52,8 +60,23 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
+    starts = [0, *(match.start() for match in islice(NEXT_FLIGHT.finditer(log), 1, MOST_FLIGHTS)), len(log)]
+    found: list[Found] = []
+    for start, end in pairwise(starts):
+        above = log.count(b"\n", 0, start)
+        try:
+            found += [below(item, above) for item in _flight(log[start:end])]
+        except DamagedLog as error:
+            found.append(below(error, above))
+    if not any(isinstance(item, Reading) for item in found):
+        raise next(item for item in found if isinstance(item, DamagedLog))
+    return found
+
+
+def _flight(log: bytes) -> list[Found]:
+    """What was found in one file, or in one of several in a row."""
     header, data_row, data = _header(log)
-    table = _table(log, data_row, data)
+    table = _table(log, data_row, data, _length(header))
     remarks: list[Found] = []
     written = table.pick(slice(_written(table)))
     if len(written) < len(table):
@@ -93,22 +116,33 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     raise DamagedLog("found no line of columns, expected one such as Data: (Time, Altitude, Velocity", row=1)
 
 
-def _table(log: bytes, data_row: int, data: str) -> LogTable:
+def _length(header: Mapping[str, str]) -> str:
+    """The unit of heights: meters if a height above the samples is in meters."""
+    stated = (LENGTH.match(header.get(name, "")) for name in STATED_READOUTS.values())
+    return "m" if any(one and one[2] == "m" for one in stated) else "ft"
+
+
+def _table(log: bytes, data_row: int, data: str, length: str) -> LogTable:
     separator = max(",;\t", key=data.count)
     names = data.replace('"', "").rstrip(f"{separator} ").split(separator)
-    channels = [channel for place, name in enumerate(names) if (channel := _channel(place, name))]
+    channels = [channel for place, name in enumerate(names) if (channel := _channel(place, name, length))]
     return read_columns(log, channels, after=data_row, separator=separator, widths=range(LEAST_WIDTH, len(names) + 1))
 
 
-def _channel(place: int, name: str) -> Channel | None:
+def _channel(place: int, name: str, length: str) -> Channel | None:
     """A column by its name, such as `Data: (Time` or `Temperature (F)`; None if it is not read."""
     if unit := re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", name, re.IGNORECASE):
         return Channel("temperature", place, units.unit("temperature", unit[1]), header="Temperature")
-    word = re.sub(r"^\s*Data\s*:|[()]", "", name, flags=re.IGNORECASE).strip().lower()
-    if word not in COLUMNS:
+    match = COLUMN.fullmatch(re.sub(r"^\s*Data\s*:", "", name, flags=re.IGNORECASE))
+    word = match[1].lower() if match else ""
+    if match is None or word not in COLUMNS:
         return None
-    channel, known_unit = COLUMNS[word]
-    return Channel(channel, place, known_unit, needed=word in ("time", "altitude"), header=word.capitalize())
+    channel, quantity, usual = COLUMNS[word]
+    try:
+        unit_of = units.unit(quantity, match[2] or usual.format(length=length))
+    except BadValue:
+        return None
+    return Channel(channel, place, unit_of, needed=word in ("time", "altitude"), header=word.capitalize())
 
 
 def _written(table: LogTable) -> int:
@@ -130,10 +164,11 @@ def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
         found.append(Note("says PWRLOSS where the apogee should be"))
     for field, name in STATED_READOUTS.items():
         text = header.get(name, "")
-        feet = re.match(r"\s*(-?\d{1,6})\s*(?:'|ft)", text)
-        if feet:
+        height = LENGTH.match(text)
+        if height:
+            unit_of = units.unit("length", "m" if height[2] == "m" else "ft")
             try:
-                stated[field] = check(BY_NAME[field], FEET.to_si(float(feet[1])))
+                stated[field] = check(BY_NAME[field], unit_of.to_si(float(height[1])))
             except BadValue as error:
                 found.append(Note(f"{name}: {error}, left out"))
         elif text:

@@ -71,8 +71,11 @@ def read(log: bytes) -> list[Found]:
     if not places:
         raise DamagedLog("found no known channel, expected one such as Baro (Atm)", row=head.row)
     clocks = dict.fromkeys(places.values())
-    wanted = [Channel(f"time {start}", start) for start in clocks]
-    wanted += [Channel(name, start + 1, CHANNELS[named[start + 1]][1]) for name, start in places.items()]
+    wanted = [Channel(f"time {start}", start, header=head.names[start], becomes="time") for start in clocks]
+    wanted += [
+        Channel(name, start + 1, CHANNELS[named[start + 1]][1], header=head.names[start + 1])
+        for name, start in places.items()
+    ]
     flags = {str(start): start + 2 for start in clocks}
     whole = b"\n".join(_whole_rows(log, starts, len(head.names), head.separator.encode()))
     table = read_columns(whole, wanted, after=head.row, separator=head.separator, widths={len(head.names)}, words=flags)

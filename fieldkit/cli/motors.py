@@ -189,7 +189,8 @@ def _added(file: Path) -> "list[Motor]":
     from fieldkit.paths import motor_folder
 
     found = import_file(file, motor_folder())
-    complain(f"Added {counted(len(found), 'motor')} from {file}")
+    remarks = [remark for motor in found for remark in motor.remarks]
+    complain("\n".join([f"Added {counted(len(found), 'motor')} from {file}", *remarks]))
     return found
 
 

@@ -10,6 +10,7 @@ from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import READOUTS
 from fieldkit.importing.companion_files import KINDS
+from fieldkit.importing.height_units import with_proven_heights
 from fieldkit.importing.reading import Found, Note, Reading
 from fieldkit.quantities import counted
 
@@ -43,6 +44,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     extra columns name the parser that reads the log again, and which of its flights this is.
     """
 
+    reading, proven = with_proven_heights(reading)
     recorded = widened_by_contradictions(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
@@ -58,7 +60,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
         fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
     known = _origin(reading, format) | ({"log_part": str(part)} if parts > 1 else {})
     measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known}, recorded=recorded)
-    return [measured, *(Note(text, reading.row) for text in recorded.notes)]
+    return [measured, *proven, *(Note(text, reading.row) for text in recorded.notes)]
 
 
 def _states_figures(reading: Reading) -> bool:

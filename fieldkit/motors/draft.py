@@ -2,11 +2,13 @@
 
 import math
 import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from dataclasses import dataclass, field
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor, impulse, impulse_class, knots, normalised
 from fieldkit.motors.names import maker_of, parse
+from fieldkit.quantities import counted
 
 _EXHAUST = (20.0, 200_000.0)
 """Range of impulse per propellant mass; outside it, the mass must be in another unit. [m/s]"""
@@ -24,6 +26,9 @@ class FileLine:
 
     source: str
     row: int
+
+    def __str__(self) -> str:
+        return f"{self.source}, row {self.row}"
 
     def damaged(self, found: str, column: str | None = None) -> DamagedLog:
         """The error that names this line."""
@@ -63,11 +68,11 @@ class MotorDraft:
     samples: list[tuple[FileLine, float, float]] = field(default_factory=list)
 
     def add(self, place: FileLine, time: float, thrust: float) -> None:
-        """Add a sample [s, N]. Raises DamagedLog if time goes backward or a value is negative."""
+        """Add a sample [s, N]. Raises DamagedLog if time is negative or goes backward."""
         if self.samples and time < self.samples[-1][1]:
             raise place.damaged(f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase")
-        if time < 0 or thrust < 0:
-            raise place.damaged(f"found {time:g} s, {thrust:g} N, expected neither to be negative")
+        if time < 0:
+            raise _negative(place, time, thrust)
         self.samples.append((place, time, thrust))
 
     def motor(self) -> Motor:
@@ -75,15 +80,21 @@ class MotorDraft:
         if not self.samples:
             raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below its header")
         last, _, end = self.samples[-1]
-        if end > BURN_THRUST_FRACTION * max(thrust for _, _, thrust in self.samples):
-            raise last.damaged(f"found a curve that ends at {end:g} N, expected 0: the file may be cut short")
+        noise = BURN_THRUST_FRACTION * max(thrust for _, _, thrust in self.samples)
+        curve, remarks = self._without_noise(noise)
+        if end > noise:
+            curve.append((curve[-1][0], 0.0))
+            remarks.append(f"{last}: the curve ends at {end:g} N, taken to fall to 0 there: the file may be cut short")
         try:
-            time, thrust = knots([t for _, t, _ in self.samples], [f for _, _, f in self.samples])
+            time, thrust = knots(*zip(*curve, strict=True))
         except BadValue as error:
             raise last.damaged(str(error)) from None
         total = impulse(time, thrust)
         self._check_masses(total)
         name = parse(self.designation).core
+        if end > noise and total <= _least_impulse(name):
+            found = f"found a curve of {total:.3g} N s that ends at {end:g} N, expected 0: the file is cut short"
+            raise last.damaged(found)
         thrust = normalised(time, thrust, total)
         time.setflags(write=False)
         thrust.setflags(write=False)
@@ -103,7 +114,21 @@ class MotorDraft:
             time=time,
             thrust=thrust,
             source=self.place.source,
+            remarks=tuple(remarks),
         )
+
+    def _without_noise(self, noise: float) -> tuple[list[tuple[float, float]], list[str]]:
+        """The samples [s, N], with 0 for negative thrust that is noise of a test stand [N], and a remark on it.
+
+        Raises DamagedLog for thrust further below 0.
+        """
+        below = [(place, time, thrust) for place, time, thrust in self.samples if thrust < 0]
+        for place, time, thrust in below:
+            if thrust < -noise:
+                raise _negative(place, time, thrust)
+        lowest = min((thrust for _, _, thrust in below), default=0.0)
+        remarks = [f"{below[0][0]}: {counted(len(below), 'thrust')} down to {lowest:g} N taken as 0"] if below else []
+        return [(time, max(thrust, 0.0)) for _, time, thrust in self.samples], remarks
 
     def _check_masses(self, total: float) -> None:
         propellant, loaded = self.propellant_mass * 1e3, self.loaded_mass * 1e3
@@ -116,6 +141,16 @@ class MotorDraft:
                 f"found {self.propellant_mass:g} kg of propellant for {total:g} N s, "
                 "expected about 0.5 g per N s: masses are kilograms in .eng and grams in .rse"
             )
+
+
+def _negative(place: FileLine, time: float, thrust: float) -> DamagedLog:
+    return place.damaged(f"found {time:g} s, {thrust:g} N, expected neither to be negative")
+
+
+def _least_impulse(name: str) -> float:
+    """The total impulse above which a motor of this name begins its class; 0 if the name has none. [N s]"""
+    letter = re.match(r"([A-Z])\d", name)
+    return 1.25 * 2.0 ** (ord(letter[1]) - ord("A")) if letter else 0.0
 
 
 def delays(text: str, place: FileLine) -> tuple[float, ...]:
@@ -140,8 +175,22 @@ def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
 
 
 def decoded(data: bytes) -> str:
-    """Decode a text file: UTF-8 with or without byte order mark, else Windows-1252."""
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("cp1252", "replace")
+    """Decode a text file: UTF-8 or UTF-16, with or without byte order mark, else Windows-1252.
+
+    The NULs or the 0x1A with which some systems end a file, and whatever is below them, are left out.
+    """
+    wide = wide_encoding(data)
+    for encoding in (wide,) if wide else ("utf-8-sig", "cp1252"):
+        try:
+            text = data.decode(encoding)
+            break
+        except UnicodeDecodeError:
+            text = data.decode(encoding, "replace")
+    return re.split("[\0\x1a]", text.removeprefix("\ufeff"), maxsplit=1)[0]
+
+
+def wide_encoding(data: bytes) -> str:
+    """The encoding of a text in UTF-16, with or without byte order mark; empty for others."""
+    if data.startswith(BOM_UTF16_LE) or re.match(rb"[^\0]\0[^\0]\0", data):
+        return "utf-16-le"
+    return "utf-16-be" if data.startswith(BOM_UTF16_BE) or re.match(rb"\0[^\0]\0[^\0]", data) else ""

@@ -34,8 +34,8 @@ class Motor:
     `corrections` are the values that differ from the source, and those on which documents disagree. `parts` are the
     motors of the cluster or stages that this motor combines, empty for a single motor. For these, `spent` is the
     fraction of `propellant_mass` burned at each knot [1], None if it is proportional to the impulse, and `drag` is the
-    ratio of the rocket's drag from each knot on to that of its uppermost stage [1], None if it is constant. Two motors
-    are equal only if they are the same object.
+    ratio of the rocket's drag from each knot on to that of its uppermost stage [1], None if it is constant. `remarks`
+    say what was corrected in a file of the user's. Two motors are equal only if they are the same object.
     """
 
     maker: str
@@ -63,6 +63,7 @@ class Motor:
     parts: tuple["Motor", ...] = ()
     spent: Float[Array, "knot"] | None = field(default=None, repr=False)
     drag: Float[Array, "knot"] | None = field(default=None, repr=False)
+    remarks: tuple[str, ...] = ()
 
     @property
     def burning(self) -> tuple[float, float]:

@@ -8,22 +8,26 @@
 Source: the format as ThrustCurve.org describes it, https://www.thrustcurve.org/info/raspformat.html.
 """
 
+import re
+
 from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, decoded, delays
 from fieldkit.motors.motor import Motor
 
+_COMMENT = re.compile(r";|(?:^|\s)(?:#|//)")
 _HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg maker"
 
 
 def read(data: bytes, source: str) -> list[Motor]:
     """The motors in a RASP file. Raises DamagedLog that names the line.
 
-    Comments start with a semicolon anywhere in a line; a motor ends at the next header.
+    Comments start with `;` anywhere in a line, with `#` or `//` at its start or after a space; a motor ends at the next
+    header.
     """
     drafts: list[MotorDraft] = []
     row = 0
     for row, line in enumerate(decoded(data).splitlines(), start=1):
         place = FileLine(source, row)
-        words = line.split(";")[0].split()
+        words = _COMMENT.split(line, maxsplit=1)[0].split()
         if len(words) == 2 and drafts:
             time, thrust = place.number(words[0], "time", "s"), place.number(words[1], "thrust", "N")
             drafts[-1].add(place, time, thrust)

@@ -6,10 +6,11 @@ content is read, because only there can entities be defined that expand without 
 Source: the format as ThrustCurve.org offers it for download, https://www.thrustcurve.org.
 """
 
+import re
 from xml.parsers.expat import ExpatError, ParserCreate
 
 from fieldkit.errors import DamagedLog
-from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, delays
+from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, decoded, delays
 from fieldkit.motors.motor import Motor
 
 _KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
@@ -19,7 +20,7 @@ def read(data: bytes, source: str) -> list[Motor]:
     """The motors in a RockSim file. Raises DamagedLog that names the line."""
     reader = _Reader(source)
     try:
-        reader.parser.Parse(data, True)
+        reader.parser.Parse(_text(data), True)
     except ExpatError as error:
         raise DamagedLog(f"found broken XML ({error})", row=error.lineno, source=source) from error
     except (LookupError, ValueError) as error:
@@ -27,6 +28,14 @@ def read(data: bytes, source: str) -> list[Motor]:
     if not reader.drafts:
         raise DamagedLog("found no <engine>, expected an <engine-database> with one or more", row=1, source=source)
     return [draft.motor() for draft in reader.drafts]
+
+
+def _text(data: bytes) -> bytes | str:
+    """A file without padding at its end, decoded unless it states an encoding other than UTF-8."""
+    declared = re.match(rb"\s*<\?xml[^>]{0,200}?encoding\s*=\s*[\"']([\w.-]{1,40})", data)
+    if declared and declared[1].lower() != b"utf-8":
+        return data.rstrip(b"\0\x1a")
+    return decoded(data)
 
 
 class _Reader:

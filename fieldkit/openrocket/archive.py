@@ -20,6 +20,8 @@ MAX_UNPACKED_SIZE = 64 * 2**20
 """Largest size of an unpacked file; a design with many stored simulations takes a few million bytes. [bytes]"""
 MOST_ELEMENTS = 500_000
 """Largest number of elements in a design; a stored simulation has one for each of its few thousand samples. [1]"""
+MAX_NESTED_ARCHIVES = 2
+"""Number of archives around a design: its own, and one in which somebody sent it. [1]"""
 MAX_DEPTH = 200
 """Largest nesting depth of elements; a part inside a part takes two. [1]"""
 MAX_TAG_LENGTH = 1 << 20
@@ -100,19 +102,22 @@ def _too_many(source: str) -> DamagedLog:
 
 
 def _unpacked(content: bytes, source: str) -> bytes:
-    if content.startswith(b"PK"):
-        return _from_zip(content, source)
-    if content.startswith(b"\x1f\x8b"):
-        return _from_gzip(content, source)
+    """The XML of a design, which may be zipped once more, without the padding that editors and mail add around it."""
+    for _ in range(MAX_NESTED_ARCHIVES):
+        if content.startswith(b"PK"):
+            content = _from_zip(content, source)
+        elif content.startswith(b"\x1f\x8b"):
+            content = _from_gzip(content, source)
     if len(content) > MAX_UNPACKED_SIZE:
         raise _too_long(source)
-    return content
+    is_wide = b"\0" in content[:4]
+    return content if is_wide else content.lstrip(b" \t\r\n").rstrip(b"\0\x1a")
 
 
 def _from_zip(content: bytes, source: str) -> bytes:
     try:
         with zips.opened(content) as archive:
-            names = [name for name in archive.namelist() if name.lower().endswith(".ork")]
+            names = [name for name in archive.namelist() if name.lower().endswith(".ork") and "__MACOSX" not in name]
             if not names:
                 raise DamagedLog("found a zip without rocket.ork in it, expected an OpenRocket design", source=source)
             with archive.open("rocket.ork" if "rocket.ork" in names else names[0]) as file:

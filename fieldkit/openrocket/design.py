@@ -154,9 +154,14 @@ def _drag(
         whole = (part.findtext("overridesubcomponentscd") or "").strip() == "true"
         if part.findtext("overridecd") is not None and whole and len(stages) == 1:
             return _on(number(part, "overridecd"), reference_diameter(rocket), diameter), "its override"
+    notes += [f"the simulation {one.name} tumbles or ends before apogee: left out" for one in stored if one.upset]
     flown = [one for one in stored if one.cd]
     if not flown:
-        notes.append("no Cd: no simulation with a drag coefficient is stored in the file; run one and save it")
+        if all(one.readable for one in stored):
+            why = "no simulation with a drag coefficient is stored in the file; run one and save it"
+        else:
+            why = "the columns of its simulations are not in English; simulate and save it with OpenRocket in English"
+        notes.append(f"no Cd: {why}")
         return None, ""
     one = flown[0]
     if not one.fresh:

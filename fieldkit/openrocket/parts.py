@@ -27,6 +27,9 @@ SECTIONS = {"square": 1.0, "rounded": 0.99, "airfoil": 0.85}
 """Volume of a fin over its area times its thickness, by cross section. Source: OpenRocket's `FinSet`. [1]"""
 SHAPE_PARAMETERS = {"ogive": (1.0, 1.0), "power": (0.5, 1.0), "parabolic": (1.0, 1.0), "haack": (0.0, 1 / 3)}
 """Default and largest shape parameter of a profile; the smallest is 0. Source: OpenRocket's `Transition.Shape`. [1]"""
+CENTERED_CLUSTERS = ("3-star", "4-star", "5-star", "6-star")
+"""Clusters with a tube in the center of a ring of as many as the name says. Source: OpenRocket's
+`ClusterConfiguration`."""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
@@ -118,7 +121,7 @@ def copies(part: "Element") -> int:
         return int(min(max(number(part, "instancecount", 1.0), 1.0), MOST_COPIES))
     cluster = (part.findtext("clusterconfiguration") or "single").strip()
     counted = re.match(r"\d{1,3}", cluster)
-    return int(counted[0]) if counted else 2 if cluster == "double" else 1
+    return int(counted[0]) + (cluster in CENTERED_CLUSTERS) if counted else 2 if cluster == "double" else 1
 
 
 def override(part: "Element") -> tuple[float | None, bool]:

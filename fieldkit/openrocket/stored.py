@@ -51,7 +51,8 @@ class Simulation:
 
     `cg` and `cp` are its centers of gravity and of pressure as it leaves the launch rod, from the tip of the nose [m].
     `fresh` means that it belongs to the current design, `default` that it used the default configuration. None means
-    not stored.
+    not stored; Cd and flight are None as well if the rocket tumbled, or the simulation was aborted, before apogee
+    (`upset`). `readable` means that the names of its columns are known: they are in the language of the program.
     """
 
     name: str
@@ -65,6 +66,8 @@ class Simulation:
     consistent: bool
     cg: float | None = None
     cp: float | None = None
+    upset: bool = False
+    readable: bool = True
 
 
 def simulations(root: "Element") -> list[Simulation]:
@@ -87,7 +90,9 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
         return None
     values = dict(zip(places, np.array(rows).T, strict=True))
     configuration = simulation.findtext("conditions/configid") or ""
-    coast = _coast(values, branch)
+    upset = _upset(branch)
+    cg, cp = _centers(values, branch)
+    coast = np.zeros(len(rows), bool) if upset else _coast(values, branch)
     reference = reference_diameter(rocket, configuration)
     cd = float(np.median(values["drag coefficient"][coast])) if coast.any() else None
     return Simulation(
@@ -97,10 +102,13 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
         _dry_mass(values),
         cd,
         reference,
-        _moment(data.get("maxaltitude", "")),
-        _moment(data.get("maxvelocity", "")),
+        None if upset else _moment(data.get("maxaltitude", "")),
+        None if upset else _moment(data.get("maxvelocity", "")),
         cd is None or _consistent(values, coast, cd, reference),
-        *_centers(values, branch),
+        cg,
+        cp,
+        upset,
+        "time" in values,
     )
 
 
@@ -173,6 +181,12 @@ def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np
     start = max((moment for moment in _moments(branch, "burnout") if moment <= end), default=fastest)
     fast = speed > MIN_COAST_SPEED_FRACTION * float(np.nanmax(speed))
     return np.asarray((time > start) & (time < end) & np.isfinite(cd) & fast, bool)
+
+
+def _upset(branch: "Element") -> bool:
+    """Whether the rocket tumbled or the simulation was aborted before apogee: its flight is not that of the design."""
+    ends = [*_moments(branch, "tumble"), *_moments(branch, "simabort")]
+    return min(ends, default=math.inf) < min(_moments(branch, "apogee"), default=math.inf)
 
 
 def _consistent(

@@ -96,7 +96,7 @@ def test_a_rasp_file_from_windows_with_a_byte_order_mark_and_tabs_is_read() -> N
             "0.5 30 0",
             "mine.eng, row 5: found '0.5 30 0', expected `seconds newtons` or a header",
         ),
-        ("2.13  0", "2.13 20", "mine.eng, row 6: found a curve that ends at 20 N, expected 0"),
+        ("   2.13  0\n", "", "mine.eng, row 5: found a curve of 16.3 N s that ends at 30 N, expected 0"),
         ("F24W 24 70", "F24W 0.024 70", "mine.eng, row 3, diameter: found '0.024', expected more than 1 mm"),
         ("0.019 0.0629", "19 62.9", "mine.eng, row 3: found 19 kg of propellant"),
         ("0.019 0.0629", "0.0629 0.019", "mine.eng, row 3: found 62.9 g of propellant in a motor of 19 g"),
@@ -110,6 +110,54 @@ def test_for_a_damaged_rasp_file_the_line_and_the_expected_content_are_named(
     with pytest.raises(DamagedLog) as caught:
         rasp.read(ENG.decode().replace(old, new).encode(), "mine.eng")
     assert complaint in str(caught.value)
+
+
+def test_a_curve_without_its_last_zero_falls_to_zero_there() -> None:
+    first, second = rasp.read(ENG.replace(b"2.13  0", b"2.13 20"), "mine.eng")
+    assert first.remarks == (
+        "mine.eng, row 6: the curve ends at 20 N, taken to fall to 0 there: the file may be cut short",
+    )
+    assert first.thrust_end == pytest.approx(2.13, abs=1e-3)
+    assert first.total_impulse == pytest.approx(0.5 * 0.014 * 36.1 + 0.486 * 33.05 + 1.63 * 25, rel=1e-3)
+    assert second.remarks == ()
+
+
+def test_negative_noise_of_a_test_stand_counts_as_zero() -> None:
+    first, _ = rasp.read(ENG.replace(b"2.13  0", b"2.1 -0.4\n2.13 0.1\n2.2 -0.1"), "mine.eng")
+    assert first.remarks == ("mine.eng, row 6: 2 thrusts down to -0.4 N taken as 0",)
+    assert first.thrust.min() == 0
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        ENG + b"\x1a",
+        ENG + b"\0" * 200,
+        ENG + b"\x1a\0\0garbage",
+        ENG.decode().encode("utf-16"),
+        ENG.decode().encode("utf-16-le"),
+        b"\xfe\xff" + ENG.decode().encode("utf-16-be"),
+        ENG.replace(b"; ", b"# "),
+        ENG.replace(b"; ", b"// "),
+        ENG.replace(b"; ", b"//"),
+    ],
+)
+def test_a_rasp_file_with_another_ending_encoding_or_comment_is_read(data: bytes) -> None:
+    assert [motor.designation for motor in read(data, "mine.eng")] == ["F24W", "Sugar-1"]
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        RSE + b"\x1a",
+        RSE + b"\0\0",
+        RSE.decode().replace("ISO-8859-1", "UTF-16").encode("utf-16"),
+        RSE.replace(b"ISO-8859-1", b"utf-8").replace(b"one of mine", b"29\xb0C"),
+        RSE.replace(b'<?xml version="1.0" encoding="ISO-8859-1"?>\n', b"\xef\xbb\xbf"),
+    ],
+)
+def test_a_rocksim_file_with_another_ending_or_encoding_is_read(data: bytes) -> None:
+    assert [motor.designation for motor in read(data, "mine.rse")] == ["C6"]
 
 
 @pytest.mark.parametrize("data", [b"", b"; only a comment\n", b"\n\n"])

@@ -8,6 +8,7 @@ import io
 import json
 import math
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from fieldkit.flight.site import Site
 from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
-from fieldkit.openrocket import archive, read_design
+from fieldkit.openrocket import Design, archive, read_design
 from fieldkit.planning.forecasts import forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
@@ -106,6 +107,51 @@ def test_a_simulation_in_the_file_gives_mass_and_drag() -> None:
     old = read_design(design(rest=SIMULATION.format(status="outdated")).encode(), "skylark.ork")
     assert old.dry_mass == pytest.approx(by_hand(), rel=0.002)
     assert any("older than the design" in note for note in old.notes)
+
+
+def _zip(names: Mapping[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name, content in names.items():
+            archive.writestr(name, content)
+    return packed.getvalue()
+
+
+def test_a_design_that_was_sent_in_a_zip_or_saved_by_an_editor_is_read() -> None:
+    xml = design().encode()
+    forms = {
+        "blank line": b"\r\n" + xml,
+        "padding": xml + b"\n\0\0",
+        "wide": design().replace("utf-8", "UTF-16").encode("utf-16"),
+        "zip in a zip": _zip({"__MACOSX/._my.ork": b"\0\5\x16", "my.ork": _zip({"rocket.ork": xml})}),
+    }
+    for name, content in forms.items():
+        assert read_design(content, "a.ork").dry_mass == pytest.approx(by_hand(), rel=0.002), name
+    with pytest.raises(DamagedLog):
+        read_design(_zip({"a.ork": _zip({"b.ork": _zip({"rocket.ork": xml})})}), "a.ork")
+
+
+@pytest.mark.parametrize("event", ["tumble", "simabort"])
+def test_the_flight_of_a_simulation_that_tumbles_or_is_aborted_is_left_out(event: str) -> None:
+    def read(moment: float) -> Design:
+        upset = SIMULATION.format(status="uptodate").replace(
+            "<event", f'<event time="{moment}" type="{event}"/><event', 1
+        )
+        return read_design(design(rest=upset).encode(), "skylark.ork")
+
+    assert (read(2.5).cd, read(2.5).simulations[0].apogee) == (None, None)
+    assert read(2.5).dry_mass == pytest.approx(0.4)
+    assert any("Sim 1 tumbles or ends before apogee" in note for note in read(2.5).notes)
+    assert (read(6.0).cd, read(6.0).simulations[0].apogee) == (pytest.approx(0.55), 240)
+
+
+def test_a_simulation_in_another_language_is_named_as_such() -> None:
+    german = SIMULATION.format(status="uptodate").replace(
+        "Time,Altitude,Total velocity,Mass,Motor mass,Drag coefficient,Reference area",
+        "Zeit,Höhe,Gesamtgeschwindigkeit,Masse,Motormasse,Luftwiderstandsbeiwert,Referenzfläche",
+    )
+    found = read_design(design(rest=german).encode(), "skylark.ork")
+    assert any("not in English" in note for note in found.notes)
 
 
 def test_weighed_masses_take_precedence_over_computed_ones() -> None:

@@ -107,7 +107,14 @@ def test_motors_of_clusters_and_pods_are_counted() -> None:
 </motormount></innertube>"""
     rows = dict(EXAMPLES)["Clustered motors"]
     content = design("x", rows, dry_mass=0.1).decode()
-    for cluster, pods, count in (("4-ring", 1, 4), ("double", 1, 2), ("single", 2, 2), ("3-row", 2, 6)):
+    for cluster, pods, count in (
+        ("4-ring", 1, 4),
+        ("double", 1, 2),
+        ("single", 2, 2),
+        ("3-row", 2, 6),
+        ("4-star", 1, 5),
+        ("9-star", 1, 9),
+    ):
         inside = f"<podset><instancecount>{pods}</instancecount><subcomponents>{mount.format(cluster=cluster)}"
         tube = f"<subcomponents>{inside}</subcomponents></podset></subcomponents></bodytube>"
         found = read_design(content.replace("</bodytube>", tube, 1).encode(), "a.ork")

@@ -8,6 +8,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import Note, Reading
 from fieldkit.importing.read import read_together
 from fieldkit.importing.recognize import parsers, recognise
+from fieldkit.importing.tables.columns_read import watched
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 from tests.parsers.real_logs import LOGS, damage, reading, real
 from tests.samples import SAMPLES, any_motor
@@ -177,3 +178,18 @@ def test_an_altimetercloud_apogee_without_a_unit_is_not_stated() -> None:
     assert isinstance(flight, Reading)
     assert flight.stated == {}
     assert not any(isinstance(item, Note) for item in notes)
+
+
+@pytest.mark.parametrize(
+    ("sample", "name", "channel"),
+    [
+        ("aim_xtra__groups_that_end_early.csv", "pressure agl", "altitude"),
+        ("raven_fip__channels_that_end_early.csv", "baro (atm)", "pressure"),
+    ],
+)
+def test_columns_are_shown_with_the_logs_own_names(sample: str, name: str, channel: str) -> None:
+    with watched() as tables:
+        parsers()[sample.split("__")[0]].read(BY_NAME[sample])
+    shown = {column.name: column.channel for column in tables[-1].columns}
+    assert shown[name] == channel
+    assert all(channel == "time" for name, channel in shown.items() if name.startswith("time"))

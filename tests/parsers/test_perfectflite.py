@@ -83,7 +83,7 @@ def test_a_temperature_without_a_unit_is_left_out_rather_than_guessed() -> None:
     assert reading.clocks[0].altitude is not None
 
 
-@pytest.mark.parametrize("apogee", ["300 m AGL", "999999' AGL", "-3' AGL", "1e3' AGL", "nan"])
+@pytest.mark.parametrize("apogee", ["300 yards AGL", "999999' AGL", "-3' AGL", "1e3' AGL", "nan"])
 def test_an_impossible_apogee_is_left_out_and_reported(apogee: str) -> None:
     reading, rest = pf2(HEADER.replace("100' AGL", apogee) + DATA + ROWS)
     assert "apogee" not in reading.stated
@@ -135,3 +135,45 @@ def test_heights_renamed_to_meters_are_meters() -> None:
     assert heights(reading.clocks[0]).max() == pytest.approx(flight().apogee / FOOT, abs=2)
     with pytest.raises(DamagedLog, match="furlongs"):
         parsers()["perfectflite_table"].read(log.replace(b"altitude_m", b"altitude_furlongs"))
+
+
+TWO_ROWS = b"""PerfectFlite Pnut
+Apogee: 308%s AGL
+NumSamps: 2
+
+Data: (Time, Altitude, Velocity, Temperature (F), Voltage)
+0.00, 0, 0, 70.0, 3.9
+0.05, 3, 60, 70.0, 3.9
+"""
+
+
+@pytest.mark.parametrize(
+    ("apogee", "old", "new", "height", "speed"),
+    [
+        (b"'", b"", b"", 3 * 0.3048, 60 * 0.3048),
+        (b" ft", b"", b"", 3 * 0.3048, 60 * 0.3048),
+        (b" m", b"", b"", 3.0, 60.0),
+        (b"m", b"", b"", 3.0, 60.0),
+        (b"'", b"Altitude, Velocity", b"Altitude (m), Velocity (m/s)", 3.0, 60.0),
+        (b"'", b"Altitude, Velocity", b"Altitude (ft), Velocity (ft/s)", 3 * 0.3048, 60 * 0.3048),
+    ],
+)
+def test_heights_of_a_pf2_have_the_unit_of_its_apogee_or_of_their_column(
+    apogee: bytes, old: bytes, new: bytes, height: float, speed: float
+) -> None:
+    flight, _ = pf2((TWO_ROWS % apogee).replace(old, new))
+    [series] = flight.clocks
+    assert series.altitude is not None
+    assert series.speed is not None
+    assert (series.altitude[1], series.speed[1]) == (pytest.approx(height), pytest.approx(speed))
+    assert flight.stated["apogee"] == pytest.approx(308.0 if b"m" in apogee else 308 * 0.3048)
+
+
+def test_several_files_in_a_row_are_flights_with_their_own_figures() -> None:
+    bad = ROWS.replace("0.50, 10,", "0.50, x,")
+    log = HEADER + DATA + ROWS + HEADER.replace("100'", "200'").replace("Number: 1", "Number: 2") + DATA + bad
+    found = parsers()["perfectflite"].read(log.encode())
+    flights = [item for item in found if isinstance(item, Reading)]
+    assert [(one.stated["apogee"], one.serial) for one in flights] == [(100 * FOOT, "1"), (200 * FOOT, "2")]
+    assert [len(one.clocks[0].time) for one in flights] == [20, 19]
+    assert [item.row for item in found if isinstance(item, DamagedLog)] == [1 + log[: log.index("x,")].count("\n")]

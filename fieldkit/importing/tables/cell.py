@@ -20,7 +20,8 @@ class Channel:
 
     `name` is a field of `Series` or a name of the parser's own; `header` is the log's name, for messages. A row whose
     `needed` cell is not a number is damaged; any other missing cell is nan. `suffix` ends every cell: `F` in `76.7F`. A
-    `clock` is written `1:02:03.5`, in seconds or with a date before it, and is converted to seconds.
+    `clock` is written `1:02:03.5`, in seconds or with a date before it, and is converted to seconds. `becomes` is the
+    field of `Series` that a column with a name of the parser's own is used as, for display.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Channel:
     header: str = ""
     suffix: str = ""
     clock: bool = False
+    becomes: str = ""
 
     @property
     def is_plain(self) -> bool:

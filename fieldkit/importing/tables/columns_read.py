@@ -106,7 +106,7 @@ def samples_in(clocks: Sequence[Series]) -> int:
 
 
 def _column(channel: Channel) -> ColumnRead:
-    name = channel.name if channel.name in QUANTITIES else ""
+    name = channel.becomes or (channel.name if channel.name in QUANTITIES else "")
     return column_read(channel.header or channel.name, name, _unit(name, channel.unit))
 
 

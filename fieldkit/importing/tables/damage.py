@@ -1,6 +1,6 @@
 """Damaged lines of a log, reported in a few lines and stored in little memory regardless of their number."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
@@ -37,3 +37,12 @@ def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
     cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
     reported = damaged.reported(what, cut=cut)
     return [*reported, Note("is cut off at the end of the file, left out", row)] if cut else reported
+
+
+def below(item: Found, rows: int) -> Found:
+    """A note or an error about a part of a file, with its row counted from the start of the file."""
+    if isinstance(item, Note) and item.row is not None:
+        return replace(item, row=item.row + rows)
+    if isinstance(item, DamagedLog) and item.row is not None:
+        return DamagedLog(item.found, row=item.row + rows, column=item.column)
+    return item

@@ -121,5 +121,6 @@ def _import(page: PageScreen, text: str | None) -> None:
 
 def _imported(page: PageScreen, motors: list[Motor]) -> None:
     page.resources.forget_motors()
-    page.show_notice(f"Added {counted(len(motors), 'motor')}: {', '.join(one.designation for one in motors[:4])}")
+    added = f"Added {counted(len(motors), 'motor')}: {', '.join(one.designation for one in motors[:4])}"
+    page.show_notice("; ".join([added, *(remark for motor in motors for remark in motor.remarks)][:4]))
     page.field_app.changed()
