@@ -131,7 +131,7 @@ class SetupScreen(PageScreen):
         self._show()
 
     @on(Input.Changed)
-    def _search_anew(self) -> None:
+    def _search_again(self) -> None:
         """Start a new search at its first motor."""
         self.query_one(Table).by_hand = False
         self._search_now()
