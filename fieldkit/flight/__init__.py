@@ -5,7 +5,19 @@ exports and the JSON are all generated from it. Values are SI inside a `Flight`;
 flyers see.
 """
 
-from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, LOGGED, MEASURED, READOUTS, SETUP, Column
+from fieldkit.flight.columns import (
+    BY_NAME,
+    COLUMNS,
+    CONDITIONS,
+    LOGGED,
+    MEASURED,
+    READOUTS,
+    SETUP,
+    SHOWN,
+    SHOWN_BY_NAME,
+    TWO_DEVICES,
+    Column,
+)
 from fieldkit.flight.flight import FIELDS, Flight
 from fieldkit.flight.readout import SENSORS, SOURCES, Readout
 from fieldkit.flight.series import Series
@@ -25,9 +37,12 @@ __all__ = [
     "READOUTS",
     "SENSORS",
     "SETUP",
+    "SHOWN",
+    "SHOWN_BY_NAME",
     "SOURCES",
     "TAGS",
     "TEXT_COLUMNS",
+    "TWO_DEVICES",
     "Column",
     "Flight",
     "Readout",
