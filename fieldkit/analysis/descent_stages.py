@@ -35,8 +35,8 @@ _MIN_PARTS = 3
 """Fewest parts under each device. [1]"""
 _LEAST_DESCENT = 1.5
 """A rocket slower than this is on the ground or in a tree. [m/s]"""
-_OPENING_SD, _MEDIAN_SD = 0.3, 1.25
-"""Standard deviation of the time that a main takes to open [s]; that of a median relative to that of a mean [1]."""
+_OPENING_SD = 0.3
+"""Standard deviation of the time that a main takes to open. [s]"""
 _NEAR = 8
 """Number of parts on either side of the corner that locate it. [1]"""
 _STANDARD_AIR = Air(np.ones(1), np.array([STANDARD_TEMPERATURE]))
@@ -133,13 +133,14 @@ def _corner(parts: _Parts, noise: float) -> int | None:
 
 
 def _speed(parts: _Parts, which: Int[Integers, "_"], track: Heights) -> Figure:
-    """Median speed of some parts, with its standard deviation from their scatter and the noise of heights. [m/s]"""
+    """Mean of the middle half of the speeds of some parts, with its standard deviation from their scatter and the noise
+    of heights. [m/s]"""
     speeds = parts.speed[which]
     together = lag_one(speeds)
     independent = max(speeds.size * (1 - together) / (1 + together), 1.0)
     noise = np.sqrt(2) * track.noise / (parts.length * speeds.size)
-    sd = np.hypot(_MEDIAN_SD * mad_sd(speeds) / np.sqrt(independent), noise)
-    return Figure(float(np.median(speeds)), float(sd), track.source)
+    middle = np.sort(speeds)[speeds.size // 4 : speeds.size - speeds.size // 4]
+    return Figure(float(middle.mean()), float(np.hypot(mad_sd(speeds) / np.sqrt(independent), noise)), track.source)
 
 
 def _main_altitude(
