@@ -133,14 +133,15 @@ def _corner(parts: _Parts, noise: float) -> int | None:
 
 
 def _speed(parts: _Parts, which: Int[Integers, "_"], track: Heights) -> Figure:
-    """Mean of the middle half of the speeds of some parts, with its standard deviation from their scatter and the noise
-    of heights. [m/s]"""
+    """Mean of the middle half of the speeds of some parts. Its standard deviation is from their scatter, the noise of
+    heights, and its distance from the mean of all, which a robust mean leaves open. [m/s]"""
     speeds = parts.speed[which]
     together = lag_one(speeds)
     independent = max(speeds.size * (1 - together) / (1 + together), 1.0)
     noise = np.sqrt(2) * track.noise / (parts.length * speeds.size)
     middle = np.sort(speeds)[speeds.size // 4 : speeds.size - speeds.size // 4]
-    return Figure(float(middle.mean()), float(np.hypot(mad_sd(speeds) / np.sqrt(independent), noise)), track.source)
+    scatter, off = mad_sd(speeds) / np.sqrt(independent), middle.mean() - speeds.mean()
+    return Figure(float(middle.mean()), float(np.sqrt(scatter**2 + noise**2 + off**2)), track.source)
 
 
 def _main_altitude(
