@@ -23,8 +23,8 @@ from fieldkit.shapes import Array, Float
 
 THERMAL, THERMAL_TIME = 1.0, 40.0
 """Standard deviation of the vertical wind in thermals [m/s], and the time that a descent spends in one [s]."""
-SCALE_HEIGHT = 8500.0
-"""Scale height of the density of the air. [m]"""
+SCALE_HEIGHT = 10400.0
+"""Scale height of the density of the air near the ground: the temperature falls with height too. [m]"""
 SHORTEST, OPEN = 4.0, 2.0
 """Shortest descent at the drogue's own speed [s], and the time after which a main has slowed the rocket [s]."""
 RECORDER_NAMES = ("1 Hz", "5 Hz feet", "20 Hz", "20 Hz noisy", "pressure 10 Hz", "satellites 5 Hz", "accel 100 Hz")
