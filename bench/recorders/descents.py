@@ -68,9 +68,9 @@ class Descent:
     released: float
 
 
-def descended(path: Path, kind: Kind, rng: np.random.Generator) -> Descent | None:
+def descended(path: Path, kind: Kind, rng: np.random.Generator, *, barometric: bool = True) -> Descent | None:
     """A flight with a descent of a kind; None if it is too low to reach the speed of the first device
-    before the main is released."""
+    before the main is released. The true values are those of heights from pressure, or from satellites."""
     first, main = rng.uniform(*kind.first), rng.uniform(*kind.main) if kind.main else None
     released, opening = float(rng.uniform(*kind.released)), float(rng.uniform(*kind.opening))
     top = int(np.argmax(path.above))
@@ -80,7 +80,7 @@ def descended(path: Path, kind: Kind, rng: np.random.Generator) -> Descent | Non
     height = _fall(float(path.above[top]), (first, main), released, (charge, opening), rng)
     above = np.concatenate([path.above[:top], height])
     time = np.asarray(np.arange(above.size) * STEP, np.float64)
-    shrunk = path.height[top] / path.above[top]
+    shrunk = float(path.height[top] / path.above[top])
     fired = float(time[top]) + charge
     push = np.append(path.push[:top], np.full(height.size, GRAVITY))
     flown = replace(
@@ -93,18 +93,23 @@ def descended(path: Path, kind: Kind, rng: np.random.Generator) -> Descent | Non
         ejection=fired,
         landing=float(time[-1]),
     )
+    scale = shrunk if barometric else 1.0
     if main is None:
-        return Descent(flown, _mean_speed(flown, fired, flown.landing), None, released)
+        return Descent(flown, _mean_speed(flown, scale, fired, flown.landing), None, released)
     opens = float(time[top + int(np.argmax(height < released))])
     settled = fired + 2 * first / GRAVITY
     if opens - settled < SHORTEST:
         return None
-    return Descent(flown, _mean_speed(flown, settled, opens), _mean_speed(flown, opens + OPEN, flown.landing), released)
+    first_speed, main_speed = (
+        _mean_speed(flown, scale, *span) for span in ((settled, opens), (opens + OPEN, flown.landing))
+    )
+    return Descent(flown, first_speed, main_speed, scale * released)
 
 
-def _mean_speed(path: Path, begin: float, end: float) -> float:
-    """Mean speed of a descent between two times [s], as if all of it were near the ground. [m/s]"""
-    high, low = np.interp([begin, end], path.time, path.above)
+def _mean_speed(path: Path, gain: float, begin: float, end: float) -> float:
+    """Mean speed of a descent between two times [s], as if all of it were near the ground, by a sensor that shows
+    heights times a gain. [m/s]"""
+    high, low = gain * np.interp([begin, end], path.time, path.above)
     scale = 2 * SCALE_HEIGHT
     return float(scale * (np.exp(-low / scale) - np.exp(-high / scale)) / (end - begin))
 
@@ -155,7 +160,7 @@ def judged(kind: Kind, recorder: str, count: int, seed: int) -> Iterator[tuple[b
     """For each flight whether two speeds were measured, and the errors of its figures in standard deviations."""
     rng = np.random.default_rng([seed, zlib.crc32(recorder.encode())])
     for path in draw(rng, count):
-        flown = descended(path, kind, rng)
+        flown = descended(path, kind, rng, barometric=RECORDERS[recorder].baro > 0)
         if flown is None:
             continue
         try:
