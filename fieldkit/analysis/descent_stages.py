@@ -37,7 +37,7 @@ _LEAST_DESCENT = 1.5
 """A rocket slower than this is on the ground or in a tree. [m/s]"""
 _OPENING_SD = 0.3
 """Standard deviation of the time that a main takes to open. [s]"""
-_NEAR = 8
+_CORNER_PARTS = 8
 """Number of parts on either side of the corner that locate it. [1]"""
 _STANDARD_AIR = Air(np.ones(1), np.array([STANDARD_TEMPERATURE]))
 """The air by which the density falls with height: the fall depends little on the weather."""
@@ -82,7 +82,9 @@ def descent_stages(track: Heights, seen: Outline, begin: float, end: float | Non
     enough = _SDS * np.sqrt(2 * AIR_SD**2 + drogue.sd**2 + main.sd**2)
     if main.value < _LEAST_DESCENT or drogue.value < max(main.value + enough, _LEAST_AREA_RATIO**0.5 * main.value):
         return None
-    return DescentStages(drogue, main, _main_altitude(parts, before[-_NEAR:], after[:_NEAR], track, seen))
+    return DescentStages(
+        drogue, main, _main_altitude(parts, before[-_CORNER_PARTS:], after[:_CORNER_PARTS], track, seen)
+    )
 
 
 def _settling_time(speed: float) -> float:

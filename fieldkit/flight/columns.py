@@ -166,7 +166,7 @@ COLUMNS = SETUP + CONDITIONS + READOUTS
 """The columns of the flight table that every flight has."""
 MEASURED = READOUTS + LOGGED
 """Everything that may have a standard deviation and a source."""
-SHOWN = MEASURED + TWO_DEVICES
+LOG_FIGURES = MEASURED + TWO_DEVICES
 """Everything that a log may show."""
 BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS + LOGGED})
-SHOWN_BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in SHOWN})
+FIGURES_BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in LOG_FIGURES})

@@ -301,7 +301,7 @@ def test_a_log_on_a_drogue_and_a_main_is_forecast_with_both_speeds(
     assert landing_check["verdict"] == "ok"
     assert document["landing"]["landing_speed_mps"]["p50"] == pytest.approx(6.0, rel=0.1)
     assert main([*ledger, "landing", "--rocket", "Big", "--motor", "F39T-6", "--wind", "2m/s"]) == 0
-    (device,) = [line for line in capsys.readouterr().out.splitlines() if "drogue at apogee, " in line]
+    (device,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  landing ")]
     assert re.search(r"drogue at apogee, 1[45]\.\d m/s, main at 6\d m", device)
 
 
