@@ -34,8 +34,8 @@ RECORDER_NAMES = ("1 Hz", "5 Hz feet", "20 Hz", "20 Hz noisy", "pressure 10 Hz",
 @dataclass(frozen=True, slots=True)
 class Kind:
     """Devices: lowest and highest speed of the first and of a main near the ground [m/s], heights at which the main is
-    released [m], times that devices take to open [s], of a charge after apogee [s], and from the log's end to landing
-    [s]."""
+    released [m], times that devices take to open [s], of a charge after apogee [s], and from the log's end to landing,
+    negative if it ends after it [s]."""
 
     first: tuple[float, float]
     main: tuple[float, float] | None = None
@@ -51,6 +51,8 @@ KINDS: Mapping[str, Kind] = {
     "streamer": Kind((7.0, 15.0)),
     "drogue alone": Kind((15.0, 35.0)),
     "parachute, cut off 10 s early": Kind((3.0, 9.0), cut=10.0),
+    "parachute, 1.5 s of rest": Kind((3.0, 9.0), cut=-1.5),
+    "drogue alone, 1.5 s of rest": Kind((15.0, 35.0), cut=-1.5),
     "drogue and main": Kind((14.0, 35.0), (4.0, 9.0)),
     "drogue and main, cut off 5 s early": Kind((14.0, 35.0), (4.0, 9.0), cut=5.0),
     "streamer and parachute": Kind((9.0, 15.0), (3.0, 6.0), released=(60.0, 150.0)),

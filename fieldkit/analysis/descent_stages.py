@@ -93,7 +93,8 @@ def _settling_time(speed: float) -> float:
 
 
 def _parts(track: Heights, seen: Outline, begin: float, end: float) -> _Parts | None:
-    """A descent in parts of equal length; None if it is too short. Parts without samples are left out."""
+    """A descent in parts of equal length; None if it is too short. Parts without samples are left out, and
+    so is a rest at the end, in a log that shows too little of it to find the landing."""
     length = max(_MIN_PART, _MIN_SAMPLES * median_step(track.time), (end - begin) / _PARTS)
     edges = np.arange(begin, end, length)
     if edges.size < 2 * _MIN_PARTS + 2:
@@ -101,8 +102,12 @@ def _parts(track: Heights, seen: Outline, begin: float, end: float) -> _Parts | 
     path = _STANDARD_AIR.sinking_path(np.interp(edges, track.time, seen.calm) - seen.pad)
     filled = _filled(track, edges)
     middle, height = (edges[1:] + edges[:-1]) / 2, (path[1:] + path[:-1]) / 2
-    parts = _Parts(middle[filled], height[filled], (-np.diff(path) / length)[filled], float(length))
-    return parts if parts.speed.size >= 2 * _MIN_PARTS + 1 else None
+    speed = (-np.diff(path) / length)[filled]
+    falls = np.flatnonzero(speed > _LEAST_DESCENT)
+    rests = falls.size > 0 and falls[-1] < speed.size - 1
+    last = int(falls[-1]) if rests else speed.size  # it lands in the last part in which it falls
+    parts = _Parts(middle[filled][:last], height[filled][:last], speed[:last], float(length))
+    return parts if last >= 2 * _MIN_PARTS + 1 else None
 
 
 def _filled(track: Heights, edges: Float[Array, "edge"]) -> Flags:

@@ -9,7 +9,7 @@ from fieldkit.analysis import measure
 from fieldkit.analysis.records import Recorded
 from fieldkit.flight import Series
 from fieldkit.shapes import Array
-from tests.analysis.recordings import LARGE, SMALL, Logger, fly, log
+from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
 from tests.analysis.test_real_logs import LOGS, flown
 
 pytestmark = pytest.mark.fast
@@ -107,6 +107,17 @@ def test_only_a_slower_second_device_of_at_least_twice_the_area_counts(speeds: t
     assert ("drogue_speed" in recorded.figures) == two
 
 
+@pytest.mark.parametrize("rest", [0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+@pytest.mark.parametrize("speed", [5.0, 9.0, 15.0])
+def test_a_short_rest_after_landing_is_not_a_descent_on_a_main(speed: float, rest: float) -> None:
+    """Of a rest of about two seconds no landing is found; in the log of a bdureau board it once passed for a main."""
+    series = with_descent(speed, speed, rocket=replace(SMALL, burn=0.8))
+    landed = series.time[np.flatnonzero(np.asarray(series.altitude) > 2)[-1]]
+    recorded = measure((cut_to(series, series.time < landed + rest),))
+    assert "drogue_speed" not in recorded.figures
+    assert recorded.figures["descent_speed"].value == pytest.approx(speed, rel=0.15)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_gusts_and_thermals_do_not_make_two_devices_of_one(seed: int) -> None:
     recorded = measure((with_descent(5.0, 5.0, np.random.default_rng(seed)),))
@@ -114,9 +125,11 @@ def test_gusts_and_thermals_do_not_make_two_devices_of_one(seed: int) -> None:
     assert "drogue_speed" not in recorded.figures
 
 
-def with_descent(first: float, second: float, random: np.random.Generator | None = None) -> Series:
+def with_descent(
+    first: float, second: float, random: np.random.Generator | None = None, rocket: Rocket = LARGE
+) -> Series:
     """A log of a flight whose descent changes its speed halfway down, in thermals of 1 m/s with `random`. [m/s]"""
-    up = fly(LARGE)
+    up = fly(rocket)
     top = int(np.argmax(up.height))
     apogee, step = float(up.height[top]), 0.1
     until = np.cumsum([apogee / 2 / first, apogee / 2 / second])
