@@ -54,6 +54,8 @@ class Recorder:
     gps_noise: float = 1.5
     wait: float = 3.0
     """Time on the pad before lift-off; negative if the log begins in flight. [s]"""
+    rest: float = 12.0
+    """Time after landing at which the log ends; negative if it ends in flight. [s]"""
     gap: tuple[float, float] = (0.0, 0.0)
     """Gap in the log: its start relative to apogee, and its length. [s]"""
     sonic: bool = False

@@ -11,8 +11,6 @@ from fieldkit.physics.standard_atmosphere import height_pressure
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
-REST = 12.0
-"""How long the log continues after landing. [s]"""
 SOUND, SHOCK_WIDTH, SHOCKED = 335.0, 0.05, (0.92, 1.12)
 """Speed of sound [m/s], width of the edges of the shock region, and its range [Mach]."""
 BLOW, BLOW_LASTS = 15 * GRAVITY, 0.03
@@ -25,7 +23,7 @@ SWING = 8.0
 
 def written(path: Path, recorder: Recorder, rng: np.random.Generator) -> bytes:
     """The log of one flight as CSV: a row for each time at which some sensor was read."""
-    begin, end = -recorder.wait, path.landing + REST
+    begin, end = -recorder.wait, path.landing + recorder.rest
     columns: dict[str, tuple[Array, Array]] = {}
     if recorder.baro:
         when = _clock(begin, end, recorder.baro, recorder.jitter, rng)

@@ -7,7 +7,7 @@ from fieldkit.analysis.channels import sensor
 from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.errors import BadValue
-from fieldkit.flight import MEASURED, Column
+from fieldkit.flight import MEASURED, TWO_DEVICES, Column
 from fieldkit.flight.limits import check
 
 
@@ -39,6 +39,9 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
     fields |= {name: known for name, known in (("sd", sd), ("source", source)) if known}
     if top := recorded.figures.get("time_to_apogee"):
         extra |= {"time_to_apogee_s": f"{top.value:.3f}", "time_to_apogee_sd_s": f"{top.sd:.2g}"}
+    for column in TWO_DEVICES:
+        if figure := recorded.figures.get(column.name):
+            extra |= {column.header: f"{figure.value:.3f}", column.sd_header: f"{figure.sd:.2g}"}
     return fields, extra
 
 

@@ -12,6 +12,7 @@ from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, typical_line
+from fieldkit.physics.setups import DESCENT_SPEED
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -115,6 +116,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     speed = (smooth[:-half_width] - smooth[half_width:]) / (half_width * (even[1] - even[0]))
     typical = float(np.median(speed[speed > max(0.5, 0.1 * np.quantile(speed, 0.9))])) if (speed > 0.5).any() else 0.0
+    typical = min(typical, DESCENT_SPEED)  # after a fast drogue, a main is slow, but not at rest
     going = np.flatnonzero(
         speed > max(0.12 * typical, min(0.5 * typical, max(1.0, _speed_noise(track, seen, half_width, even))))
     )

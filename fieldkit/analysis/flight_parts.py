@@ -9,6 +9,7 @@ from fieldkit.analysis.apogee import apogee_of, drift_of_receiver, falls
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
+from fieldkit.analysis.descent_stages import descent_stages
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.hard_boost import hidden_lead
@@ -208,6 +209,9 @@ def _down(
     speed = descent_speed(track, seen, begin, landed, level, known=ejected is not None or begin.time > apogee.time)
     if speed:
         figures["descent_speed"] = speed
+    stages = descent_stages(track, seen, max(begin.time, apogee.time), landed.time if landed else None)
+    if stages:
+        figures |= {"descent_speed": stages.main, "drogue_speed": stages.drogue, "main_altitude": stages.main_altitude}
     return _FlightPart(events, figures, () if landed else (NO_LANDING,))
 
 

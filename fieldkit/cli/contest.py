@@ -80,25 +80,28 @@ def finals(
         )
         prediction = ends[-1][0]
     chosen = system()
-    heading, rows = list(finals_heading(plan.flight, found, rule, chosen)), finals_rows(table, found, chosen)
+    heading, rows = (
+        list(finals_heading(plan.flight, found, rule, flown.fall, chosen)),
+        finals_rows(table, found, chosen),
+    )
+    headers = finals_headers(flown.fall, chosen)
     by_eye = [*([("finals", rule.finals)] if rule.finals else []), *rule.by_hand]
     notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in by_eye), rule.caveat]
     if card is not None:
         below = [*filter(None, [finals_failures(lines)]), *notes]
-        files.write(card, finals_card(heading, rows, card.suffix.lower(), below, chosen), force=force)
+        files.write(card, finals_card(heading, headers, rows, card.suffix.lower(), below), force=force)
         complain(f"Wrote the card to {card}")
     if json:
         document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
         document |= {"flights": prediction.rests_on, "timed_flights": flown.fall.flights}
         print_json(document | about_plan(prediction, lines))
         return
-    for line in heading:
-        say_wrapped(line)
-    headers = finals_headers(chosen)
-    print_table(headers, rows, numbers=headers)
-    for line in (*FINALS_NOTES, *notes, ENDS_NOTE):
-        say_wrapped(line)
+    say_wrapped(ENDS_NOTE)
     print_safety(prediction.plan, lines, plan.rocket.starts)
+    say()
+    for line in (*FINALS_NOTES, *notes, *heading):
+        say_wrapped(line)
+    print_table(headers, rows, numbers=headers)
 
 
 def table_of(table: "Sequence[FinalsRow]", found: "Found") -> list[dict[str, Any]]:

@@ -81,11 +81,13 @@ def predict(
         ]
         print_json({"predictions": documents})
     elif flights is None:
-        _print_one(predictions[0], ledger.remarks)
         print_safety(predictions[0].plan, lines[0], starts)
+        say()
+        _print_one(predictions[0], ledger.remarks)
     else:
-        _print_table(predictions)
         _print_safety_of_all(predictions, lines)
+        say()
+        _print_table(predictions)
     if unsaved is not None:
         raise LedgerError(f"saving the forecast failed: {unsaved}") from unsaved
 

@@ -243,10 +243,11 @@ def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
 
 
 def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
-    """Print the result of a plan, with its conditions and safety checks below."""
+    """Print the conditions and safety checks of a plan, and its result last, where it stays on a small screen."""
+    print_safety(plan, lines, starts)
+    say()
     for text in words:
         say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
-    print_safety(plan, lines, starts)
 
 
 _WIDTH = 79
@@ -254,10 +255,10 @@ _WIDTH = 79
 
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
-    """Print the conditions of a plan, all safety checks, and who decides."""
-    from fieldkit.planning.check import safety_text
+    """Print the conditions of a plan, all safety checks, the worst last, and who decides."""
+    from fieldkit.planning.check import safety_text, worst_last
 
     print_conditions(plan, starts)
     say("  safety")
-    for text in safety_text(lines, system()):
+    for text in safety_text(worst_last(lines), system()):
         say_wrapped(f"    {text}", "  ")

@@ -5,7 +5,19 @@ exports and the JSON are all generated from it. Values are SI inside a `Flight`;
 flyers see.
 """
 
-from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, LOGGED, MEASURED, READOUTS, SETUP, Column
+from fieldkit.flight.columns import (
+    BY_NAME,
+    COLUMNS,
+    CONDITIONS,
+    FIGURES_BY_NAME,
+    LOG_FIGURES,
+    LOGGED,
+    MEASURED,
+    READOUTS,
+    SETUP,
+    TWO_DEVICES,
+    Column,
+)
 from fieldkit.flight.flight import FIELDS, Flight
 from fieldkit.flight.readout import SENSORS, SOURCES, Readout
 from fieldkit.flight.series import Series
@@ -18,8 +30,10 @@ __all__ = [
     "COLUMNS",
     "CONDITIONS",
     "FIELDS",
+    "FIGURES_BY_NAME",
     "KNOWN_TAGS",
     "LOGGED",
+    "LOG_FIGURES",
     "MEASURED",
     "MOTOR_TEMPERATURE",
     "READOUTS",
@@ -28,6 +42,7 @@ __all__ = [
     "SOURCES",
     "TAGS",
     "TEXT_COLUMNS",
+    "TWO_DEVICES",
     "Column",
     "Flight",
     "Readout",

@@ -153,10 +153,20 @@ LOGGED = (
 )
 """Quantities that are computed only from the samples of a log (`fieldkit.analysis.drag_and_impulse`)."""
 
+TWO_DEVICES = (
+    _column("drogue_speed", "speed", "m/s", "Drogue speed", 5, 60, "Descent speed under the drogue, near the ground."),
+    _column("main_altitude", "length", "m", "Main opens", 30, 1500, "Height above the pad at which the main opens."),
+)
+"""Figures that a log shows of a descent on a drogue and a main: extra columns of a flight (`fieldkit.flight.recovery`),
+with a standard deviation if they were measured."""
+
 WEATHER = ("wind", "temperature", "pressure", "humidity")
 """Conditions of the day, not of the rocket or the site."""
 COLUMNS = SETUP + CONDITIONS + READOUTS
 """The columns of the flight table that every flight has."""
 MEASURED = READOUTS + LOGGED
 """Everything that may have a standard deviation and a source."""
+LOG_FIGURES = MEASURED + TWO_DEVICES
+"""Everything that a log may show."""
 BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS + LOGGED})
+FIGURES_BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in LOG_FIGURES})

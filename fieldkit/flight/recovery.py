@@ -10,6 +10,7 @@ from typing import Literal
 
 from fieldkit import units
 from fieldkit.errors import BadValue
+from fieldkit.flight.columns import Column
 from fieldkit.flight.flight import Flight
 
 Device = Literal["parachute", "streamer"]
@@ -70,6 +71,16 @@ OPENING_TIME = 0.5
 def recovery_header(name: str) -> str:
     """External name of an extra number or text column: `main_altitude_m`."""
     return f"{name}_{RECOVERY_COLUMNS[name][1]}" if name in RECOVERY_COLUMNS else name
+
+
+def measured_sd(flight: Flight, column: Column) -> float | None:
+    """Standard deviation in SI of one of `TWO_DEVICES` that was measured from the log of a flight; None if it was not,
+    or if the text is not a number."""
+    text = flight.extra.get(column.sd_header, "")
+    try:
+        return units.unit(column.quantity, column.unit).difference_to_si(float(text)) if text else None
+    except ValueError:
+        return None
 
 
 def recovery_figure(flight: Flight, name: str) -> float | None:

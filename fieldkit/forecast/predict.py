@@ -24,8 +24,9 @@ from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, flee
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
 from fieldkit.motors import Found
+from fieldkit.motors.delay_tolerance import log_delay_ratio
 from fieldkit.physics.effect import effects, spoken
-from fieldkit.physics.setups import differs_from_zero
+from fieldkit.physics.setups import delays, differs_from_zero
 from fieldkit.selection.candidates import EACH_GROUP, Averaged, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
@@ -228,13 +229,11 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     return closer_to_designs(model, cds)
 
 
-def fly_ahead(
-    fitted: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
-) -> list[Prediction]:
+def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Prediction]:
     """Simulate the planned flights with the posterior draws, one batch of draws per flight.
 
-    With `paired`, all flights share random draws, so that they differ only by their plans. `delay_sd` is the relative
-    standard deviation of delays around their rating, instead of the model's. [1]
+    With `paired`, all flights share random draws, so that they differ only by their plans. Delays scatter within the
+    tolerance of makers (`fieldkit.motors.delay_tolerance`), whatever the scatter of the rocket.
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
     scatter_scale = fitted.scales[:, :1]
@@ -251,9 +250,9 @@ def fly_ahead(
         return np.broadcast_to(draw() * mixed, shape)
 
     kinds = {kind.bends: kind.sd for kind in part.scatter}
-    scatter: dict[str, Array] = {name: draw() * sd * scatter_scale for name, sd in kinds.items()}
-    if delay_sd is not None:
-        scatter["delay"] = draw() * delay_sd
+    normal = {name: draw() for name in (*kinds, *({"delay"} - set(kinds)))}
+    scatter: dict[str, Array] = {name: normal[name] * sd * scatter_scale for name, sd in kinds.items()}
+    scatter["delay"] = log_delay_ratio(delays(part.flights, part.found), normal["delay"])
     readings = shown(part, values, scatter)
     # for an apogee of about a meter the relative reading error is unbounded
     own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)

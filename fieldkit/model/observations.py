@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
 from fieldkit.motors import Found, Motor
-from fieldkit.physics.setups import delays, dry_masses, recorded
+from fieldkit.physics.setups import delays, dry_masses, readouts_on_one_device, recorded
 from fieldkit.shapes import Array, Float
 
 CD_RANGE = (0.2, 1.5)
@@ -119,7 +119,7 @@ def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:
     declared = np.stack([recorded(flights, name) for name in DECLARED_FIELDS], axis=-1)
     declared[:, DECLARED_FIELDS.index("dry_mass")] = dry_masses(flights)
     declared[:, DECLARED_FIELDS.index("delay")] = delays(flights, found)
-    readouts = np.stack([recorded(flights, name) for name in READOUT_NAMES], axis=-1)
+    readouts = readouts_on_one_device(flights, READOUT_NAMES)
     sd = np.array([[flight.sd.get(name, np.nan) for name in READOUT_NAMES] for flight in flights], float)
     motor = np.stack([figures(item.motor) for item in found])
     return Observed(motor, declared, readouts, sd if np.isfinite(sd).any() else None)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_figure, stability
+from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_column, recovery_figure, stability
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import WIND_EXPONENT, altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
@@ -43,6 +43,16 @@ def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
     """One number of every flight in SI, nan if it was not recorded."""
     values = [flight.number(name) for flight in flights]
     return np.array([np.nan if value is None else value for value in values], float)
+
+
+def readouts_on_one_device(flights: Sequence[Flight], names: Sequence[str]) -> Float[Array, "flight readout"]:
+    """Readouts of every flight in SI, nan if missing. A duration on a drogue and a main counts as missing, because the
+    simulated descent is on one device."""
+    values = np.stack([recorded(flights, name) for name in names], axis=-1)
+    two = np.array([recovery_column(flight, "main_altitude") is not None for flight in flights], bool)
+    if "duration" in names:
+        values[two, names.index("duration")] = np.nan
+    return values
 
 
 def differs_from_zero(flights: Sequence[Flight], name: str) -> bool:

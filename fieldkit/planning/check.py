@@ -68,6 +68,11 @@ def worst(checks: Sequence[SafetyCheck]) -> SafetyCheck:
     return max(checks, key=lambda check: SEVERITY.index(check.verdict))
 
 
+def worst_last(checks: Sequence[SafetyCheck]) -> list[SafetyCheck]:
+    """Checks from the mildest verdict to the worst, otherwise in their order: the last ones stay on a small screen."""
+    return sorted(checks, key=lambda check: SEVERITY.index(check.verdict))
+
+
 def strictest(light: Sequence[SafetyCheck], heavy: Sequence[SafetyCheck]) -> list[SafetyCheck]:
     """The worse of each check of the same rocket flown light and heavy: if equal, that of the light one on height and
     landing, else of the heavy one. Checks that share a name are compared in their order."""

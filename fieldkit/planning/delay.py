@@ -1,6 +1,6 @@
-"""The delay to buy or drill, from the distribution of coast time and the delay's own scatter.
+"""The delay to buy or drill, from the distribution of coast time and the delay's own spread.
 
-Source: NFPA 1125 for the tolerance of a delay, whose limits are taken as two standard deviations.
+Source: NFPA 1125 for the tolerance of a delay (`fieldkit.motors.delay_tolerance`).
 """
 
 import re
@@ -16,6 +16,7 @@ from fieldkit.files import read_toml
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
+from fieldkit.motors.delay_tolerance import MIN_DELAY_TOLERANCE
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
@@ -23,10 +24,6 @@ from fieldkit.planning.toml_values import number, problem_in
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 
-RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE = 0.2, 1.5, 3.0
-"""Largest deviation of a delay from its printed value: this fraction of it [1], within these bounds [s].
-
-Source: NFPA 1125, as cited in openrocket#3041; taken as two standard deviations, because makers comply with it."""
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
 DRAWS = 1000
 """Flights simulated for each delay. [1]"""
@@ -94,13 +91,6 @@ class Delays:
     delays: tuple[Delay, ...]
     words: tuple[str, ...]
     forecast: Prediction
-
-
-def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
-    """Standard deviation of a delay from its printed value [s], as a ratio of it; 0 for nan. [1]"""
-    delays = np.maximum(delays, 0.1)
-    off = np.clip(RELATIVE_DELAY_TOLERANCE * delays, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE)
-    return np.asarray(np.nan_to_num(off / delays / 2))
 
 
 def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
@@ -186,8 +176,7 @@ def delays(
     planned = [
         (plan.with_changes(delay=delay), Found(found.motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
     ]
-    sd = tolerance(np.array([np.nan, *(delay for delay, _ in ways)]))
-    predictions = forecasts(rocket, planned, draws=draws, delay_sd=sd)
+    predictions = forecasts(rocket, planned, draws=draws)
     lifted = predictions[0].apogee > 0
     if lifted.mean() < 0.5:
         raise ImpossibleFlight(

@@ -54,10 +54,19 @@ class Fall:
     drogue: "Fall | None" = None
     typed: int = 0
 
+    @property
+    def assumed(self) -> bool:
+        """Whether it is the default of a device, neither measured nor entered."""
+        return not self.flights and not self.typed
+
     def relative_sd(self, more: int = 0) -> float:
         """Standard deviation of the log of the next descent speed, after `more` flights that record one. [1]"""
         count = (self.flights or self.typed) + more
         return float(np.hypot(self.spread, self.spread / np.sqrt(count) if count else DEFAULT_DESCENT_SD))
+
+    def usual_speed(self, mass: float, density: float) -> float:
+        """Median descent speed near the ground with a landing mass [kg] in air of a density [kg/m^3]. [m/s]"""
+        return float(np.exp(self.log_mean) * np.sqrt(mass / density))
 
     def on_area(self, area: float) -> "Fall":
         """The descent with a fraction of the parachute's area, the main if there are two. [1]"""

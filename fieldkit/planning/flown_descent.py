@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import Flight
-from fieldkit.flight.recovery import Recovery, recovery_of
+from fieldkit.flight import TWO_DEVICES, Flight
+from fieldkit.flight.recovery import Recovery, measured_sd, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
 from fieldkit.physics.descent import Devices, fall_time, filling, lag, opening_time, sink
@@ -48,10 +48,9 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
     a descent speed; with two devices the descent speed is the main's, and the duration determines the drogue's.
     Raises BadValue for a recovery device that cannot be read.
     """
-    duration = _timed(flight)
+    duration, recovery = _timed(flight), recovery_of(flight)
     if duration is None or flight.apogee is None or flight.dry_mass is None:
-        return flight.descent_speed, None
-    recovery = recovery_of(flight)
+        return flight.descent_speed, recovery.drogue_speed if measured_sd(flight, TWO_DEVICES[0]) else None
     path = _path(flight, found, recovery)
     left, air = duration - path.rise - path.free, air_at_pads([flight])
     if left <= 0:

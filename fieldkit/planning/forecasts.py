@@ -12,7 +12,6 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.selection.candidates import Averaged
-from fieldkit.shapes import Array, Float
 
 Planned = Sequence[tuple[Flight, Found]]
 
@@ -49,18 +48,17 @@ def forecasts(
     *,
     draws: int,
     paired: bool = True,
-    delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
     """Forecasts of alternative plans, each as the next flight, as `predict` would make them, in the given order;
     nothing is saved.
 
-    `paired` and `delay_sd` as in `fieldkit.forecast.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a
+    `paired` as in `fieldkit.forecast.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a
     mass.
     """
 
     def of_rows(rows: Sequence[int]) -> list[Prediction]:
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
-        return forecast_plans(rocket, fitted, paired, None if delay_sd is None else delay_sd[list(rows)])
+        return forecast_plans(rocket, fitted, paired)
 
     return by_kind(rocket.history, planned, of_rows)
 
@@ -75,9 +73,8 @@ def forecast_plans(
     rocket: Rocket,
     fitted: FittedForecast,
     paired: bool = True,
-    delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
     """Simulate the plans of a fit as in `fly_ahead`, corrected by the results of earlier forecasts."""
-    made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
+    made = fly_ahead(fitted, paired=paired)
     corrected = rocket.earlier.corrected(made)
     return [replace(one, left_out=(*rocket.excluded, *one.left_out)) for one in corrected]

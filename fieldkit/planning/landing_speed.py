@@ -29,7 +29,7 @@ def landing_speed_line(
     bounds = f"at most {speed(most.value)}"
     if device == "parachute":
         bounds = f"usual {speed(slow.value)} to {speed(limits['landing_speed_usual'].value)}, {bounds}"
-    if not (fall.flights or fall.typed):
+    if fall.assumed:
         text = f"{speed(found)} assumed; enter the parachute or a descent speed; {bounds}"
         return SafetyCheck(NAME, "unknown", text, most.source)
     if slow.value <= found <= most.value:

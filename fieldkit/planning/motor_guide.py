@@ -18,7 +18,7 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import Motor
 from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.planning.check import SafetyCheck
-from fieldkit.planning.delay import sold_delays, tolerance
+from fieldkit.planning.delay import sold_delays
 from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecast_plans
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
@@ -251,8 +251,7 @@ def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
     """Each motor of the fit, with its most suitable delay."""
     coasts = coast_times(fitted.model, fitted.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
-    sd = tolerance(np.array([delay or np.nan for delay in delays]))
-    made = forecast_plans(rocket, _with_delays(fitted, delays), delay_sd=sd)
+    made = forecast_plans(rocket, _with_delays(fitted, delays))
     return list(zip(delays, coasts.tolist(), made, strict=True))
 
 

@@ -8,6 +8,7 @@ from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import Season
+from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.finals import FinalsRow, TrialFlights
 from fieldkit.presentation.forecast_text import motor_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
@@ -15,10 +16,12 @@ from fieldkit.quantities import ShownUnits
 from fieldkit.units import FOOT
 
 
-def finals_headers(system: str = "SI") -> tuple[str, ...]:
-    """The headers of the table: heights in feet, as in the rules, masses in the units of a system."""
-    mass = ShownUnits(system).mass(0.0).split()[1]
-    return "target ft", f"dry {mass}", f"lift-off {mass}", "parachute", "apogee ft", "seconds", "points"
+def finals_headers(fall: Fall, system: str = "SI") -> tuple[str, ...]:
+    """The headers of the table: heights in feet, as in the rules, masses in the units of a system; a question mark
+    where the descent is assumed."""
+    mass, doubt = ShownUnits(system).mass(0.0).split()[1], "?" if fall.assumed else ""
+    heights = "target ft", f"dry {mass}", f"lift-off {mass}"
+    return *heights, f"parachute{doubt}", "apogee ft", f"seconds{doubt}", f"points{doubt}"
 
 
 def finals_rows(table: Sequence[FinalsRow], found: Found, system: str = "SI") -> list[tuple[str, ...]]:
@@ -38,8 +41,9 @@ def finals_rows(table: Sequence[FinalsRow], found: Found, system: str = "SI") ->
     ]
 
 
-def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI") -> Iterator[str]:
-    """Rocket, motor, season, and the day with its weather in the units of a system, above the table."""
+def finals_heading(plan: Flight, found: Found, rule: Season, fall: Fall, system: str = "SI") -> Iterator[str]:
+    """Rocket, motor, season, and the day with its weather in the units of a system, above the table; and that the
+    parachute is assumed, if it is."""
     shown = ShownUnits(system)
     name = " ".join(part for part in (plan.rocket, plan.config) if part)
     opens, closes = rule.window
@@ -48,6 +52,11 @@ def finals_heading(plan: Flight, found: Found, rule: Season, system: str = "SI")
     wind = "not given" if plan.wind is None else shown.speed(plan.wind)
     day = (plan.date_time or datetime.datetime.now()).date().isoformat()
     yield f"{day}, temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
+    if fall.assumed:
+        yield (
+            f"PARACHUTE ASSUMED, not measured: one with a usual descent speed, ± {DEFAULT_DESCENT_SD:.0%}; "
+            "give --main-speed or --parachute-diameter, or time a flight"
+        )
 
 
 def finals_basis(flown: TrialFlights, table: Sequence[FinalsRow]) -> Iterator[str]:

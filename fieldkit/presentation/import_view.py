@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
-from fieldkit.flight import BY_NAME
+from fieldkit.flight import BY_NAME, FIGURES_BY_NAME
 from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
@@ -86,7 +86,7 @@ def _readout(name: str, one: ReadoutView) -> dict[str, Any]:
     return {
         "value": _rounded(one.value),
         "sd": None if one.sd is None else float(f"{one.sd:.3g}"),
-        "unit": BY_NAME[name].unit,
+        "unit": FIGURES_BY_NAME[name].unit,
         "sensor": one.sensor,
         "stated": one.stated,
     }
@@ -165,7 +165,7 @@ def _column(one: "ColumnRead") -> str:
 
 def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
     for name, readout in flight.readouts.items():
-        column = BY_NAME[name]
+        column = FIGURES_BY_NAME[name]
         own, scale = (units.unit(column.quantity, unit) for unit in (column.unit, unit_of(column, system)))
         unit = spelled(unit_of(column, system))
         value = scale.from_si(own.to_si(readout.value))

@@ -11,6 +11,7 @@ from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
+from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
@@ -43,7 +44,7 @@ def landing_in_words(
     low, middle, high = three(down.duration)
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
     falls = shown.speed(three(down.down.landing_speed)[1])
-    yield f"  landing   at {falls}; {_device(recovery, shown)}"
+    yield f"  landing   at {falls}; {_device(prediction, fall, recovery, shown)}"
     if (above := _main_above_apogee(prediction, recovery)) >= LEAST_CHANCE:
         yield f"            {above:.0%} chance of an apogee below that: the main opens at apogee"
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
@@ -106,9 +107,13 @@ def _held(wind: float, shown: ShownUnits) -> str:
     return f"95% of landings are on it up to {shown.speed(wind)}"
 
 
-def _device(recovery: Recovery, shown: ShownUnits) -> str:
-    height = recovery.main_altitude
-    return f"drogue at apogee, main at {shown.length(height)}" if height else f"one {recovery.device}"
+def _device(prediction: Prediction, fall: Fall, recovery: Recovery, shown: ShownUnits) -> str:
+    if not recovery.main_altitude or fall.drogue is None:
+        return f"one {recovery.device}"
+    density = float(air_at_pads([prediction.plan]).density[0])
+    speed = fall.drogue.usual_speed(landing_mass(prediction.plan, prediction.found), density)
+    basis = " assumed" if fall.drogue.assumed else ""
+    return f"drogue at apogee, {shown.speed(speed)}{basis}, main at {shown.length(recovery.main_altitude)}"
 
 
 def _main_above_apogee(prediction: Prediction, recovery: Recovery) -> float:

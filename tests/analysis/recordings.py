@@ -35,6 +35,10 @@ class Rocket:
     """Descent speed under the parachute near the ground. [m/s]"""
     elevation: float = 200.0
     opening: float = 0.4
+    main_sink: float = 0.0
+    """Descent speed under a main that opens below the first device; 0 for none."""
+    main_height: float = 0.0
+    """Height at which the main is released."""
 
 
 SMALL = Rocket()
@@ -116,13 +120,21 @@ def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) 
         since = (t - rocket.burn - rocket.delay) / rocket.opening
         if since > 0:
             area += min(since, 1.0) * 2 * rocket.mass * GRAVITY / (1.2 * rocket.sink**2)
+        if released:
+            main = min((t - released[0]) / rocket.opening, 1.0)
+            area += main * 2 * rocket.mass * GRAVITY / (1.2 * rocket.main_sink**2)
         return float((thrust(t) - 0.5 * rho * area * v * abs(v)) / mass(t))
 
+    released: list[float] = []
     t, h, v, rows = 0.0, 0.0, 0.0, []
     step = STEP
     while h >= 0:
         if t > rocket.burn + rocket.delay + 5 * rocket.opening:
             step = 5 * STEP
+        if rocket.main_sink and not released and v < 0 and h < rocket.main_height:
+            released.append(t)
+        if released:
+            step = STEP
         f = felt(t, h, v)
         rows.append((t, h, v, f))
         a = f - GRAVITY

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.flight import TWO_DEVICES
 from fieldkit.ledger import Ledger
 from tests.analysis.recordings import SMALL, Logger, fly, log
 from tests.samples import SAMPLES, owner
@@ -78,7 +79,9 @@ def test_what_inspect_shows_is_what_import_stores(run: Run, tmp_path: Path, samp
         stored = {flight.flight_id: flight for flight in ledger.flights()}
     assert stored.keys() == {one["flight_id"] for one in seen["flights"]}
     for one in seen["flights"]:
-        kept = stored[one["flight_id"]].readouts()
+        flight = stored[one["flight_id"]]
+        two = {c.name: float(flight.extra[c.header]) for c in TWO_DEVICES if c.header in flight.extra}
+        kept = flight.readouts() | two
         assert kept.keys() == one["readouts"].keys()
         if "apogee" in kept:
             assert one["readouts"]["apogee"]["value"] == pytest.approx(kept["apogee"], abs=1e-3)

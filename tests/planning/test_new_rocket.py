@@ -228,7 +228,7 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
 
     body = ["--dry-mass", "400g", "--diameter", "66mm"]
     out, err = plan("landing", "--rocket", "astra", "--site", "moor")
-    assert out.startswith("Astra")
+    assert "\nAstra" in out
     assert "this field is 100 m" in out
     assert not err
     _, err = plan("landing", "--rocket", "Asrta", "--site", "Mooor", *body)
@@ -266,3 +266,37 @@ def test_a_design_is_the_rocket_to_plan_and_is_offered_until_something_has_flown
         plan = planned(ledger, ledger.flights())
         assert plan is not None
         assert plan.rocket == "Lark"
+
+
+@pytest.mark.parametrize(
+    ("given", "assumed"), [((), True), (("--main-speed", "5m/s"), False), (("--parachute-diameter", "450mm"), False)]
+)
+def test_the_table_of_finals_marks_an_assumed_parachute(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], given: tuple[str, ...], assumed: bool
+) -> None:
+    """Above the table and in its headers, on paper too; once it stood there like a measured one."""
+    plan = ["finals", "--season", "2027", "--motor", "F39T-6", "--dry-mass", "480g", "--diameter", "66mm"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), *plan, *given]) == 0
+    out = capsys.readouterr().out
+    assert ("PARACHUTE ASSUMED" in out) == assumed
+    (headers,) = [line for line in out.splitlines() if line.startswith("target ft")]
+    assert ("parachute?" in headers) == assumed
+
+
+@pytest.mark.parametrize(
+    ("command", "answer"),
+    [("landing", "  landing "), ("delay", "coast"), ("predict", "apogee"), ("ballast", "mean miss")],
+)
+def test_the_answer_is_on_the_last_screen_of_a_small_terminal_below_the_worst_checks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, answer: str
+) -> None:
+    """Of 24 rows, one is for the prompt; about forty lines of checks once scrolled it away."""
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    options = ["--motor", "F39T-6", "--dry-mass", "480g", "--diameter", "66mm", "--wind", "12m/s"]
+    options += ["--target", "800ft"] if command == "ballast" else []
+    assert main([*ledger, command, *options]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(answer in line for line in lines[-23:])
+    marks = [line.split()[0] for line in lines if line.startswith("    ") and line.split()[0] in "✓?!⊘"]
+    assert marks == sorted(marks, key="✓?!⊘".index)
+    assert len(set(marks)) > 2

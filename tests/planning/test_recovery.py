@@ -19,12 +19,12 @@ from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.descent import Devices, descend, filling
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.setups import field_setup, readouts_on_one_device
 from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, usual
-from fieldkit.planning.flown_descent import landing_mass
+from fieldkit.planning.flown_descent import landing_mass, shown_speeds
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.landing import TRIED_DRAWS, RailChoice, landing, rail_choices, wind_that_holds
 from fieldkit.planning.limits import limits
@@ -37,6 +37,8 @@ from fieldkit.settings import Settings
 CHECK_SHAPES = False
 FOUND = catalogue().resolve("F39T-6")
 NEW = Rocket((), ())
+DUAL_LOG = Path(__file__).parents[2] / "sample_logs" / "altos_csv__a_barometer_alone.csv"
+"""A flight on a drogue at 15 m/s and a main at 6 m/s."""
 PLAN = Flight(rocket="Comet", motor="F39T-6", dry_mass=0.4, diameter=0.066, wind=4.0)
 
 
@@ -283,6 +285,42 @@ def test_a_plan_descends_like_the_last_flight_of_its_configuration(tmp_path: Pat
         ledger.add([flight])
         plan = completed_plan(ledger, catalogue(), Flight(rocket="Comet", motor="F39T-6"), Settings())
         assert plan.extra == {"main_altitude_m": "80"}
+
+
+def test_a_log_on_a_drogue_and_a_main_is_forecast_with_both_speeds(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It once landed at the mean speed of both, on one parachute, and unsafely."""
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    setup = [part for one in ("rocket=Big", "motor=F39T-6", "dry_mass=500g") for part in ("--set", one)]
+    assert main([*ledger, "import", str(DUAL_LOG), *setup]) == 0
+    capsys.readouterr()
+    assert main([*ledger, "landing", "--rocket", "Big", "--motor", "F39T-6", "--wind", "2m/s", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    (landing_check,) = [line for line in document["safety"] if line["check"] == "landing speed"]
+    assert landing_check["verdict"] == "ok"
+    assert document["landing"]["landing_speed_mps"]["p50"] == pytest.approx(6.0, rel=0.1)
+    assert main([*ledger, "landing", "--rocket", "Big", "--motor", "F39T-6", "--wind", "2m/s"]) == 0
+    (device,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  landing ")]
+    assert re.search(r"drogue at apogee, 1[45]\.\d m/s, main at 6\d m", device)
+
+
+def test_without_a_landing_the_measured_drogue_is_used_and_an_entered_one_is_not_a_measurement() -> None:
+    plan = flown(5.0, 6.0).with_changes(duration=None, apogee=400.0)
+    known = {"main_altitude_m": "100", "drogue_speed_mps": "15"}
+    found = catalogue().resolve("F39T-6")
+    typed = shown_speeds(plan.with_changes(extra=known), found)
+    measured = shown_speeds(plan.with_changes(extra={**known, "drogue_speed_sd_mps": "0.4"}), found)
+    assert typed[1] is None
+    assert measured[1] == pytest.approx(15.0)
+
+
+def test_a_duration_on_two_devices_is_not_compared_with_a_descent_on_one() -> None:
+    one = flown(5.0, 6.0)
+    two = one.with_changes(extra={"main_altitude_m": "100"})
+    flights = [one, two]
+    durations_seen = readouts_on_one_device(flights, ("apogee", "duration"))[:, 1]
+    assert np.isfinite(durations_seen).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

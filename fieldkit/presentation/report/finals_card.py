@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from fieldkit.errors import BadValue
-from fieldkit.presentation.finals_text import FINALS_NOTES, finals_headers
+from fieldkit.presentation.finals_text import FINALS_NOTES
 from fieldkit.presentation.report.style import without_markup
 from fieldkit.safe_text import printable
 
@@ -33,18 +33,18 @@ def check_card(file: Path) -> None:
 
 def finals_card(
     heading: Sequence[str],
+    headers: Sequence[str],
     rows: Sequence[Sequence[str]],
     suffix: str,
     notes: Sequence[str] = (),
-    system: str = "SI",
 ) -> bytes:
-    """The card as a picture, with masses in the units of a system and `notes` at the end."""
+    """The card as a picture, with `notes` at the end."""
     with without_markup():
-        return _drawn([printable(line) for line in heading], rows, suffix, [printable(line) for line in notes], system)
+        return _drawn([printable(line) for line in heading], headers, rows, suffix, [printable(line) for line in notes])
 
 
 def _drawn(
-    heading: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str], system: str
+    heading: Sequence[str], headers: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str]
 ) -> bytes:
     day = [fill(line, DAY_LINE) for line in heading[1:]]
     below = [fill(line, LINE) for line in [*FINALS_NOTES, *notes]]
@@ -58,7 +58,7 @@ def _drawn(
     bottom = top - sum(heights[:3]) / height
     axes = figure.add_axes((left, bottom, 1 - 2 * left, heights[2] / height))
     axes.set_axis_off()
-    _draw_table(axes, finals_headers(system), rows)
+    _draw_table(axes, headers, rows)
     figure.text(left, bottom - 0.5 * MARGIN / height, "\n".join(below), fontsize=8, va="top")
     content = BytesIO()
     figure.savefig(content, format=suffix.lstrip("."), dpi=150)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import LedgerError
-from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, Column, Flight
+from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, TWO_DEVICES, Column, Flight
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
@@ -122,7 +122,9 @@ def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
     if flight.date_time is None and was.date_time is None and not was.log:
         changes["date_time"] = fresh.date_time
     details = {part: _beside(part, changes, flight, was, fresh) for part in ("sd", "source")}
-    ours = {c.stated_header for c in MEASURED} | {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
+    measured = [c for c in TWO_DEVICES if c.sd_header in was.extra]  # otherwise the flyer's own
+    two = {h for c in measured for h in (c.header, c.sd_header) if flight.extra.get(h) == was.extra.get(h)}
+    ours = two | {c.stated_header for c in MEASURED} | {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
     extra = {name: text for name, text in flight.extra.items() if name not in ours or name in fresh.extra}
     for name, text in fresh.extra.items():
         if flight.extra.get(name) == was.extra.get(name):

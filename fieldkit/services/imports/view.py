@@ -11,7 +11,8 @@ from fieldkit import units
 from fieldkit.analysis import columns
 from fieldkit.analysis.labels import sensor_of
 from fieldkit.analysis.whole_flight import flight_curve
-from fieldkit.flight import MEASURED, Column, Flight
+from fieldkit.flight import MEASURED, TWO_DEVICES, Column, Flight
+from fieldkit.flight.recovery import measured_sd
 from fieldkit.importing.reading import Intake
 
 if TYPE_CHECKING:
@@ -116,12 +117,17 @@ def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
 def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
     """A flight as it would be stored, with the measurements in its samples."""
     readouts = {c.name: _readout(c, v, flight, recorded) for c in MEASURED if (v := flight.number(c.name)) is not None}
+    readouts |= {
+        c.name: _readout(c, one.value, flight, recorded)
+        for c in TWO_DEVICES
+        if recorded and (one := recorded.figures.get(c.name))
+    }
     return FlightView(flight, readouts, _events(recorded), recorded)
 
 
 def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded | None") -> ReadoutView:
     scale = units.unit(column.quantity, column.unit)
-    sd = flight.sd.get(column.name)
+    sd = measured_sd(flight, column) if column in TWO_DEVICES else flight.sd.get(column.name)
     stated = flight.extra.get(column.stated_header)
     figure = recorded.figures.get(column.name) if recorded and (sd is not None or not stated) else None
     known = flight.source.get(column.name) or ("device" if stated or flight.extra.get("log_format") else "typed")

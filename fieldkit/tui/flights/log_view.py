@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit import units
 from fieldkit.analysis.whole_flight import FlightCurve
-from fieldkit.flight import BY_NAME, MEASURED
+from fieldkit.flight import BY_NAME, LOG_FIGURES
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
@@ -90,7 +90,7 @@ def _file_facts(file: FileView, system: str) -> list[Hanging]:
 def _readouts(one: FlightView, system: str) -> Hanging:
     """The readouts with the device's own values, each with its sensor."""
     rows = []
-    for column in MEASURED:
+    for column in LOG_FIGURES:
         found = one.readouts.get(column.name)
         if found is None:
             continue
