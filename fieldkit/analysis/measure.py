@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecked
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
+from fieldkit.analysis.boost_length import SHORTEST_BOOST
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
@@ -44,8 +45,6 @@ _MAX_MISS = 0.08
 fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
 """If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
-_SHORTEST_BOOST = 0.15
-"""Duration of the shortest boosts. [s]"""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_LAG = 0.08
@@ -68,7 +67,7 @@ def _feels_thrust(time: Float[Array, "_"], felt: Float[Array, "_"] | None) -> bo
     """Whether an acceleration is far from rest for as long as the shortest boost."""
     if felt is None or time.size < MIN_SAMPLES:
         return False
-    width = max(3, round(_SHORTEST_BOOST / median_step(time)))
+    width = max(3, round(SHORTEST_BOOST / median_step(time)))
     return bool((running_median(np.nan_to_num(felt), width | 1) > _THRUST).any())
 
 
@@ -120,8 +119,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     on_time = next(one for one, ascent in zip(each, ascents, strict=True) if not ascent.lag.lag)
     if NO_FLIGHT in on_time.notes:  # correcting a lag does not turn a drone into a rocket
         return on_time
+    times = trust.push.time if trust.push is not None and log.ascent.fused else every
     weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
-    found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each])
+    found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each], times)
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     others += () if later is None else (OTHER_FLIGHT.format(later - float(every[0])),)
     return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)
