@@ -112,7 +112,8 @@ def ascend(
     marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
     start = _fit_start(track, seen, grid, near, push, marks, sighted)
     slow = near & ~_near_sound(track, grid, start.guess)
-    disturbed = fallen.any() or track.disturbed or (seen.transonic and not start.fused)
+    shocked = track.is_barometric and seen.transonic and not start.fused
+    disturbed = fallen.any() or track.disturbed or shocked
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         start = _fit_start(track, seen, grid, slow, push, marks, sighted)
     found = _fitted(start, marks, lags, STATIC_SD if track.is_barometric else 0.0)
@@ -147,7 +148,9 @@ def _fit_start(
     if coast is not None and is_partial and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
         coast = None
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)
+    samples = samples_on(
+        grid, time, height, track.noise, push if fused else None, sighted, track.lag, is_barometric=track.is_barometric
+    )
     return FitStart(samples, coast, guess, fused)
 
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights
-from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.analysis.robust_statistics import running_median, running_median_over
 from fieldkit.shapes import Flags
 
 _MAX_ACCELERATION = 2000.0
@@ -30,6 +30,9 @@ _FAST = 0.4 * _SPEED_OF_SOUND
 such a climb is lower than the speed of sound. [m/s]"""
 _MARGIN = 0.15
 """How long before and after an apparent fall shocks disturb the pressure. [s]"""
+_AFTER = 1.0
+"""How long after an apparent fall the climb shows how fast the rocket is, because shocks fake a lower height until they
+leave. [s]"""
 _ABOVE = 12.0
 """Smallest apparent fall, as a multiple of the noise of a sample, [1]"""
 _FALL = 5.0
@@ -99,7 +102,7 @@ def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
 def _shocks(track: Heights) -> Flags:
     """Samples of the climb in which the rocket appears to fall though it rises near the speed of sound."""
     time, height = track.time, track.height
-    calm = running_median(height, int(np.clip(1.0 / median_step(time), 3, 201)) | 1)
+    calm = running_median_over(time, height, 1.0, 3, 201)
     top = int(np.argmax(calm))
     wrong = np.zeros(time.size, bool)
     if top < 3:
@@ -109,7 +112,8 @@ def _shocks(track: Heights) -> Flags:
     for first, last in _runs(highest - climb > max(_ABOVE * track.noise, _FALL)):
         before = int(np.searchsorted(highest, highest[first]))
         after = min(last + 1, top)
-        if climb[after] - climb[before] > _FAST * (time[after] - time[before]):
+        later = min(int(np.searchsorted(time, time[after] + _AFTER)), top)
+        if any(climb[end] - climb[before] > _FAST * (time[end] - time[before]) for end in (after, later)):
             begin = np.searchsorted(time, time[before] - _MARGIN)
             wrong[begin : np.searchsorted(time, time[after] + _MARGIN)] = True
     return wrong

@@ -168,7 +168,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     rise = liftoff(track, None, seen) if push is not None else None
     if push is not None and full is not None:
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
-    found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
+    found = _agreement(track, push, seen, rise) if push is not None and rise is not None else None
     if push is not None and found is None and unchecked(push, seen, rise):
         return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED),))
     if push is None or rise is None:
@@ -180,6 +180,17 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     if slanted is not None:
         return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),))
     return _Trust(None, notes=(REJECTED_NOTE.format(found.why),))
+
+
+def _agreement(track: Heights, push: Push, seen: Outline, rise: Event) -> Agreement | None:
+    """Comparison of an accelerometer with the heights from their lift-off or, if they differ, from its own: shocks and
+    static ports may hide the start of a hard boost from the heights."""
+    found = agreement(track, push, seen, rise)
+    if found is None or found.is_consistent:
+        return found
+    lift = liftoff(track, push, seen)
+    again = agreement(track, push, seen, lift) if lift is not None and lift.time < rise.time else None
+    return again if again is not None and again.is_consistent else found
 
 
 def _ends_in_boost(push: Push, seen: Outline) -> bool:
