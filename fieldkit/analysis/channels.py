@@ -260,7 +260,7 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
     if time.size < MIN_SAMPLES:
         return None
     away = np.abs(height - running_median_over(time, height, _WINDOW, _SMALLEST, _LARGEST))
-    usual = 1.4826 * running_median_over(time, away, 4 * _WINDOW, 4 * _SMALLEST, 4 * _LARGEST)
+    usual = 1.4826 * running_median_over(time, away, 4 * _WINDOW, 8 * _SMALLEST, 4 * _LARGEST)
     noise = max(mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height) / np.sqrt(12), 0.02)
     line = away <= 5 * np.maximum(usual, noise) + _sagitta(time)
     if line.sum() < MIN_SAMPLES:

@@ -30,9 +30,6 @@ _FAST = 0.4 * _SPEED_OF_SOUND
 such a climb is lower than the speed of sound. [m/s]"""
 _MARGIN = 0.15
 """How long before and after an apparent fall shocks disturb the pressure. [s]"""
-_AFTER = 1.0
-"""How long after an apparent fall the climb shows how fast the rocket is, because shocks fake a lower height until they
-leave. [s]"""
 _ABOVE = 12.0
 """Smallest apparent fall, as a multiple of the noise of a sample, [1]"""
 _FALL = 5.0
@@ -112,8 +109,7 @@ def _shocks(track: Heights) -> Flags:
     for first, last in _runs(highest - climb > max(_ABOVE * track.noise, _FALL)):
         before = int(np.searchsorted(highest, highest[first]))
         after = min(last + 1, top)
-        later = min(int(np.searchsorted(time, time[after] + _AFTER)), top)
-        if any(climb[end] - climb[before] > _FAST * (time[end] - time[before]) for end in (after, later)):
+        if climb[after] - climb[before] > _FAST * (time[after] - time[before]):
             begin = np.searchsorted(time, time[before] - _MARGIN)
             wrong[begin : np.searchsorted(time, time[after] + _MARGIN)] = True
     return wrong

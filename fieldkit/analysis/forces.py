@@ -118,7 +118,8 @@ def boost_event(
     time = ascent.time[inside]
     if time.size < 5:
         return None
-    place = int(np.argmax(ascent.speed[inside]))
+    fastest = int(np.argmax(ascent.speed[inside]))
+    place = fastest if ascent.ended is None else int(np.argmin(np.abs(time - ascent.ended.time)))
     value = float(ascent.speed[inside][place])
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
     late = float(1.4826 * np.median(np.abs(moments - time[place])))
@@ -134,6 +135,7 @@ def boost_event(
         is_barometric, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
         fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR
         late = float(np.linalg.norm([late, 0.03 + fraction * (time[place] - begin), ascent.burnout_sd]))
+        late = late if ascent.ended is None else ascent.ended.sd
         blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
@@ -149,6 +151,8 @@ def boost_event(
         value, source = value + off, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
         spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
         late = float(np.hypot(late, blurred))
+    if ascent.ended is not None:
+        return ascent.ended, Figure(value, float(spread), source)
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecked
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
 from fieldkit.analysis.boost_length import SHORTEST_BOOST
+from fieldkit.analysis.burnout import felt_burnout
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
@@ -108,7 +109,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     sighted = sightings(clocks, track, seen)
     moments = (lift.time if lift else None, blow.time if blow else None, stated.get("apogee"))
     lags = possible_lags(track, seen, lift)
-    ascents = _ascents(track, shape, seen, *moments, sighted, lags)
+    clock = trust.clock_only
+    ended = felt_burnout(clock, lift.time, seen) if clock is not None and lift is not None else None
+    ascents = _ascents(track, shape, seen, *moments, sighted, lags, ended)
     if ascents and ascents[0].ascent.fused and _misses_the_top(ascents[0].ascent, seen, track):
         trust, felt = _Trust(None, notes=(REJECTED_NOTE.format("is from a different climb than the heights"),)), None
         ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.channels import Heights
-from fieldkit.analysis.robust_statistics import median_step, running_median_over
+from fieldkit.analysis.robust_statistics import median_step, running_median_over, stretches
 from fieldkit.shapes import Array, Float
 
 LEAST_GAIN = 5.0
@@ -136,11 +136,11 @@ def is_similar(other: Outline, seen: Outline) -> bool:
 
 
 def _slope(time: Float[Array, "_"], height: Float[Array, "_"], window: float) -> Float[Array, "_"]:
-    """Speed from a window to either side [s], which has at least one sample. [m/s]"""
-    places, half = np.arange(time.size), np.diff(time, append=np.inf) / 2
-    half[-1] = half[-2]
-    before = np.maximum(np.minimum(np.searchsorted(time, time - window - half), places - 1), 0)
-    after = np.minimum(np.maximum(np.searchsorted(time, time + window + half) - 1, places + 1), time.size - 1)
+    """Speed over the samples of a window to either side [s], at least one. [m/s]"""
+    places, reach = np.arange(time.size), np.empty(time.size, np.int64)
+    for part, step in stretches(time):
+        reach[part] = max(1, round(window / step))
+    before, after = np.maximum(places - reach, 0), np.minimum(places + reach, time.size - 1)
     return np.asarray((height[after] - height[before]) / np.maximum(time[after] - time[before], 1e-9))
 
 
