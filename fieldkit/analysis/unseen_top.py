@@ -20,6 +20,9 @@ _SILENT, _STEPS = 2.0, 5.0
 """Shortest time without a sample [s], and number of typical sample intervals [1], that form a gap around the top."""
 _MAX_TIME_FROM_SILENCE = 1.0
 """Largest time between the highest smoothed sample and the gap for the gap to contain the top. [s]"""
+_RISE_WINDOW, _LEAST_RISE_SAMPLES, _RISE_SDS = 1.5, 6, 3.0
+"""How long after a gap the heights show whether they still rise [s], in how many samples, and how many standard
+deviations the climb rate must be above zero [1]."""
 _LARGEST_SD, _COASTED = 0.01, 0.5
 """Largest standard deviation of an apogee after the end of a log, as a fraction of it [1]. Shortest coast that shows
 that the end was not in the boost [s]."""
@@ -45,10 +48,26 @@ def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
         place
         for place in long.tolist()
         if track.time[place] - _MAX_TIME_FROM_SILENCE <= seen.top <= track.time[place + 1] + _MAX_TIME_FROM_SILENCE
+        and not _rises(track, float(track.time[place + 1]))
     ]
     if not near:
         return None
     return float(track.time[near[0]]), float(track.time[near[0] + 1])
+
+
+def _rises(track: Heights, begin: float) -> bool:
+    """Whether the heights clearly still rise when a gap ends, so that the top follows: by the slope there of a parabola
+    through the samples of the next moments."""
+    inside = (track.time >= begin) & (track.time < begin + _RISE_WINDOW)
+    if inside.sum() < _LEAST_RISE_SAMPLES:
+        return False
+    since = track.time[inside] - begin
+    design = np.stack([np.ones(since.size), since, since**2], axis=1)
+    values, *_ = np.linalg.lstsq(design, track.height[inside], rcond=None)
+    left = track.height[inside] - design @ values
+    noise = max(track.noise, float(np.sqrt(left @ left / (since.size - 3))))
+    error = noise * float(np.sqrt(np.linalg.inv(design.T @ design)[1, 1]))
+    return bool(values[1] > _RISE_SDS * error)
 
 
 def accelerates(ascent: Ascent, moment: float) -> bool:

@@ -175,6 +175,18 @@ def test_a_radio_gap_from_boost_to_near_the_top_leaves_the_apogee(seed: int) -> 
     assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", "duration")
 
 
+@pytest.mark.parametrize("rocket", [SMALL, LARGE, HARD], ids=["small", "large", "hard"])
+@pytest.mark.parametrize("before", [0.6, 1.2])
+def test_a_radio_gap_that_ends_while_the_rocket_still_rises_leaves_the_apogee(rocket: Rocket, before: float) -> None:
+    truth = flown(rocket)
+    (series,) = recording(truth, rate=10.0)
+    heard = (series.time < 0.9 * truth.burnout) | (series.time > truth.apogee_time - before)
+    assert series.altitude is not None
+    recorded = measure((Series(time=series.time[heard], altitude=series.altitude[heard]),))
+    assert not misses(recorded, truth, "apogee", "time_to_apogee")
+    assert recorded.figures["apogee"].sd < 1.0
+
+
 def test_thrust_from_the_first_sample_on_gives_no_later_lift_off() -> None:
     """A pressure error in proportion to the dynamic pressure keeps the first heights of the boost near the pad."""
     truth = flown(HARD)
