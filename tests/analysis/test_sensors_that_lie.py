@@ -175,6 +175,22 @@ def test_a_radio_gap_from_boost_to_near_the_top_leaves_the_apogee(seed: int) -> 
     assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", "duration")
 
 
+@pytest.mark.parametrize("static", [-0.04, 0.04])
+def test_the_interval_of_an_apogee_in_a_gap_allows_for_static_ports(static: float) -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth, rate=10.0)
+    speed = np.interp(series.time, truth.time, truth.speed, left=0, right=0)
+    heard = (series.time < truth.apogee_time - 7) | (series.time > truth.apogee_time + 8)
+    assert series.altitude is not None
+    altitude = series.altitude - static * speed * np.abs(speed) / (2 * GRAVITY)
+    notes = measure((Series(time=series.time[heard], altitude=altitude[heard]),)).notes
+    (note,) = [note for note in notes if "apogee is in a gap" in note]
+    low, high = (float(word) for word in note.replace(",", "").split() if word.isdigit() and int(word) > 100)
+    free = float(np.interp(truth.apogee_time - 7, truth.time, truth.speed)) ** 2 / (2 * GRAVITY)
+    assert low < truth.height.max() < high
+    assert high > float(np.interp(truth.apogee_time - 7, truth.time, truth.height)) + free
+
+
 @pytest.mark.parametrize("rocket", [SMALL, LARGE, HARD], ids=["small", "large", "hard"])
 @pytest.mark.parametrize("before", [0.6, 1.2])
 def test_a_radio_gap_that_ends_while_the_rocket_still_rises_leaves_the_apogee(rocket: Rocket, before: float) -> None:
