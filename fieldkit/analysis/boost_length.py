@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 SHORTEST_BOOST = 0.15
 """Duration of the shortest boosts. [s]"""
-_FEW = 2.0
+_MIN_BOOST_SAMPLES = 2.0
 """Number of samples in a boost below which they do not show its length. [1]"""
 
 
@@ -20,7 +20,7 @@ def burn_time(burn: Figure, lift: Event, burnout: Event, time: Float[Array, "tim
     """A burn time from samples at given times [s]; if they are few, lift-off and burnout have opposite errors, whose
     standard deviations add up. [s]"""
     near = time[(time > lift.time - burn.value) & (time < burnout.time + burn.value)]
-    if near.size < 2 or burn.value >= _FEW * median_step(near):
+    if near.size < 2 or burn.value >= _MIN_BOOST_SAMPLES * median_step(near):
         return burn
     return Figure(burn.value, lift.sd + burnout.sd, burn.source)
 

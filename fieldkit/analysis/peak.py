@@ -35,7 +35,7 @@ _WINDOW = 0.05
 samples and a single sample. [s]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
-_FAST = 0.5
+_FAST_FRACTION = 0.5
 """Fraction of the top speed above which drag is measured in the coast. [1]"""
 
 
@@ -150,7 +150,7 @@ def _beyond(mean: Figure, ratio: tuple[float, ...], drag: float) -> Figure:
 
 def _drag(ascent: Ascent, burnout: float, fastest: float) -> float:
     """Drag per mass and speed squared in the fast part of the coast, 0 if there is none. [1/m]"""
-    fast = (ascent.time > burnout) & (ascent.speed > _FAST * fastest)
+    fast = (ascent.time > burnout) & (ascent.speed > _FAST_FRACTION * fastest)
     if not fast.any():
         return 0.0
     return max(float(np.median((-ascent.acceleration[fast] - GRAVITY) / ascent.speed[fast] ** 2)), 0.0)
