@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.altos import SEED, entered, mp3h6115, seconds
+from fieldkit.importing.tables.altos import SEED, STATES, entered, mp3h6115, seconds
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, shown
 from fieldkit.quantities import counted
@@ -174,9 +174,10 @@ def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
     states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
         packets[:, 5] <= 10
     )
-    events = entered(packets[states, 5], time[states], blind=MAX_RADIO_GAP)
+    events = entered(packets[states, 5], time[states], blind=MAX_RADIO_GAP, in_packets=True)
     events = {name: when for name, when in events.items() if when > time[states][0]}
-    start = events.get("liftoff", float(time[0]))
+    boost = np.flatnonzero(packets[states, 5] == STATES["liftoff"][0])
+    start = float(time[states][boost[0]]) if "liftoff" in events else float(time[0])
     order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
     series = [
         _series(kind, packets[kinds == kind], np.maximum.accumulate(time[kinds == kind] - start)) for kind in order

@@ -16,7 +16,7 @@ from fieldkit.analysis.height_lag import NO_LAG, Lag, burnout_is_hidden
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
 from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, settled
-from fieldkit.analysis.records import Sightings
+from fieldkit.analysis.records import Event, Sightings
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.samples import Marks, Samples, samples_on
 from fieldkit.analysis.smooth import Grid, apply, unlagged
@@ -71,6 +71,8 @@ class Ascent:
     """Shortest thrust whose magnitude the curve resolves. [s]"""
     sighted: Sightings | None = None
     """Satellite data that complement the heights."""
+    ended: Event | None = None
+    """Burnout as felt by an accelerometer that did not shape the curve."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,13 +93,15 @@ def ascend(
     marked: float | None,
     sighted: Sightings | None = None,
     lags: Sequence[Lag] = (NO_LAG,),
+    ended: Event | None = None,
 ) -> list[LaggedAscent]:
     """Fit the ascent for each of the `lags` that the heights may have, most probable first. Empty if too few samples.
 
     Without a lag it is always fitted.
 
     `sighted` is the satellite data that complement the heights; `blow` is the time when the charge was felt [s];
-    `marked` is the time when the logger detected apogee, after which it may have fired a charge [s].
+    `marked` is the time when the logger detected apogee, after which it may have fired a charge [s]; `ended` is burnout
+    as felt by an accelerometer that does not shape the curve.
     """
     climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MAX_SPACING_SAMPLES]
     if climb.size < 2:
@@ -109,14 +113,21 @@ def ascend(
     if near.sum() < _MIN_SAMPLES:
         return []
     grid = _grid(begin, end, median_step(climb))
-    marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
+    marks = Marks(
+        lift, ended.time if ended else seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf
+    )
     start = _fit_start(track, seen, grid, near, push, marks, sighted)
     slow = near & ~_near_sound(track, grid, start.guess)
-    disturbed = fallen.any() or track.disturbed or (seen.transonic and not start.fused)
+    shocked = track.is_barometric and seen.transonic and not start.fused
+    disturbed = fallen.any() or track.disturbed or shocked
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         start = _fit_start(track, seen, grid, slow, push, marks, sighted)
-    found = _fitted(start, marks, lags, STATIC_SD if track.is_barometric else 0.0)
-    return [replace(one, ascent=replace(one.ascent, sighted=sighted)) for one in found]
+    if ended is not None and not start.fused:
+        settings = settled(start.samples, start.guess, False, marks)
+        found = [LaggedAscent(1.0, lags[0], _drawn(start.samples, start.guess, settings, False, ended.sd))]
+    else:
+        found, ended = _fitted(start, marks, lags, STATIC_SD if track.is_barometric else 0.0), None
+    return [replace(one, ascent=replace(one.ascent, sighted=sighted, ended=ended)) for one in found]
 
 
 def _grid(begin: float, end: float, step: float) -> Grid:
@@ -147,8 +158,10 @@ def _fit_start(
     if coast is not None and is_partial and _speed(coast, marks.burnout) > _MAX_COAST_PART * seen.climbs:
         coast = None
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    samples = samples_on(grid, time, height, track.noise, push if fused else None, sighted, track.lag)
-    return FitStart(samples, coast, guess, fused)
+    samples = samples_on(
+        grid, time, height, track.noise, push if fused else None, sighted, track.lag, is_barometric=track.is_barometric
+    )
+    return FitStart(samples, coast, guess, fused, track.is_barometric and seen.transonic)
 
 
 def _speed(coast: Coast, moment: float) -> float:

@@ -1,5 +1,7 @@
 """Burnout from heights alone: the time at which a jump of the acceleration makes them most likely.
 
+An accelerometer that was saturated, or has another scale, still shows when thrust and weight were equal.
+
 Derivation: the marginal likelihood of the smoother in `fieldkit.analysis.smooth`, for each lag that the heights may
 have.
 """
@@ -9,13 +11,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.ballistic import Coast
+from fieldkit.analysis.channels import MIN_SAMPLES, Push
 from fieldkit.analysis.height_lag import Lag
-from fieldkit.analysis.initial_guess import Guess, first_guess
+from fieldkit.analysis.initial_guess import Guess, first_guess, levelled
+from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.process_noise import FittedCurve
+from fieldkit.analysis.records import Event
+from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.samples import Marks, Samples
 
 _BURNOUTS = 21
 """Number of burnout times to try for each lag. [1]"""
+_ENDS_FOR, _LASTS_FOR, _LATEST_END = 0.3, 0.1, 0.7
+"""Shortest time without thrust that is a coast, and with thrust that is a boost [s]; latest end of a boost, as a
+fraction of the climb [1]."""
+_REACH = 0.4
+"""Smallest difference of burnout from the fastest climb of the heights that is tried. [s]"""
 _PEAK_DELAY = 2.5
 """Delay of the fastest climb of lagged heights, in lags: ln((a + d) / d) for a thrust a ten times the drag d. [1]"""
 
@@ -24,13 +35,14 @@ _PEAK_DELAY = 2.5
 class FitStart:
     """Input of a fit: the samples that count, the coast that they suggest, and an initial guess.
 
-    `fused` if the guess comes from an accelerometer.
+    `fused` if the guess comes from an accelerometer; `transonic` if shocks may have disturbed the heights.
     """
 
     samples: Samples
     coast: Coast | None
     guess: Guess
     fused: bool
+    transonic: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,16 +55,44 @@ class Burnout:
     evidence: float
 
 
+def felt_burnout(push: Push, lift: float, seen: Outline) -> Event | None:
+    """When an accelerometer stopped feeling thrust greater than the weight, by its clock alone; None if it does not
+    show that.
+
+    Of several boosts it is the one that ends closest to the fastest climb.
+    """
+    net = levelled(push, lift)
+    near = (push.time > lift) & (push.time < lift + _LATEST_END * (seen.top - lift))
+    if net is None or near.sum() < MIN_SAMPLES:
+        return None
+    time, net = push.time[near], net[near]
+    step = median_step(time)
+    edges = np.flatnonzero(np.diff((net > 0).astype(np.int8)))
+    bounds = np.concatenate(([time[0]], (time[edges] + time[edges + 1]) / 2, [time[-1]]))
+    begins, ends = bounds[:-1], bounds[1:]
+    pushed = np.concatenate(([net[0] > 0], net[edges + 1] > 0))
+    long = (ends - begins > np.where(pushed, _LASTS_FOR, _ENDS_FOR)) | (begins == time[0])
+    begins, pushed = begins[long], pushed[long]
+    over = begins[1:][pushed[:-1] & ~pushed[1:]]
+    if not over.size:
+        return None
+    moment = float(over[np.argmin(np.abs(over - seen.fastest))])
+    return Event(moment, float(np.hypot(step / 2, 0.02)), push.source)
+
+
 def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: Lag, static: float) -> Burnout:
     """Burnout time that maximizes the likelihood of the heights for one lag.
 
     Acceleration jumps at burnout. `static` is the standard deviation of the airframe's pressure error, as a fraction of
     the dynamic pressure. [1]
+
+    The coast shows the middle between lift-off and burnout, so where shocks hide the corner at burnout, an error of
+    lift-off is also one of burnout.
     """
     lift = lag.lift.time if lag.lift is not None else marks.lift
     marks = replace(marks, lift=lift, released=marks.released - lag.lag)
     begin = lift if lift is not None else start.samples.grid.start
-    reach = max(0.4, 0.25 * (marks.burnout - begin))
+    reach = max(_REACH, 0.25 * (marks.burnout - begin))
     first = max(begin + 0.1, marks.burnout - reach - _PEAK_DELAY * lag.lag)
     every = np.linspace(first, max(min(marks.burnout + reach, marks.released - 0.1), first + 0.1), _BURNOUTS)
     evidence = np.empty(_BURNOUTS)
@@ -65,7 +105,10 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     total = float(evidence.max() + np.log(probability.sum() * (every[1] - every[0]) * lag.prior))
     probability /= probability.sum()
     mean = float(probability @ every)
-    return Burnout(replace(marks, burnout=mean), float(np.sqrt(probability @ (every - mean) ** 2)), lag.lag, total)
+    sd = float(np.sqrt(probability @ (every - mean) ** 2))
+    if start.transonic and lag.lift is not None:
+        sd = float(np.hypot(sd, lag.lift.sd))
+    return Burnout(replace(marks, burnout=mean), sd, lag.lag, total)
 
 
 def guess_for(start: FitStart, marks: Marks, lag: float) -> Guess:

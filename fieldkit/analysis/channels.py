@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median
+from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median, running_median_over, stretches
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.shapes import Array, Flags, Float
@@ -45,8 +45,8 @@ _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
 _REPEAT_TIME, _BOOST_ACCELERATION, _FIX_NOISE = 2.0, 600.0, 20.0
 """Shortest time for which a lost receiver repeats its last height [s], the acceleration of the hardest boosts
 [m/s^2], and how far two heights of a receiver in the open differ [m]."""
-_WINDOW = 0.5
-"""Length of the running median that reveals spikes. [s]"""
+_WINDOW, _MIN_SIZE, _MAX_SIZE = 0.5, 5, 61
+"""Length of the running median that reveals spikes [s], and its limits in samples. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -259,17 +259,21 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
     time, height = time[kept], height[kept]
     if time.size < MIN_SAMPLES:
         return None
-    step = median_step(time)
-    size = int(np.clip(_WINDOW / step, 5, 61)) | 1
-    middle = running_median(height, size)
-    away = np.abs(height - middle)
-    usual = 1.4826 * running_median(away, int(np.clip(4 * size, 41, 241)) | 1)
+    away = np.abs(height - running_median_over(time, height, _WINDOW, _MIN_SIZE, _MAX_SIZE))
+    usual = 1.4826 * running_median_over(time, away, 4 * _WINDOW, 8 * _MIN_SIZE, 4 * _MAX_SIZE)
     noise = max(mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height) / np.sqrt(12), 0.02)
-    sagitta = GRAVITY * (size / 2 * step) ** 2
-    line = away <= 5 * np.maximum(usual, noise) + sagitta
+    line = away <= 5 * np.maximum(usual, noise) + _sagitta(time)
     if line.sum() < MIN_SAMPLES:
         return None
     return Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, CHANNEL_TITLES[name])
+
+
+def _sagitta(time: Float[Array, "_"]) -> Float[Array, "_"]:
+    """By how much a climb that decelerates at two g leaves the line between the ends of the window. [m]"""
+    found = np.empty(time.size)
+    for part, step in stretches(time):
+        found[part] = GRAVITY * (np.clip(_WINDOW, _MIN_SIZE * step, _MAX_SIZE * step) / 2) ** 2
+    return found
 
 
 def _resolution(height: Float[Array, "_"]) -> float:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights
-from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.analysis.robust_statistics import running_median, running_median_over
 from fieldkit.shapes import Flags
 
 _MAX_ACCELERATION = 2000.0
@@ -99,7 +99,7 @@ def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
 def _shocks(track: Heights) -> Flags:
     """Samples of the climb in which the rocket appears to fall though it rises near the speed of sound."""
     time, height = track.time, track.height
-    calm = running_median(height, int(np.clip(1.0 / median_step(time), 3, 201)) | 1)
+    calm = running_median_over(time, height, 1.0, 3, 201)
     top = int(np.argmax(calm))
     wrong = np.zeros(time.size, bool)
     if top < 3:

@@ -10,7 +10,7 @@ from fieldkit.analysis.channels import CHANNEL_TITLES, Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
-from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.robust_statistics import mad_sd, median_step
 from fieldkit.analysis.satellites import SOURCE as SATELLITES
 from fieldkit.analysis.satellites import sighted_speed
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
@@ -38,6 +38,12 @@ _MOSTLY = 0.5
 """Fraction of a speed that satellites must contribute to be named as its source. [1]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
+_CHERNOFF_SD = 0.513
+"""Standard deviation of Chernoff's distribution (Groeneboom and Wellner, Journal of Computational and Graphical
+Statistics 10, 2001). [1]"""
+_CROSSING_WINDOW, _NOISE_WINDOW, _LEAST_SLOPE = 0.15, 1.0, 5.0
+"""Time to both sides of top speed over which the slope of the acceleration [s] and the noise of the accelerometer [s]
+are taken, and the slowest decrease of net acceleration at burnout [m/s^3]."""
 
 
 def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> MeasuredClimb:
@@ -118,14 +124,19 @@ def boost_event(
     time = ascent.time[inside]
     if time.size < 5:
         return None
-    place = int(np.argmax(ascent.speed[inside]))
+    fastest = int(np.argmax(ascent.speed[inside]))
+    place = fastest if ascent.ended is None else int(np.argmin(np.abs(time - ascent.ended.time)))
     value = float(ascent.speed[inside][place])
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
     late = float(1.4826 * np.median(np.abs(moments - time[place])))
     spread = float(ascent.speeds[:, inside][:, place].std())
     if ascent.fused and push:
         late, spread = (
-            float(np.hypot(late, max(0.02, median_step(push.time) / 2))),
+            float(
+                np.linalg.norm(
+                    [late, max(0.02, median_step(push.time) / 2), _moved_by_noise(push, ascent, time[place])]
+                )
+            ),
             float(
                 np.linalg.norm([spread, _FUSED_SPEED_ERROR * value, (push.scale - 1) / 2 * value, push.missed_speed_sd])
             ),
@@ -134,6 +145,7 @@ def boost_event(
         is_barometric, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
         fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR
         late = float(np.linalg.norm([late, 0.03 + fraction * (time[place] - begin), ascent.burnout_sd]))
+        late = late if ascent.ended is None else ascent.ended.sd
         blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
@@ -149,7 +161,25 @@ def boost_event(
         value, source = value + off, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
         spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
         late = float(np.hypot(late, blurred))
+    if ascent.ended is not None:
+        return ascent.ended, Figure(value, float(spread), source)
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)
+
+
+def _moved_by_noise(push: Push, ascent: Ascent, moment: float) -> float:
+    """How far the noise of an accelerometer moves the time of top speed. [s]
+
+    Derivation: where the net acceleration crosses zero with the slope -s, the speed is s t²/2 below its maximum, and
+    the noise n of samples d apart adds a Brownian motion of variance n² d t. The maximum of W(t) - t² has Chernoff's
+    distribution (Annals of the Institute of Statistical Mathematics 16, 1964), and t scales as (2 n sqrt(d) / s)^(2/3).
+    """
+    near = np.abs(ascent.time - moment) < _CROSSING_WINDOW
+    felt = push.felt[np.abs(push.time - moment) < _NOISE_WINDOW]
+    if near.sum() < 4 or felt.size < 4:
+        return 0.0
+    slope = max(-2 * float(np.polyfit(ascent.time[near] - moment, ascent.speed[near], 2)[0]), _LEAST_SLOPE)
+    noise = mad_sd(np.diff(felt)) / np.sqrt(2)
+    return _CHERNOFF_SD * float((2 * noise * np.sqrt(median_step(push.time)) / slope) ** (2 / 3))
 
 
 def _moved_by_pressure(ascent: Ascent, inside: Flags) -> float:

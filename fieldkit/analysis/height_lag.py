@@ -16,11 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.analysis.boost_length import burn_time, mean_acceleration
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import known_well
 from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.shapes import Array, Float
 
 _LAGS = (0.0, 0.06, 0.12, 0.2, 0.28, 0.36, 0.45, 0.55, 0.7)
 """Lags to try. [s]"""
@@ -61,14 +63,18 @@ def burnout_is_hidden(track: Heights, seen: Outline) -> bool:
     return float(np.diff(track.time[max(first - 1, 0) : last + 1]).max(initial=0.0)) > MAX_HEIGHT_GAP
 
 
-def averaged(every: Sequence[Recorded], weights: Sequence[float]) -> Recorded:
-    """The most probable of some measurements of one flight, with figures and events averaged over all of them."""
+def averaged(every: Sequence[Recorded], weights: Sequence[float], time: Float[Array, "time"]) -> Recorded:
+    """The most probable of some measurements of one flight, with figures and events averaged over all of them.
+
+    `time` are the times of the samples that show the boost. [s]
+    """
     best = every[int(np.argmax(weights))]
     figures = {name: _mean([one.figures.get(name) for one in every], weights) for name in best.figures}
-    if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
-        mean = figures["top_speed"].value / figures["burn_time"].value
-        figures["avg_accel"] = replace(figures["avg_accel"], value=mean)
     events = {name: _moment([one.events.get(name) for one in every], weights) for name in best.events}
+    if "burn_time" in figures:
+        figures["burn_time"] = burn_time(figures["burn_time"], events["liftoff"], events["burnout"], time)
+    if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
+        figures["avg_accel"] = mean_acceleration(figures["top_speed"], figures["burn_time"])
     known, unknown = known_well(figures)
     return replace(best, figures=known, events=events, notes=(*best.notes, *unknown))
 

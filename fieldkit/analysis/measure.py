@@ -8,6 +8,8 @@ import numpy as np
 
 from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecked
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
+from fieldkit.analysis.boost_length import SHORTEST_BOOST
+from fieldkit.analysis.burnout import felt_burnout
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
@@ -44,8 +46,6 @@ _MAX_MISS = 0.08
 fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
 """If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
-_SHORTEST_BOOST = 0.15
-"""Duration of the shortest boosts. [s]"""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_LAG = 0.08
@@ -68,7 +68,7 @@ def _feels_thrust(time: Float[Array, "_"], felt: Float[Array, "_"] | None) -> bo
     """Whether an acceleration is far from rest for as long as the shortest boost."""
     if felt is None or time.size < MIN_SAMPLES:
         return False
-    width = max(3, round(_SHORTEST_BOOST / median_step(time)))
+    width = max(3, round(SHORTEST_BOOST / median_step(time)))
     return bool((running_median(np.nan_to_num(felt), width | 1) > _THRUST).any())
 
 
@@ -107,9 +107,12 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     blow = shock(felt, seen.fastest, seen.top)
     shape = slanted.upward if slanted is not None else trust.push
     sighted = sightings(clocks, track, seen)
-    moments = (lift.time if lift else None, blow.time if blow else None, stated.get("apogee"))
+    gap = silence(track, seen)
+    moments = (lift.time if lift else None, blow.time if blow else None, gap[0] if gap else stated.get("apogee"))
     lags = possible_lags(track, seen, lift)
-    ascents = _ascents(track, shape, seen, *moments, sighted, lags)
+    clock = trust.clock_only
+    ended = felt_burnout(clock, lift.time, seen) if clock is not None and lift is not None else None
+    ascents = _ascents(track, shape, seen, *moments, sighted, lags, ended)
     if ascents and ascents[0].ascent.fused and _misses_the_top(ascents[0].ascent, seen, track):
         trust, felt = _Trust(None, notes=(REJECTED_NOTE.format("is from a different climb than the heights"),)), None
         ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)
@@ -120,8 +123,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     on_time = next(one for one, ascent in zip(each, ascents, strict=True) if not ascent.lag.lag)
     if NO_FLIGHT in on_time.notes:  # correcting a lag does not turn a drone into a rocket
         return on_time
+    times = trust.push.time if trust.push is not None and log.ascent.fused else every
     weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
-    found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each])
+    found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each], times)
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     others += () if later is None else (OTHER_FLIGHT.format(later - float(every[0])),)
     return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)
@@ -168,7 +172,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     rise = liftoff(track, None, seen) if push is not None else None
     if push is not None and full is not None:
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
-    found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
+    found = _agreement(track, push, seen, rise) if push is not None and rise is not None else None
     if push is not None and found is None and unchecked(push, seen, rise):
         return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED),))
     if push is None or rise is None:
@@ -180,6 +184,17 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     if slanted is not None:
         return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),))
     return _Trust(None, notes=(REJECTED_NOTE.format(found.why),))
+
+
+def _agreement(track: Heights, push: Push, seen: Outline, rise: Event) -> Agreement | None:
+    """Comparison of an accelerometer with the heights from their lift-off or, if they differ, from its own: shocks and
+    static ports may hide the start of a hard boost from the heights."""
+    found = agreement(track, push, seen, rise)
+    if found is None or found.is_consistent:
+        return found
+    lift = liftoff(track, push, seen)
+    again = agreement(track, push, seen, lift) if lift is not None and lift.time < rise.time else None
+    return again if again is not None and again.is_consistent else found
 
 
 def _ends_in_boost(push: Push, seen: Outline) -> bool:

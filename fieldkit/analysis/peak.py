@@ -1,7 +1,7 @@
 """Peak acceleration of a boost: from an accelerometer, or from a curve through heights combined with motor data.
 
 Derivation: the maximum of a running mean; what a curve through heights smooths away is estimated from motors in the
-catalog.
+catalog, whose thrust is the acceleration plus gravity and drag.
 """
 
 import numpy as np
@@ -15,26 +15,28 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 BEYOND_WINDOW = (
-    (0.05, 0.02, 0.06),
-    (0.1, 0.06, 0.11),
-    (0.2, 0.12, 0.20),
-    (0.4, 0.20, 0.28),
-    (0.6, 0.27, 0.32),
-    (1.0, 0.47, 0.34),
-    (1.5, 0.87, 0.34),
+    (0.05, 1.02, 0.06),
+    (0.1, 1.07, 0.14),
+    (0.2, 1.16, 0.29),
+    (0.4, 1.29, 0.48),
+    (0.6, 1.39, 0.59),
+    (1.0, 1.71, 0.73),
+    (1.5, 2.56, 1.09),
 )
 """Peak thrust divided by the highest mean over a window, for window lengths as fractions of the burn: mean and standard
-deviation of its logarithm over the motors of the catalog, with each impulse class weighted equally (a test recomputes
-it). [1]"""
-BEYOND_MEAN = (0.47, 0.34)
+deviation over the motors of the catalog, with each impulse class weighted equally (a test recomputes it). A few motors
+have peaks far above their means, so the logarithms would have too small a spread. [1]"""
+BEYOND_MEAN = (1.71, 0.73)
 """The same for the mean of the burn. [1]"""
 _MAX_LATE_START = 0.05
-"""How long after lift-off an accelerometer may start and still have recorded the peak, which ignition may cause. [s]"""
+"""How long after lift-off a log may start and still have recorded the peak, which ignition may cause. [s]"""
 _WINDOW = 0.05
 """Averaging window of the peak acceleration. In a log too sparse for it, the peak lies between the mean of three
 samples and a single sample. [s]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
+_FAST_FRACTION = 0.5
+"""Fraction of the top speed above which drag is measured in the coast. [1]"""
 
 
 def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, mean: Figure) -> Figure | None:
@@ -56,28 +58,24 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
             lasts = float(push.full[there].sum()) * median_step(push.time)
             filled = float(level[there & push.full].mean())
             return _above(_smoothed_peak(ascent, inside, mean, hidden, (filled, lasts)), max(floor, GRAVITY))
-    return _smoothed_peak(ascent, inside, mean) if inside.any() else None
+    if not inside.any():
+        return None
+    return _smoothed_peak(ascent, inside, mean, starts_late=bool(ascent.time[0] > begin + _MAX_LATE_START))
 
 
 def _above(peak: Figure, floor: float) -> Figure:
-    """A peak known to be at least the end of the range: the normal distribution of its logarithm, truncated there."""
-    spread = peak.sd / peak.value
-    logs = np.log(peak.value) + spread * np.linspace(-5, 5, 2001)
+    """A peak known to be at least the end of the range: the lognormal distribution, truncated there."""
+    spread = float(np.sqrt(np.log1p((peak.sd / peak.value) ** 2)))
+    middle = np.log(peak.value) - spread**2 / 2
+    logs = middle + spread * np.linspace(-5, 5, 2001)
     logs = logs[logs >= np.log(floor)]
     if logs.size < 2:
         return Figure(floor, spread * floor, peak.source)
-    weight = np.exp(-(((logs - np.log(peak.value)) / spread) ** 2) / 2)
+    weight = np.exp(-(((logs - middle) / spread) ** 2) / 2)
     mean = float(weight @ logs / weight.sum())
     sd = float(np.sqrt(weight @ (logs - mean) ** 2 / weight.sum()))
     value = float(np.exp(mean))
     return Figure(value, sd * value, peak.source)
-
-
-def _usual_peak(mean: Figure) -> Figure:
-    """Peak from the mean acceleration alone, by the motors of the catalog."""
-    spread = float(np.hypot(mean.sd / mean.value, BEYOND_MEAN[1]))
-    usual = mean.value * float(np.exp(BEYOND_MEAN[0]))
-    return Figure(usual, spread * usual, mean.source)
 
 
 def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push) -> Figure | None:
@@ -102,29 +100,57 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
 
 
 def _smoothed_peak(
-    ascent: Ascent, inside: Flags, mean: Figure, hidden: Flags | None = None, filled: tuple[float, float] = (0.0, 0.0)
+    ascent: Ascent,
+    inside: Flags,
+    mean: Figure,
+    hidden: Flags | None = None,
+    filled: tuple[float, float] = (0.0, 0.0),
+    *,
+    starts_late: bool = False,
 ) -> Figure:
-    """Peak from heights only: that of the curve, times what motors have beyond a window as long as the curve resolves.
+    """Peak from heights only: that of the curve, with what motors have beyond a window as long as the curve resolves.
 
     If an accelerometer was saturated in the samples `hidden`, `filled` is the mean there [m/s^2] and how long it lasted
     [s]. Disturbed pressure at high speed creates peaks that no motor has. If the curve's peak differs from what motors
-    have at this mean by more than the uncertainty of both, only the mean is used.
+    have at this mean by more than the uncertainty of both, only the mean is used, and so it is if the curve
+    `starts_late`, because the peak may have come at ignition.
     """
-    burn = max(float(np.ptp(ascent.time[inside])), 1e-3)
-    by_mean = _usual_peak(mean)
+    time, speed = ascent.time[inside], ascent.speed[inside]
+    burn = max(float(np.ptp(time)), 1e-3)
+    drag = _drag(ascent, float(time[-1]), float(speed[-1]))
+    by_mean = _beyond(mean, BEYOND_MEAN, float(np.mean(drag * speed**2)))
+    place = int(np.argmax(ascent.acceleration[inside]))
     if hidden is not None and hidden.any():
         curve, window = filled
         draws = ascent.accelerations[:, hidden].mean(axis=1)
     else:
-        place = int(np.argmax(ascent.acceleration[inside]))
-        curve, draws = ascent.acceleration[inside][place], ascent.accelerations[:, inside][:, place]
+        curve, draws = float(ascent.acceleration[inside][place]), ascent.accelerations[:, inside][:, place]
         window = ascent.resolution
-    if curve <= 0:
+    if curve <= 0 or starts_late:
         return by_mean
-    parts, logs, sds = np.array(BEYOND_WINDOW).T
-    peak = float(curve * np.exp(np.interp(window / burn, parts, logs)))
+    parts, ratios, sds = np.array(BEYOND_WINDOW).T
+    beyond = tuple(float(np.interp(window / burn, parts, one)) for one in (ratios, sds))
     shared = mean.sd / mean.value  # an error of the mean is also an error of the peak
-    sd = float(np.linalg.norm([draws.std() / curve, np.interp(window / burn, parts, sds), shared]))
-    if abs(np.log(peak / by_mean.value)) > 2 * np.hypot(sd, by_mean.sd / by_mean.value):
+    error = float(np.hypot(draws.std(), shared * curve))
+    peak = _beyond(Figure(curve, error, mean.source), beyond, float(drag * speed[place] ** 2))
+    if abs(np.log(peak.value / by_mean.value)) > 2 * np.hypot(peak.sd / peak.value, by_mean.sd / by_mean.value):
         return by_mean
-    return Figure(peak, sd * peak, mean.source)
+    return peak
+
+
+def _beyond(mean: Figure, ratio: tuple[float, ...], drag: float) -> Figure:
+    """Peak from the mean over a window and a `ratio` of peak and mean thrust, with its standard deviation.
+
+    Thrust per mass is the net acceleration plus gravity and drag [m/s^2].
+    """
+    thrust = mean.value + GRAVITY + drag
+    sd = np.hypot(ratio[0] * mean.sd, ratio[1] * thrust)
+    return Figure(mean.value + (ratio[0] - 1) * thrust, float(sd), mean.source)
+
+
+def _drag(ascent: Ascent, burnout: float, fastest: float) -> float:
+    """Drag per mass and speed squared in the fast part of the coast, 0 if there is none. [1/m]"""
+    fast = (ascent.time > burnout) & (ascent.speed > _FAST_FRACTION * fastest)
+    if not fast.any():
+        return 0.0
+    return max(float(np.median((-ascent.acceleration[fast] - GRAVITY) / ascent.speed[fast] ** 2)), 0.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.channels import Heights
-from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.analysis.robust_statistics import median_step, running_median_over, stretches
 from fieldkit.shapes import Array, Float
 
 LEAST_GAIN = 5.0
@@ -22,8 +22,9 @@ _ZERO, _GROUND = 1.0, 20.0
 the zero instead of the terrain. [m]"""
 _PARTS = 5
 """Number of parts into which the time on the pad is divided to detect gusts and drift. [1]"""
-_TRANSONIC_SPEED, _TRANSONIC_WINDOW = 270.0, 1.0
-"""If a climb appears faster than this [m/s], it is evaluated over a window of this length to both sides [s]."""
+_WINDOW, _TRANSONIC_SPEED, _TRANSONIC_WINDOW = 0.25, 270.0, 1.0
+"""The climb rate is that over a window to both sides [s]. If it is above this [m/s], it is evaluated over a window of
+this length to both sides [s]."""
 LONGEST_CLIMB = 120.0
 """Longest time from lift-off to apogee. [s]"""
 _DOWN, _LEAST_NEXT, _MIN_NEXT = 0.25, 0.3, 20
@@ -60,18 +61,16 @@ class Outline:
 def outline(track: Heights) -> Outline | None:
     """Find the flight in a height channel. None if nothing rises like a rocket."""
     time, height = track.time, track.height
-    step = median_step(time)
-    calm = running_median(height, int(np.clip(1.0 / step, 3, 201)) | 1)
+    calm = running_median_over(time, height, 1.0, 3, 201)
     top = int(np.argmax(calm))
     from_ = int(np.searchsorted(time, time[top] - LONGEST_CLIMB))
     if top - from_ < 3:
         return None
-    reach = max(1, round(0.25 / step))
-    climb = np.maximum.accumulate(running_median(height, max(3, reach | 1))[from_ : top + 1])
-    speed = _slope(time[from_ : top + 1], climb, reach)
+    climb = np.maximum.accumulate(running_median_over(time, height, _WINDOW, 3, 201)[from_ : top + 1])
+    speed = _slope(time[from_ : top + 1], climb, _WINDOW)
     transonic = bool(speed.max() > _TRANSONIC_SPEED)
     if transonic:  # brief shocks make a rocket appear to jump, so a longer window is used
-        speed = _slope(time[from_ : top + 1], climb, max(reach, round(_TRANSONIC_WINDOW / step)))
+        speed = _slope(time[from_ : top + 1], climb, _TRANSONIC_WINDOW)
     fastest = int(np.argmax(speed))
     lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
     start = from_ + lift if lift is not None else from_
@@ -80,7 +79,7 @@ def outline(track: Heights) -> Outline | None:
     if gain < max(LEAST_GAIN, 8 * track.noise) or speed[fastest] < LEAST_SPEED:
         return None
     fall = calm[top] - calm[top:].min()
-    down = bool(fall > max(1.5, 4 * track.noise) and time[-1] - time[top] > 2 * step)
+    down = bool(fall > max(1.5, 4 * track.noise) and time[-1] - time[top] > 2 * median_step(time))
     return Outline(
         float(time[start]) if lift is not None else None,
         float(time[from_ + fastest]),
@@ -136,10 +135,12 @@ def is_similar(other: Outline, seen: Outline) -> bool:
     return gains[0] > _LEAST_NEXT * gains[1] and other.climbs > _LEAST_NEXT * seen.climbs
 
 
-def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Float[Array, "_"]:
-    """Speed over `reach` samples to both sides. [m/s]"""
-    before = np.maximum(np.arange(time.size) - reach, 0)
-    after = np.minimum(np.arange(time.size) + reach, time.size - 1)
+def _slope(time: Float[Array, "_"], height: Float[Array, "_"], window: float) -> Float[Array, "_"]:
+    """Speed over the samples of a window to either side [s], at least one. [m/s]"""
+    places, reach = np.arange(time.size), np.empty(time.size, np.int64)
+    for part, step in stretches(time):
+        reach[part] = max(1, round(window / step))
+    before, after = np.maximum(places - reach, 0), np.minimum(places + reach, time.size - 1)
     return np.asarray((height[after] - height[before]) / np.maximum(time[after] - time[before], 1e-9))
 
 

@@ -27,6 +27,9 @@ _MARGIN = 1.5
 """Largest factor by which smoothed heights underestimate the speed after a short boost. [1]"""
 _SLACK = 1.0
 """Uncertainty of the time of apogee, because the top of the curve is flat. [s]"""
+_MAX_COAST_SD = 3.0
+"""Largest standard deviation of a coast: gravity bends the top of every coast, so a top that is flat for longer is a
+hover. [s]"""
 LEAST_TOP_SPEED = 5.0
 """Smallest top speed of a rocket. [m/s]"""
 _STATED_TOLERANCE, _READOUT_TEXTS = (
@@ -96,7 +99,7 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
         return False
     fastest = min(fastest, _MAX_SMOOTHING * climbs)
     coast = figures.get("coast_to_apogee")
-    if coast and coast.value - _CONTRADICTION_SDS * coast.sd > _MARGIN * fastest / GRAVITY + _SLACK:
+    if coast and coast.value - _CONTRADICTION_SDS * min(coast.sd, _MAX_COAST_SD) > _MARGIN * fastest / GRAVITY + _SLACK:
         return False
     return highest - height_at_burnout < (_MARGIN * fastest) ** 2 / (2 * GRAVITY)
 

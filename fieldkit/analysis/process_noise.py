@@ -219,10 +219,13 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float
 def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
     """Error of each height from the pressure in a fast airframe, relevant if an accelerometer is more precise. [m]
 
+    Heights of a receiver have none.
     Above about Mach 0.8, where shocks disturb the pressure, it is also relevant if there are satellite data. If these
     show a pressure error, it is that fraction of the dynamic pressure throughout the flight, shared by all samples of a
     boost.
     """
+    if not samples.is_barometric:
+        return np.zeros(samples.time.size)
     step = median_step(samples.time[: samples.own])
     lasting = np.sqrt(max(1.0, _CORRELATION_TIME / step)) if fused else 0.15
     speed = np.clip(np.interp(samples.time, samples.grid.time, guess.speed), 0, 4 * SPEED_OF_SOUND)

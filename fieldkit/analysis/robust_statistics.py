@@ -6,12 +6,16 @@ measuring a log, and a third of the memory.
 Source: the median absolute deviation as a scale (Hampel, The Influence Curve and Its Role in Robust Estimation, 1974).
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from fieldkit.shapes import Array, Float
 
 _LONG_FILTER = 500_000
 """Samples times window above which scipy's filter is used. [1]"""
+_RATE_WINDOW, _MOST_STRETCHES = 25, 20
+"""Number of samples that show a sampling rate, and largest number of changes of it; beyond that it is irregular. [1]"""
 
 
 def mad_sd(values: Float[Array, "_"]) -> float:
@@ -32,6 +36,34 @@ def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
     padded = np.pad(np.asarray(values, float), (size // 2, size - 1 - size // 2), mode="symmetric")
     windows = np.lib.stride_tricks.sliding_window_view(padded, size)
     return np.asarray(np.partition(windows, size // 2, axis=1)[:, size // 2])
+
+
+def running_median_over(
+    time: Float[Array, "_"], values: Float[Array, "_"], window: float, least: int, most: int
+) -> Float[Array, "_"]:
+    """Running median over a time [s], of at least and at most so many samples, in the unit of the values.
+
+    A log may be sampled faster in the climb than on the way down; each stretch has its own number of samples.
+    """
+    found = np.empty(values.size)
+    for part, step in stretches(time):
+        size = int(np.clip(window / step, least, most)) | 1
+        first, last = max(part.start - size, 0), min(part.stop + size, values.size)
+        found[part] = running_median(values[first:last], size)[part.start - first : part.stop - first]
+    return found
+
+
+def stretches(time: Float[Array, "_"]) -> list[tuple[slice, float]]:
+    """The parts of a log between changes of its sampling rate by a factor of two, and the time step of each. [s]"""
+    usual = median_step(time)
+    steps = running_median(np.diff(time), _RATE_WINDOW)
+    rates = np.round(np.log2(np.maximum(steps, 1e-6) / usual))
+    edges = np.flatnonzero(np.diff(rates)) + 1
+    edges = edges[np.diff(edges, prepend=0) >= _RATE_WINDOW] if edges.size else edges
+    if not 0 < edges.size <= _MOST_STRETCHES:
+        return [(slice(0, time.size), usual)]
+    bounds = [0, *edges.tolist(), time.size]
+    return [(slice(a, b), median_step(time[a : b + 1])) for a, b in pairwise(bounds)]
 
 
 def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Array, "_"]:

@@ -34,6 +34,7 @@ class Samples:
     The first `own` samples are the heights of the log's main source. The rest are satellite data, heights and speeds by
     their `order`, with their `variance`, and the `static` error of the heights that they imply. The heights are delayed
     by `lag` [s]. `hidden` is the extra process noise of the acceleration if an accelerometer was saturated [m^2/s^5].
+    `is_barometric` if the main source is pressure, which is biased in a fast airframe.
     """
 
     time: Float[Array, "time"]
@@ -46,6 +47,7 @@ class Samples:
     variance: Float[Array, "time"]
     static: float = 0.0
     lag: float = 0.0
+    is_barometric: bool = True
 
     @property
     def grid(self) -> Grid:
@@ -73,6 +75,8 @@ def samples_on(
     push: Push | None = None,
     sighted: Sightings | None = None,
     lag: float = 0.0,
+    *,
+    is_barometric: bool = True,
 ) -> Samples:
     """Prepare heights above the pad for fits on a grid, with satellite data and an accelerometer that shapes the curve.
 
@@ -86,7 +90,17 @@ def samples_on(
         order, variance = np.append(order, sighted.order[near]), np.append(variance, sighted.variance[near])
         static = sighted.static
     return Samples(
-        time, height, design(grid, time, order), noise, _hidden(grid, push), own, order, variance, static, lag
+        time,
+        height,
+        design(grid, time, order),
+        noise,
+        _hidden(grid, push),
+        own,
+        order,
+        variance,
+        static,
+        lag,
+        is_barometric,
     )
 
 

@@ -50,12 +50,14 @@ def _words(head: bytes) -> tuple[str, frozenset[str]]:
 
 
 def likeness(parser: Parser, log: bytes) -> Likeness:
-    """The signs of a parser that a file contains."""
+    """The signs of a parser that a file contains, as spelled there."""
     text, words = _words(log[:HEAD])
-    there = [any(_contains_sign(text, words, one) for one in sign.lower().split("|")) for sign in parser.signs]
-    spelled = [sign.partition("|")[0] for sign in parser.signs]
-    found = tuple(sign for sign, is_there in zip(spelled, there, strict=True) if is_there)
-    return Likeness(found, tuple(sign for sign, is_there in zip(spelled, there, strict=True) if not is_there))
+    spelled = [
+        (sign, next((one for one in sign.split("|") if _contains_sign(text, words, one.lower())), ""))
+        for sign in parser.signs
+    ]
+    found = tuple(one for _, one in spelled if one)
+    return Likeness(found, tuple(sign.partition("|")[0] for sign, one in spelled if not one))
 
 
 def _contains_sign(text: str, words: frozenset[str], sign: str) -> bool:

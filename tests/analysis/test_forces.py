@@ -53,3 +53,24 @@ def test_burnout_from_pressure_is_less_certain_if_thrust_fades() -> None:
         sds.append(found[0].sd)
     assert sds[0] == pytest.approx(np.hypot(0.05, 0.05), rel=0.1)
     assert sds[1] > 2 * sds[0]
+
+
+def test_burnout_by_an_accelerometer_is_as_certain_as_its_noise_allows_for_thrust_that_fades() -> None:
+    """Integrated noise moves the maximum of a speed by about its own scatter over many flights."""
+    ticks, random = np.arange(-2, 6, 0.01), np.random.default_rng(4)
+    net = np.where(ticks < 0, 0.0, np.clip(60 - 40 * ticks, -20.0, None))
+    felt = net + GRAVITY + random.normal(0, 4.0, (300, ticks.size))
+    near = (ticks > 1.0) & (ticks < 2.0)
+    tops = ticks[near][np.argmax(np.cumsum(felt[:, near] - GRAVITY, axis=1), axis=1)]
+    time = np.arange(0, 6, 0.02)
+    smooth = np.clip(60 - 40 * time, -20.0, None)
+    speed = np.cumsum(smooth) * 0.02
+    draws = (np.tile(one, (2, 1)) for one in (np.cumsum(speed) * 0.02, speed, smooth))
+    ascent = Ascent(time, np.cumsum(speed) * 0.02, speed, smooth, *draws, noise=0.4, burnout_sd=0.0, fused=True)
+    found = boost_event(ascent, Push(ticks, felt[0], False, "acceleration", weighs=True), 0.0, 5.9, "acceleration")
+    assert found is not None
+    assert 0.7 * tops.std() < found[0].sd < 1.5 * tops.std()
+    quiet = Push(ticks, net + GRAVITY, False, "acceleration", weighs=True)
+    exact = boost_event(ascent, quiet, 0.0, 5.9, "acceleration")
+    assert exact is not None
+    assert exact[0].sd < 0.03

@@ -13,6 +13,7 @@ from fieldkit.analysis.smooth import Grid, design, fit
 from fieldkit.flight import Series
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, Truth, fly, log
 
+LIFT = Event(0.0, 0.1, "pressure")
 READOUTS = ("apogee", "top_speed", "burn_time", "avg_accel", "time_to_apogee", "coast_to_apogee", "duration")
 
 
@@ -101,9 +102,9 @@ def test_samples_too_noisy_for_a_second_curve_are_not_a_flight(monkeypatch: pyte
 def test_the_sd_of_an_average_includes_the_spread_between_figures() -> None:
     def recorded(speed: float, burn: float) -> Recorded:
         figures = {"top_speed": Figure(speed, 3.0, "pressure"), "burn_time": Figure(burn, 0.1, "pressure")}
-        return Recorded({"burnout": Event(burn, 0.1, "pressure")}, figures)
+        return Recorded({"liftoff": LIFT, "burnout": Event(burn, 0.1, "pressure")}, figures)
 
-    found = averaged([recorded(100.0, 1.0), recorded(80.0, 2.0)], [0.75, 0.25])
+    found = averaged([recorded(100.0, 1.0), recorded(80.0, 2.0)], [0.75, 0.25], np.arange(-5.0, 20.0, 0.1))
     assert found.figures["top_speed"].value == 95.0
     assert found.figures["top_speed"].sd == pytest.approx(np.sqrt(9 + 0.75 * 25 + 0.25 * 225))
     assert found.events["burnout"].time == 1.25

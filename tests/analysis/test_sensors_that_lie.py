@@ -11,8 +11,9 @@ from bench.recorders.flights import draw
 from bench.recorders.models import Recorder
 from bench.recorders.record import written
 from fieldkit.analysis import NO_FLIGHT, Recorded, measure
-from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.channels import Heights, heights
 from fieldkit.analysis.disturbed_heights import undisturbed
+from fieldkit.analysis.phases import outline
 from fieldkit.analysis.possible import known_well, possible, widened_by_contradictions
 from fieldkit.analysis.records import Figure
 from fieldkit.analysis.whole_flight import flight_curve
@@ -67,6 +68,39 @@ def test_shocks_do_not_move_burnout(rocket: Rocket, rate: float) -> None:
     recorded = measure(shocked(truth, 0.8, 268.0, wait=2.0, rate=rate))
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "coast_to_apogee")
     assert recorded.figures["burn_time"].value == pytest.approx(truth.burnout, rel=0.15)
+
+
+def test_burnout_is_that_of_a_saturated_accelerometer_if_shocks_hide_it_from_the_heights() -> None:
+    truth = flown(HARD)
+    heights, accelerometer = shocked(truth, 0.8, 600.0, wait=2.0, accelerometer=100.0)
+    assert accelerometer.felt is not None
+    recorded = measure((heights, replace(accelerometer, felt=np.minimum(accelerometer.felt, 8 * GRAVITY))))
+    assert any("saturated" in note for note in recorded.notes)
+    assert recorded.events["burnout"].source == "acceleration"
+    assert recorded.figures["burn_time"].value == pytest.approx(truth.readouts()["burn_time"], abs=0.06)
+
+
+def test_satellite_heights_are_used_through_the_speed_of_sound() -> None:
+    """Shocks sit on static ports; a receiver has none."""
+    truth = flown(HARD)
+    (series,) = recording(truth, rate=5.0, wait=3.0)
+    satellites = Series(series.time, gps_altitude_msl=series.altitude)
+    speed = measure((satellites,)).figures["top_speed"]
+    assert speed.value == pytest.approx(truth.readouts()["top_speed"], rel=0.04)
+    assert speed.sd < 0.05 * speed.value
+
+
+def test_a_log_sampled_faster_in_the_climb_than_after_it_is_measured_as_well() -> None:
+    """The typical time step of such a log is that of its long descent."""
+    truth = flown(LARGE)
+    fast = recording(truth, rate=100.0, noise=1.0)[0]
+    climbs = fast.time < truth.apogee_time + 0.2
+    every = climbs | (np.arange(fast.time.size) % 20 == 0)
+    assert fast.altitude is not None
+    seen = outline(undisturbed(heights([Series(fast.time[every], altitude=fast.altitude[every])])))
+    assert seen is not None
+    assert seen.climbs == pytest.approx(truth.readouts()["top_speed"], rel=0.08)
+    assert seen.fastest == pytest.approx(truth.burnout, abs=0.4)
 
 
 @pytest.mark.sampled
@@ -139,6 +173,34 @@ def test_a_radio_gap_from_boost_to_near_the_top_leaves_the_apogee(seed: int) -> 
     clocks = recording(truth, rate=10.0, seed=seed)
     recorded = measure([series_without(series, 0.5 * truth.burnout, truth.apogee_time - 2) for series in clocks])
     assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", "duration")
+
+
+@pytest.mark.parametrize("static", [-0.04, 0.04])
+def test_the_interval_of_an_apogee_in_a_gap_allows_for_static_ports(static: float) -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth, rate=10.0)
+    speed = np.interp(series.time, truth.time, truth.speed, left=0, right=0)
+    heard = (series.time < truth.apogee_time - 7) | (series.time > truth.apogee_time + 8)
+    assert series.altitude is not None
+    altitude = series.altitude - static * speed * np.abs(speed) / (2 * GRAVITY)
+    notes = measure((Series(time=series.time[heard], altitude=altitude[heard]),)).notes
+    (note,) = [note for note in notes if "apogee is in a gap" in note]
+    low, high = (float(word) for word in note.replace(",", "").split() if word.isdigit() and int(word) > 100)
+    free = float(np.interp(truth.apogee_time - 7, truth.time, truth.speed)) ** 2 / (2 * GRAVITY)
+    assert low < truth.height.max() < high
+    assert high > float(np.interp(truth.apogee_time - 7, truth.time, truth.height)) + free
+
+
+@pytest.mark.parametrize("rocket", [SMALL, LARGE, HARD], ids=["small", "large", "hard"])
+@pytest.mark.parametrize("before", [0.6, 1.2])
+def test_a_radio_gap_that_ends_while_the_rocket_still_rises_leaves_the_apogee(rocket: Rocket, before: float) -> None:
+    truth = flown(rocket)
+    (series,) = recording(truth, rate=10.0)
+    heard = (series.time < 0.9 * truth.burnout) | (series.time > truth.apogee_time - before)
+    assert series.altitude is not None
+    recorded = measure((Series(time=series.time[heard], altitude=series.altitude[heard]),))
+    assert not misses(recorded, truth, "apogee", "time_to_apogee")
+    assert recorded.figures["apogee"].sd < 1.0
 
 
 def test_thrust_from_the_first_sample_on_gives_no_later_lift_off() -> None:

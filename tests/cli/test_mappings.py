@@ -9,11 +9,11 @@ import pytest
 from fieldkit.cli.main import main
 
 Run = Callable[..., tuple[int, str, str]]
-TABLE = """No,Model,Engine used,Reached (feet),Pad weight [lb],When
+TABLE = """No,Model,Propulsion,Reached (feet),Pad weight [lb],When
 1,Astra,F24-4W,812,0.95,2025-05-03
 2,Astra,F24-4W,790,0.96,2025-05-03
 """
-MAP = ("flight_id=No", "rocket=Model", "motor=Engine used", "apogee=Reached (feet) [ft]", "date_time=When")
+MAP = ("flight_id=No", "rocket=Model", "motor=Propulsion", "apogee=Reached (feet) [ft]", "date_time=When")
 
 
 @pytest.fixture

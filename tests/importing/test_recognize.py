@@ -50,6 +50,12 @@ def heights(found: object) -> float:
     return best
 
 
+def test_signs_are_quoted_as_the_file_spells_them() -> None:
+    like = likeness(parsers()["flight_table"], b"rocket,motor,apogee_ft\nSwift,C6-5,500\n")
+    assert like.found == ("rocket", "motor", "apogee_ft")
+    assert like.missing == ("date_time",)
+
+
 @pytest.mark.sampled
 @every_sample
 def test_no_parser_claims_the_sample_of_another_or_reads_a_flight_of_another_height_in_it(sample: Path) -> None:

@@ -10,6 +10,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Reading
 from fieldkit.importing.read import read_together
 from fieldkit.importing.recognize import claims, parsers
+from fieldkit.importing.tables.altos import entered
 from fieldkit.physics.standard_atmosphere import pressure_height
 from tests.parsers.recorded import recorded
 from tests.samples import any_motor
@@ -190,6 +191,13 @@ def test_a_garbled_radio_packet_is_not_used() -> None:
     assert DamagedLog in [type(item) for item in rest]
     assert (reading.device, reading.serial) == ("TeleMetrum 2", "2417")
     assert len(reading.clocks) == 2
+
+
+def test_a_state_in_radio_packets_was_entered_since_the_packet_before() -> None:
+    """After apogee packets are a second apart, so the first one with a state is half a second late on average."""
+    states, time = np.array([3, 5, 5, 6]), np.array([0.0, 1.0, 9.0, 10.0])
+    assert entered(states, time, blind=2.0, in_packets=True)["drogue"] == 9.5
+    assert entered(states, time, blind=2.0)["drogue"] == 10.0
 
 
 def test_two_rockets_on_one_channel_are_two_readings() -> None:

@@ -464,6 +464,21 @@ def test_a_launch_list_from_another_program_is_a_table_of_flights() -> None:
     assert "liftoff_mass" in {column.channel for column in got.recognition.columns}
 
 
+@pytest.mark.parametrize(
+    ("name", "field"),
+    [("Engine used", "motor"), ("Motor used", "motor"), ("Lift off mass less motor (oz)", "dry_mass")],
+)
+def test_of_several_other_names_the_longest_is_meant(name: str, field: str) -> None:
+    """Otherwise `Engine used` is the column `engine` in the unit `used`."""
+    assert role_of(name, strict=True).field == field
+
+
+def test_a_peak_in_feet_beside_a_motor_is_the_apogee() -> None:
+    (flight,) = read(b"Engine used,Peak (ft),Max speed (mph)\nC6-5,512,80\n", "t.csv", any_motor).flights
+    assert flight.apogee == pytest.approx(156.06, abs=0.01)
+    assert flight.top_speed == pytest.approx(35.76, abs=0.01)
+
+
 @pytest.mark.parametrize("name", ["Time (s)", "Time (sec)", "Time (seconds)"])
 def test_a_time_in_seconds_beside_a_motor_is_the_duration(name: str) -> None:
     (flight,) = intake(f"Date,Motor,Altitude (ft),{name}\n2026-09-05,F42-8T,800,41.2\n").flights

@@ -104,11 +104,16 @@ def entered(
     time: Float[Array, "row"],
     which: Mapping[str, Sequence[int]] = STATES,
     blind: float = np.inf,
+    *,
+    in_packets: bool = False,
 ) -> dict[str, float]:
     """When the first of the states of each event was entered; a state may recur, or never occur. [s]
 
-    If nothing was received for longer than `blind` before it, the time is unknown and the event is omitted.
+    A state that radio packets carry was entered since the packet before: halfway on average. If nothing was received
+    for longer than `blind` before it, the time is unknown and the event is omitted.
     """
     firsts = {name: np.flatnonzero(np.isin(states, numbers)) for name, numbers in which.items()}
     known = {name: int(found[0]) for name, found in firsts.items() if len(found)}
-    return {name: float(time[row]) for name, row in known.items() if row == 0 or time[row] - time[row - 1] <= blind}
+    since = {name: float(time[row] - time[row - 1]) if row else 0.0 for name, row in known.items()}
+    late = {name: gap / 2 if in_packets else 0.0 for name, gap in since.items()}
+    return {name: float(time[row]) - late[name] for name, row in known.items() if since[name] <= blind}

@@ -174,12 +174,14 @@ def _ours(words: str, taken: Collection[str]) -> str:
     """A header with fieldkit's own name, followed by its unit: `wind_speed_mps` becomes `wind_mps`.
 
     An own name is never read as a shorter other one: `coast_to_apogee_s` does not begin with the other name `coast`.
+    Of several names for one column the longest counts: `engine_used` is not `engine` with the unit `used`.
     """
     own = max((len(name) for name in _beginnings(words) if name in BY_NAME), default=0)
     for spelled in dict.fromkeys((words, usual_name(words))):
         names = _ranked(own_too=spelled != words)
-        found = [(*names[other], other) for other in _beginnings(spelled) if other in names and len(other) >= own]
-        for _, name, other in sorted(found):
+        known = [other for other in _beginnings(spelled) if other in names and len(other) >= own]
+        longest = {names[other][1]: other for other in sorted(known, key=len)}
+        for name, other in sorted(longest.items(), key=lambda item: names[item[1]]):
             if name not in taken:
                 return name + spelled.removeprefix(other)
     return words
