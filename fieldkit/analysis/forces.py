@@ -10,11 +10,11 @@ from fieldkit.analysis.channels import CHANNEL_TITLES, Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
-from fieldkit.analysis.robust_statistics import mad_sd, median_step
+from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.analysis.satellites import SOURCE as SATELLITES
 from fieldkit.analysis.satellites import sighted_speed
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
-from fieldkit.shapes import Array, Flags
+from fieldkit.shapes import Array, Flags, Float
 
 _MIN_DRAG_SPEED = 15.0
 """Speed below which errors of the acceleration exceed drag. [m/s]"""
@@ -38,6 +38,8 @@ _MOSTLY = 0.5
 """Fraction of a speed that satellites must contribute to be named as its source. [1]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
+_AVERAGED = 0.06
+"""Longest interval over which sensors average their own samples. [s]"""
 _CHERNOFF_SD = 0.513
 """Standard deviation of Chernoff's distribution (Groeneboom and Wellner, Journal of Computational and Graphical
 Statistics 10, 2001). [1]"""
@@ -138,7 +140,15 @@ def boost_event(
                 )
             ),
             float(
-                np.linalg.norm([spread, _FUSED_SPEED_ERROR * value, (push.scale - 1) / 2 * value, push.missed_speed_sd])
+                np.linalg.norm(
+                    [
+                        spread,
+                        _FUSED_SPEED_ERROR * value,
+                        (push.scale - 1) / 2 * value,
+                        push.missed_speed_sd,
+                        _gained_between(push, begin, time[place]),
+                    ]
+                )
             ),
         )
     else:
@@ -164,6 +174,25 @@ def boost_event(
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)
+
+
+def _blind(time: Float[Array, "time"], moment: float) -> float:
+    """Half of the interval between samples around a moment, as if none were missing unless one is. [s]"""
+    step, hole = median_step(time), hole_at(time, moment)
+    return (hole if hole > 1.5 * step else step) / 2
+
+
+def _gained_between(push: Push, begin: float, burnout: float) -> float:
+    """Standard deviation of the speed that a boost gained between samples of an accelerometer. [m/s]
+
+    Derivation: if the acceleration jumps by j anywhere in an interval d, the trapezoidal rule is off by up to j d / 2
+    either way, with equal probability: its standard deviation is j d / sqrt(12). Over short intervals sensors average.
+    """
+    first, last = np.searchsorted(push.time, (begin, burnout))
+    inside = slice(max(first - 1, 0), last + 1)
+    intervals, jumps = np.diff(push.time[inside]), np.diff(push.felt[inside])
+    wide = intervals > _AVERAGED
+    return float(np.linalg.norm(jumps[wide] * intervals[wide]) / np.sqrt(12))
 
 
 def _moved_by_noise(push: Push, ascent: Ascent, moment: float) -> float:

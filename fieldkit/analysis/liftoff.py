@@ -69,10 +69,9 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     if crossing.size == 0:
         return None
     first = crossing[_on_pad(_sustained(crossing, felt, bar), time[crossing], track, seen)]
-    fraction = (bar - felt[first]) / (felt[first + 1] - felt[first])
-    return Event(
-        float(time[first] + fraction * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
-    )
+    fraction, hole = (bar - felt[first]) / (felt[first + 1] - felt[first]), float(time[first + 1] - time[first])
+    blind = hole if hole > 1.5 * step else step
+    return Event(float(time[first] + fraction * hole), float(np.hypot(blind / 2, 0.02)), "acceleration")
 
 
 def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float) -> int:

@@ -74,3 +74,23 @@ def test_burnout_by_an_accelerometer_is_as_certain_as_its_noise_allows_for_thrus
     exact = boost_event(ascent, quiet, 0.0, 5.9, "acceleration")
     assert exact is not None
     assert exact[0].sd < 0.03
+
+
+def test_a_speed_by_widely_spaced_accelerations_allows_for_what_happened_between_them() -> None:
+    """The trapezoidal rule on samples of a sudden thrust, at any offset of the samples from ignition."""
+    time = np.arange(0, 6, 0.02)
+    net = np.where(time < 1, 100.0, -20.0)
+    speed = np.cumsum(net) * 0.02
+    draws = (np.tile(one, (2, 1)) for one in (np.cumsum(speed) * 0.02, speed, net))
+    ascent = Ascent(time, np.cumsum(speed) * 0.02, speed, net, *draws, noise=0.4, burnout_sd=0.0, fused=True)
+    sums, sds = [], []
+    for offset in np.arange(0, 0.16, 0.01):
+        ticks = np.arange(-1 + offset, 5, 0.16)
+        felt = np.where(ticks < 0, 0.0, np.where(ticks < 1, 100.0, -20.0)) + GRAVITY
+        boost = ticks < 1.2
+        sums.append(float(np.trapezoid(np.maximum(felt[boost] - GRAVITY, 0), ticks[boost])))
+        found = boost_event(ascent, Push(ticks, felt, False, "acceleration", weighs=True), 0.0, 5.9, "acceleration")
+        assert found is not None
+        sds.append(found[1].sd)
+    assert min(sds) > 0.7 * np.std(sums)
+    assert max(sds) < 3 * np.std(sums)
