@@ -11,7 +11,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
-from fieldkit.physics.setups import readouts_on_one_device, recorded
+from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
 
 OBSERVED_READOUTS = READOUTS
@@ -39,7 +39,7 @@ class Data:
 def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Data:
     """The observed readouts of flights; those of flights marked in `used_in_fit` are seen."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        raw = readouts_on_one_device(flights, OBSERVED_READOUTS)
+        raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         own = own_sd(flights, raw)
         raw = _speed_from_average(raw, recorded(flights, "avg_accel"))
         sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))

@@ -148,9 +148,9 @@ def with_descent(
     return Series(time=np.asarray(np.arange(height.size) * step, np.float64), altitude=height + noise)
 
 
-def cut_to(series: Series, kept: Array) -> Series:
+def cut_to(series: Series, chosen: Array) -> Series:
     there = [name for name in series.__slots__ if getattr(series, name) is not None]
-    return Series(**{name: getattr(series, name)[kept] for name in there})
+    return Series(**{name: getattr(series, name)[chosen] for name in there})
 
 
 REAL = {
