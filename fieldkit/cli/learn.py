@@ -1,6 +1,6 @@
 """`fieldkit learn`: fit how much rockets, motors and flights vary, from the exports of several flyers."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext
 from datetime import datetime
 from pathlib import Path
@@ -128,24 +128,23 @@ def _print(found: "Hyperprior") -> None:
     rows.append(("drag", "design", f"{found.design_drag:.3f}"))
     print_table(["quantity", "differs by", "sd"], rows, ["sd"])
     say(f"Mass, thrust and apogee of a rocket with a design on high-power motors: {found.high_power:.2f} of that")
-    for flyer, tables in found.about.get("scores", {}).items():
+    scored = ["forecast by", "flights", "median", "mean", "CRPS", "interval score", "coverage"]
+    _print_tables(found.about.get("scores", {}), "each rocket forecast with a card fitted without it", scored, _scored)
+    steps = ["readouts", "flights", "median", "mean", "CRPS", "log score", "less than before"]
+    _print_tables(
+        found.about.get("scores_by_readouts", {}), "from more and more readouts of the earlier flights", steps, _step
+    )
+
+
+def _print_tables(
+    by_flyer: Mapping[str, Any], what: str, headers: list[str], cells: Callable[[Any], tuple[str, ...]]
+) -> None:
+    """Print the tables of every flyer, whose first column is a name and whose others are figures."""
+    for flyer, tables in by_flyer.items():
         for title, rows in tables.items():
             say()
-            say_wrapped(f"{flyer}, each rocket forecast with a card fitted without it: {title}")
-            print_table(
-                ["forecast by", "flights", "median", "mean", "CRPS", "interval score", "coverage"],
-                [_scored(row) for row in rows],
-                ["flights", "median", "mean", "CRPS", "interval score", "coverage"],
-            )
-    for flyer, tables in found.about.get("scores_by_readouts", {}).items():
-        for title, rows in tables.items():
-            say()
-            say_wrapped(f"{flyer}, the same from more and more readouts of the earlier flights: {title}")
-            print_table(
-                ["readouts", "flights", "median", "mean", "CRPS", "less than before", "log score"],
-                [_step(row) for row in rows],
-                ["flights", "median", "mean", "CRPS", "log score"],
-            )
+            say_wrapped(f"{flyer}, {what}: {title}")
+            print_table(headers, [cells(row) for row in rows], headers[1:])
 
 
 def _fitted_to(about: Mapping[str, Any]) -> Iterator[str]:
@@ -173,7 +172,7 @@ def _step(row: Mapping[str, Any]) -> tuple[str, ...]:
     percents = tuple(f"{100 * row[name]:.1f}%" for name in ("median_share", "mean_share", "crps"))
     low, high = (100 * end for end in row.get("crps_less90", (0.0, 0.0)))
     less = f"{100 * row['crps_less']:+.1f} ({low:+.1f} to {high:+.1f})" if "crps_less" in row else ""
-    return (row["name"], str(row["flights"]), *percents, less, f"{row['log_score']:+.2f}")
+    return (row["name"], str(row["flights"]), *percents, f"{row['log_score']:+.2f}", less)
 
 
 def _scored(row: dict[str, float | str | int]) -> tuple[str, ...]:
