@@ -210,6 +210,14 @@ def with_sd(value: float, sd: float) -> str:
     return f"{value:.{places}f} ± {sd:.{places}f}"
 
 
+def strength_in_words(mean: float, sd: float, unit: str, system: str) -> str:
+    """The strength of an effect, in the units of a system; a fraction in percent: `1.9 ± 1.3% of the dry mass`."""
+    whole = unit.removeprefix("fraction ")
+    if whole != unit:
+        return f"{with_sd(mean * 100, sd * 100)}% {whole}"
+    return in_system(f"{with_sd(mean, sd)} {unit}", system)
+
+
 def significant(column: Column, value: float, system: str) -> str:
     """A value [SI] with its unit and four significant digits: `922.9 ft`."""
     unit = unit_of(column, system)

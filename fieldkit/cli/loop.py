@@ -38,6 +38,9 @@ def loop(
     quick: Annotated[
         bool, typer.Option("--quick", help="Probabilities from the network, at once; do not change the model.")
     ] = False,
+    details: Annotated[
+        bool, typer.Option("--details", help="Also print every effect, the residuals and the held-out errors.")
+    ] = False,
     page: Annotated[
         Path | None,
         typer.Option(
@@ -75,7 +78,7 @@ def loop(
     if json:
         print_json(loop_document(found))
         return
-    say_report(report(found, system()))
+    say_report(report(found, system(), details=details))
 
 
 def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, object], json: bool) -> None:

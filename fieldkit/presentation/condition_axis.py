@@ -3,8 +3,8 @@
 import numpy as np
 
 from fieldkit import units
-from fieldkit.flight import COLUMNS
 from fieldkit.quantities import ShownUnits, spelled, unit_of
+from fieldkit.selection.recorded_columns import BY_HEADER
 from fieldkit.shapes import Array, Float
 
 
@@ -13,7 +13,7 @@ def in_units(header: str, values: Float[Array, "flight"], system: str) -> tuple[
     if header == "expected_top_speed_mps":
         shown = ShownUnits(system)
         return f"expected top speed [{shown.speed_unit}]", values / shown.speed_factor
-    column = next((one for one in COLUMNS if one.header == header), None)
+    column = BY_HEADER.get(header)
     if column is None:
         return header.replace("_", " "), values
     name = unit_of(column, system)

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from fieldkit.physics.effect import spoken
-from fieldkit.quantities import ShownUnits, counted, in_system, with_sd
+from fieldkit.quantities import ShownUnits, counted, in_system, strength_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
+from fieldkit.selection.recorded_columns import column_in_words, misses_of
 from fieldkit.services.findings import Findings, NextFlight
 
 BARS = "▁▂▃▄▅▆▇█"
@@ -20,35 +21,58 @@ MAX_DRAWN = 60
 """Number of latest flights whose misses are drawn. [1]"""
 NAME_WIDTH = 34
 """Width of the names in the table of effects, in characters."""
+MIN_CHANCE_LISTED = 0.01
+"""Probability from which an effect is listed in the short report. [1]"""
 MAX_P_SHOWN = 0.1
 """Corrected p-value below which a pattern in the residuals is listed. [1]"""
 
 
-def report(found: Findings, system: str = "SI") -> Iterator[str]:
-    """A closed loop: residuals and their correlations, the evidence per effect, the verdict, and errors before and
-    after, in the units of a system."""
-    diagnosis, shown = found.diagnosis, ShownUnits(system)
-    yield from _residual(found, shown)
-    yield ""
-    yield from _fingerprints(found)
-    yield ""
-    yield "  candidate effect                  evidence  chance   strength"
-    for item in diagnosis.ranking:
-        if item.effect:
-            mean, sd = item.best.strength()
-            place = str(item.best.candidate.place)
-            how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
-            strength = in_system(f"{with_sd(mean, sd)} {item.best.unit}", system)
-            yield from candidate_row(place, f"{how_sure}   {strength}")
-    yield ""
-    yield f"  verdict: {diagnosis.effect}: {in_system(diagnosis.why, system)}"
-    for line in beside_verdict(found, system):
-        yield f"  {line}"
-    for line in found.excluded:
+def report(found: Findings, system: str = "SI", *, details: bool = False) -> Iterator[str]:
+    """A closed loop in the units of a system: the verdict, the misses before and after, and the probable effects; with
+    `details` every effect with its evidence, the residuals and the held-out errors."""
+    shown, count = ShownUnits(system), found.left_out.before.flights
+    yield f"{found.rocket}: {counted(count, 'clean flight')}"
+    yield f"  verdict: {found.diagnosis.effect}: {in_system(found.diagnosis.why, system)}"
+    for line in (*beside_verdict(found, system), *found.excluded):
         yield f"  {line}"
     yield ""
     yield from misses_drawn(found, system)
-    yield from _errors(found, shown)
+    yield from _mean_misses(found, shown)
+    yield ""
+    yield from _effects(found, system, every=details)
+    if details:
+        yield ""
+        yield from _residual(found, shown)
+        yield ""
+        yield from _fingerprints(found)
+        yield ""
+        yield from _errors(found, shown)
+
+
+def _mean_misses(found: Findings, shown: ShownUnits) -> Iterator[str]:
+    """The mean absolute errors of held-out flights, before and after."""
+    changes = found.diagnosis.effect != "none"
+    for source, compared in (("the others", found.left_out), ("earlier ones", found.forward)):
+        if compared.before.flights:
+            before, after = (shown.length(one.score.mae, 1) for one in (compared.before, compared.after))
+            then = f", {after} with the verdict" if changes else ""
+            yield f"  mean miss {before}{then}; each flight forecast from {source}"
+
+
+def _effects(found: Findings, system: str, *, every: bool) -> Iterator[str]:
+    """The effects with their probability and strength: the probable ones, or all with their evidence."""
+    ranking = [item for item in found.diagnosis.ranking if item.effect]
+    listed = [item for item in ranking if every or item.probability >= MIN_CHANCE_LISTED]
+    if listed:
+        yield f"  {'effect':{NAME_WIDTH}}" + ("evidence  " if every else "") + "chance   strength"
+    for item in listed:
+        evidence = f"{item.log_bayes:+8.1f}  " if every else ""
+        strength = strength_in_words(*item.best.strength(), item.best.unit, system)
+        yield from candidate_row(
+            str(item.best.candidate.place), f"{evidence}{_chance(item.probability):>6}   {strength}"
+        )
+    if rest := len(ranking) - len(listed):
+        yield f"  {counted(rest, 'effect')} with a chance below {MIN_CHANCE_LISTED:.0%}; --details lists all"
 
 
 def candidate_row(name: str, figures: str) -> Iterator[str]:
@@ -60,8 +84,8 @@ def candidate_row(name: str, figures: str) -> Iterator[str]:
 
 
 def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
-    """The absolute errors of the latest flights as bars, before and after; empty if the forecasts do not change."""
-    if all(not places for _, places in found.diagnosis.averaged):
+    """The absolute errors of the latest flights as bars, before and after; empty if nothing is missing."""
+    if found.diagnosis.effect == "none" or all(not places for _, places in found.diagnosis.averaged):
         return
     most, before, after = miss_bars(found, MAX_DRAWN)
     yield f"  misses, flight by flight (highest bar {ShownUnits(system).length(most)}):"
@@ -97,20 +121,18 @@ def misses(found: Findings) -> list[dict[str, Any]]:
 def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     before = found.left_out.before.score
     count = found.left_out.before.flights
-    yield f"{found.rocket}: {counted(count, 'clean flight')}, each forecast from the others by the plain model"
+    yield f"  {counted(count, 'flight')}, each forecast from the others by the plain model:"
     yield (
         f"  mean error {shown.length(before.mae, 1)}, bias {shown.difference(before.bias)}, "
         f"{before.coverage90:.0%} of flights in the 90% interval"
     )
     significant = [row for row in (*found.patterns, *found.readout_patterns) if row.p < MAX_P_SHOWN]
     for row in significant:
-        what = "Misses" if row.readout == "apogee" else f"Misses in {row.readout.replace('_', ' ')}"
-        yield f"  {what} follow {row.against} ({_p_value(row.p)})"
+        yield f"  {misses_of(row.readout)} follow {column_in_words(row.against)} ({_p_value(row.p)})"
     for spread in found.spreads:
         if spread.autocorrelation_p < 0.05:
-            what = spread.readout.replace("_", " ")
             yield (
-                f"  Misses in {what} persist: lag-1 autocorrelation {spread.autocorrelation:+.2f} "
+                f"  {misses_of(spread.readout)} persist: lag-1 autocorrelation {spread.autocorrelation:+.2f} "
                 f"({_p_value(spread.autocorrelation_p)})"
             )
     if significant:
@@ -129,7 +151,7 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
     consequences of accepting it, and the evidence of the logs; in the units of a system."""
     diagnosis = found.diagnosis
     if found.unexplained is not None:
-        yield found.unexplained.in_words
+        yield found.unexplained.words(system)
     yield in_next_flight(found.next_flight, system)
     yield how_sure(found)
     if diagnosis.also:

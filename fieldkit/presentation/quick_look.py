@@ -11,7 +11,7 @@ from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.presentation.json_values import finite
 from fieldkit.presentation.loop_text import candidate_row
-from fieldkit.quantities import ShownUnits, counted, in_system, with_sd
+from fieldkit.quantities import ShownUnits, counted, in_system, strength_in_words
 from fieldkit.selection.quick_look import QuickLook
 from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
@@ -69,7 +69,7 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     yield from candidate_row("none", f"{answer.none:11.0%}")
     yield from candidate_row("unexplained", f"{answer.unexplained:11.0%}")
     for one in found.candidates:
-        strength = in_system(f"{with_sd(one.mean, one.sd)} {one.unit}", system)
+        strength = strength_in_words(one.mean, one.sd, one.unit, system)
         yield from candidate_row(one.place, f"{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}")
     yield ""
     yield f"  verdict: {found.effect} ({found.confidence:.0%}): {in_system(found.why, system)}"

@@ -225,7 +225,7 @@ def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
 
 
 def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
-    """All recorded numbers of the flights, each in its unit, and their flight index, hour and expected speed."""
+    """All recorded numbers of the flights [SI] by header, their flight numbers, hours [h] and expected speeds [m/s]."""
     flights = diagnosis.model.flights
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}
     speed = np.exp(diagnosis.base.fit.tangent.values[:, 1])

@@ -1,12 +1,13 @@
 """Patterns that no known effect explains: a sentence with what they correlate with, and their size."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fieldkit.selection.candidates import LASTING_PREFIX, SMOOTHLY
 from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.recorded_columns import column_in_words, value_in_words
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
 from fieldkit.shapes import Array, Flags, Float
 
@@ -20,24 +21,34 @@ ORDINALS = {"2": "second", "3": "third"}
 class Leftover:
     """Flights that differ from the others: which ones, by what fraction of the apogee, and its standard deviation.
 
-    `amount` and `sd` refer to a ratio of apogees minus one; `where` marks the flights.
+    `amount` and `sd` refer to a ratio of apogees minus one; `where` marks the flights. Those with a high number in a
+    column have its header as `column`, and are those above `bound` [SI].
     """
 
     name: str
     where: Flags
     amount: float
     sd: float
+    column: str = ""
+    bound: float = 0.0
 
     @property
     def in_words(self) -> str:
-        """`the 3 flights from North pad fly 6% higher than the others (± 2%)`."""
+        """The pattern in SI units."""
+        return self.words()
+
+    def words(self, system: str = "SI") -> str:
+        """`the 3 flights with wind above 4.5 m/s fly 6% higher than the others (± 2%)`, in the units of a system."""
         count = int(self.where.sum())
         if not count:
             return f"misses follow {self.name}"
+        name = self.name
+        if self.column:
+            name = f"with {column_in_words(self.column)} above {value_in_words(self.column, self.bound, system)}"
         who = f"the {count} flights" if count > 1 else "the one flight"
         verb = "fly" if count > 1 else "flies"
         way = "higher" if self.amount > 0 else "lower"
-        return f"{who} {self.name} {verb} {abs(self.amount):.0%} {way} than the others (± {self.sd:.0%})"
+        return f"{who} {name} {verb} {abs(self.amount):.0%} {way} than the others (± {self.sd:.0%})"
 
 
 def leftover(diagnosis: Diagnosis) -> Leftover:
@@ -61,9 +72,12 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
         if row.against in (numbers := columns_of(diagnosis)):
             values = numbers[row.against]
             middle = float(np.nanmedian(values))
-            return _compared(f"with {_title(row.against)} above {middle:.3g}", values > middle, error)
+            found = _compared(row.against, values > middle, error)
+            return found and replace(found, column=row.against, bound=middle)
         kinds = np.array(kinds_of(diagnosis)[row.against])
-        candidates = [_compared(f"with {row.against} {kind}", kinds == kind, error) for kind in np.unique(kinds)]
+        candidates = [
+            _compared(f"with {column_in_words(row.against)} {kind}", kinds == kind, error) for kind in np.unique(kinds)
+        ]
         described = [one for one in candidates if one is not None]
         return max(described, key=lambda one: abs(one.amount) / max(one.sd, 1e-6), default=None)
     return None
@@ -97,7 +111,3 @@ def _pattern_words(place: str) -> str:
         number, rest = counted.groups()
         return f"that are every {ORDINALS.get(number, number)} one, {rest}"
     return f"with {place}"
-
-
-def _title(column: str) -> str:
-    return column.replace("_", " ")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import log
 
 from fieldkit.analysis import Recorded
 from fieldkit.flight import Flight
@@ -17,6 +18,7 @@ from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover, leftover
+from fieldkit.selection.verdict import NAMING_PROBABILITY
 
 EVALUATION = (
     "leave-one-flight-out, effects reweighted within every fold "
@@ -35,6 +37,9 @@ NEXT_FLIGHT_DRAWS = 400
 """Number of draws of the next flight's forecast. [1]"""
 WORTH_A_TEST = 0.02
 """Minimum probability of an alternative explanation for suggesting a test against it. [1]"""
+DECISIVE_EVIDENCE = log(NAMING_PROBABILITY / (1 - NAMING_PROBABILITY))
+"""Expected log Bayes factor from which a test may decide: it brings one of two equally probable explanations to the
+probability of a name. [nat]"""
 MAX_SHOWN_EFFECTS = 3
 """Number of effects with fingerprints, and of suggested tests. [1]"""
 
@@ -155,8 +160,10 @@ def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
 
 
 def distinct(tests: list[Advice]) -> tuple[Advice, ...]:
-    """The most informative tests, one flight for each motor."""
+    """The most informative tests that may decide, one flight for each motor."""
     kept: dict[str, Advice] = {}
     for test in tests:
+        if test.expected < DECISIVE_EVIDENCE:
+            continue
         kept.setdefault(test.subject, test)
     return tuple(kept.values())[:MAX_SHOWN_EFFECTS]

@@ -280,4 +280,4 @@ class LoopScreen(PageScreen):
             return self.query_one("#versions", Table).current_text()
         from fieldkit.presentation.loop_text import report
 
-        return "\n".join(report(found, self.resources.settings.units))
+        return "\n".join(report(found, self.resources.settings.units, details=True))

@@ -12,7 +12,7 @@ from fieldkit.ledger import Version
 from fieldkit.physics.effect import effects
 from fieldkit.presentation.condition_axis import in_units
 from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, miss_bars, what_forecasts_become
-from fieldkit.quantities import counted, in_system, measure, with_sd
+from fieldkit.quantities import counted, in_system, measure, strength_in_words
 from fieldkit.safe_text import printable
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.residual import columns_of, kinds_of, residuals
@@ -55,9 +55,9 @@ def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
 def _sections(found: Findings, system: str) -> Iterable[tuple[str, list[str]]]:
     """Parts of a verdict with titles, besides its name and its errors."""
     diagnosis = found.diagnosis
-    leftover = [found.unexplained.in_words] if found.unexplained is not None else []
+    leftover = [found.unexplained.words(system)] if found.unexplained is not None else []
     yield "Effect on the next flight", [*leftover, in_next_flight(found.next_flight, system)]
-    if any(places for _, places in diagnosis.averaged):
+    if diagnosis.effect != "none":
         yield "Why: misses, flight by flight", _bars(found, system)
     also = [f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"] if diagnosis.also else []
     yield "How sure", [how_sure(found), *also, *climbs(found)]
@@ -136,7 +136,7 @@ def ranking_rows(diagnosis: Diagnosis, system: str) -> dict[str, tuple[str, ...]
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            strength = in_system(f"{with_sd(mean, sd)} {item.best.unit}", system).split()[:3]
+            strength = strength_in_words(mean, sd, item.best.unit, system).split()[:3]
             rows[str(place)] = (
                 place.in_words,
                 f"{item.probability:.0%}",
@@ -155,7 +155,7 @@ def effect_at_length(diagnosis: Diagnosis, row: str, system: str) -> Content:
     words = place.in_words
     parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
-    parts.append(in_system(f"\nstrength  {with_sd(mean, sd)} {item.best.unit}", system))
+    parts.append(f"\nstrength  {strength_in_words(mean, sd, item.best.unit, system)}")
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
     parts.append(f"\ntest     {effect.tell_apart}" if effect is not None else "")
     return Content.assemble(*parts)

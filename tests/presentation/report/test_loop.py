@@ -1,6 +1,7 @@
 """The loop's report: figures with intervals, forward in time, informative tests, and a page that escapes names."""
 
 import json
+import math
 import re
 from base64 import b64decode
 from dataclasses import replace
@@ -18,7 +19,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.presentation.json_documents import loop_document
-from fieldkit.presentation.loop_text import BARS, misses, misses_drawn, report
+from fieldkit.presentation.loop_text import BARS, MIN_CHANCE_LISTED, misses, misses_drawn, report
 from fieldkit.presentation.report.book import FlightReport
 from fieldkit.presentation.report.loop.page import check_page, page, write_page
 from fieldkit.presentation.report.paper import pages
@@ -32,10 +33,11 @@ from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
-from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, informative_readouts, options
-from fieldkit.selection.unexplained import leftover
+from fieldkit.selection.next_experiment import BALLAST, Advice, Explanation, divergence, informative_readouts, options
+from fieldkit.selection.unexplained import Leftover, leftover
+from fieldkit.selection.verdict import Verdict
 from fieldkit.services import close_loop, forecasts
-from fieldkit.services.findings import Findings, findings
+from fieldkit.services.findings import Findings, distinct, findings
 from tests.presentation.report.pages import Page
 
 CHECK_SHAPES = False
@@ -179,6 +181,9 @@ def test_errors_before_and_after_are_plotted_and_decrease(found: Findings) -> No
 def test_nothing_is_plotted_if_forecasts_do_not_change(found: Findings) -> None:
     plain = replace(found, diagnosis=replace(found.diagnosis, averaged=((1.0, ()),)))
     assert list(misses_drawn(plain)) == []
+    assert (
+        list(misses_drawn(replace(found, diagnosis=replace(found.diagnosis, verdict=Verdict("none", 0.9, ""))))) == []
+    )
     assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use the plain model"]
 
 
@@ -246,8 +251,36 @@ def test_draws_are_widened_about_their_median() -> None:
 
 
 def test_the_pattern_of_the_residuals_is_described(diagnosis: Diagnosis) -> None:
-    in_words = leftover(diagnosis).in_words
-    assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", in_words)
+    pattern = leftover(diagnosis)
+    for system, unit, scale in (("SI", "m/s", 1.0), ("US", "mph", 0.44704)):
+        said = re.fullmatch(
+            rf"the \d+ flights with wind above (\S+) {unit} fly \d+% lower than the others \(± \d+%\)",
+            pattern.words(system),
+        )
+        assert said
+        assert float(said[1]) * scale == pytest.approx(pattern.bound, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("header", "value", "words"),
+    [
+        ("temperature_c", 288.15, "temperature above 15 °C"),
+        ("pressure_hpa", 101_300.0, "pressure above 1013 hPa"),
+        ("rail_angle_deg", math.radians(5), "rail angle above 5 °"),
+        ("expected_top_speed_mps", 100.0, "expected top speed above 100 m/s"),
+        ("flight_number", 12.0, "the flight number above 12"),
+    ],
+)
+def test_a_bound_has_the_unit_of_its_column(header: str, value: float, words: str) -> None:
+    found = Leftover("", np.ones(3, bool), 0.05, 0.01, column=header, bound=value)
+    assert found.in_words == f"the 3 flights with {words} fly 5% higher than the others (± 1%)"
+
+
+def test_only_tests_that_may_decide_are_suggested() -> None:
+    strong, weak = (
+        Advice("fly it", motor, ("apogee",), nats, 1.0, 2.0) for motor, nats in (("F24", 1.0), ("F39", 0.6))
+    )
+    assert distinct([strong, weak]) == (strong,)
 
 
 def test_a_model_version_keeps_its_average(
@@ -335,8 +368,20 @@ def test_flights_that_were_left_out_are_named_in_every_medium(found: Findings) -
     assert "Implausible flights" not in page(found)
 
 
+def test_the_verdict_comes_first_and_the_residuals_on_request(found: Findings) -> None:
+    short, whole = list(report(found)), list(report(found, details=True))
+    assert short[1].startswith(f"  verdict: {found.diagnosis.effect}: ")
+    ranked = [item for item in found.diagnosis.ranking if item.effect]
+    listed = [item for item in ranked if item.probability >= MIN_CHANCE_LISTED]
+    assert 0 < len(listed) < len(ranked)
+    assert short[-1].strip() == f"{len(ranked) - len(listed)} effects with a chance below 1%; --details lists all"
+    assert all(any(str(item.best.candidate.place) in line for line in whole) for item in ranked)
+    assert any("miss / expected scatter" in line for line in whole)
+    assert not any("miss / expected scatter" in line for line in short)
+
+
 def test_the_report_fits_a_terminal(found: Findings) -> None:
-    lines = list(report(found))
+    lines = list(report(found, details=True))
     table = [line for line in lines if "left out, " in line or "forward in time, " in line]
     assert len(table) == 4
     assert max(map(len, table)) <= 80

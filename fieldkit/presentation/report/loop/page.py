@@ -15,10 +15,11 @@ from fieldkit.physics.effect import effects
 from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
-from fieldkit.quantities import ShownUnits, in_system, with_sd
+from fieldkit.quantities import ShownUnits, in_system, strength_in_words
 from fieldkit.scoring.bootstrap import Interval
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.text import climbs_in_words
+from fieldkit.selection.recorded_columns import column_in_words, misses_of
 from fieldkit.services.close_loop import version_payload
 from fieldkit.services.findings import Compared, Findings
 
@@ -59,8 +60,7 @@ def content(found: Findings, system: str = "SI") -> dict[str, Any]:
         "figures": _figures(found, shown),
         "tests": [test.words(system) for test in found.tests],
         "patterns": [
-            f"{'Misses' if row.readout == 'apogee' else f'Misses in {BY_NAME[row.readout].title.lower()}'} "
-            f"follow {row.against} (p {row.p:.2g} after correction)."
+            f"{misses_of(row.readout)} follow {column_in_words(row.against)} (p {row.p:.2g} after correction)."
             for row in (*found.patterns, *found.readout_patterns)
             if row.p < 0.1
         ],
@@ -94,7 +94,7 @@ def _verdict(found: Findings, system: str) -> dict[str, Any]:
         "next_flight": _capitalized(in_next_flight(found.next_flight, system)),
         "accepting": [_capitalized(line) for line in what_accepting_changes(found)],
         "how_sure": _capitalized(how_sure(found)),
-        "goes_with": _capitalized(found.unexplained.in_words) if found.unexplained else "",
+        "goes_with": _capitalized(found.unexplained.words(system)) if found.unexplained else "",
     }
 
 
@@ -147,7 +147,7 @@ def _parameters(diagnosis: Diagnosis, system: str) -> list[dict[str, str]]:
             {
                 "place": str(trial.candidate.place),
                 "explains": effect.explains,
-                "strength": in_system(f"{with_sd(mean, sd)} {trial.unit}", system),
+                "strength": strength_in_words(mean, sd, trial.unit, system),
                 "source": effect.source,
             }
         )
