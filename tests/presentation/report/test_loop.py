@@ -253,12 +253,12 @@ def test_draws_are_widened_about_their_median() -> None:
 def test_the_pattern_of_the_residuals_is_described(diagnosis: Diagnosis) -> None:
     pattern = leftover(diagnosis)
     for system, unit, scale in (("SI", "m/s", 1.0), ("US", "mph", 0.44704)):
-        said = re.fullmatch(
+        words = re.fullmatch(
             rf"the \d+ flights with wind above (\S+) {unit} fly \d+% lower than the others \(± \d+%\)",
             pattern.words(system),
         )
-        assert said
-        assert float(said[1]) * scale == pytest.approx(pattern.bound, abs=0.3)
+        assert words
+        assert float(words[1]) * scale == pytest.approx(pattern.bound, abs=0.3)
 
 
 @pytest.mark.parametrize(
