@@ -255,10 +255,10 @@ _WIDTH = 79
 
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
-    """Print the conditions of a plan, all safety checks, the worst last, and who decides."""
-    from fieldkit.planning.check import safety_text, worst_last
+    """Print the conditions of a plan, the safety checks in short, the worst last, and who decides."""
+    from fieldkit.planning.check import short_safety_text
 
     print_conditions(plan, starts)
     say("  safety")
-    for text in safety_text(worst_last(lines), system()):
+    for text in short_safety_text(lines, system()):
         say_wrapped(f"    {text}", "  ")

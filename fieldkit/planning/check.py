@@ -19,6 +19,8 @@ MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "⊘", "unkn
 """A symbol for each verdict, printed next to its word."""
 SEVERITY: tuple[Verdict, ...] = ("ok", "unknown", "caution", "unsafe")
 """Verdicts from mildest to worst."""
+BY_EYE = "check it yourself: "
+"""Start of the finding of a check that only the flyer can make."""
 HIGHER_IF_LIGHT = ("ceiling", "field size")
 """Checks that a lighter flight of the same rocket meets less easily."""
 
@@ -42,6 +44,11 @@ class SafetyCheck:
     def failed(self) -> bool:
         """Whether the verdict is neither ok nor unknown."""
         return self.verdict in ("caution", "unsafe")
+
+    @property
+    def by_eye(self) -> bool:
+        """Whether only the flyer can check it."""
+        return self.verdict == "unknown" and self.finding.startswith(BY_EYE)
 
     @property
     def text(self) -> str:
@@ -93,6 +100,24 @@ def by_chance(chance: float) -> Verdict:
 def safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
     """All lines as text, in a system of units, followed by who decides."""
     yield from (line.words(system) for line in lines)
+    yield ADVICE_NOTE
+
+
+def short_safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
+    """The lines as text for a small screen, the worst last: what passed by name, what the flyer checks by name, what
+    lacks data without the rule's wording, and every failed check in full; followed by who decides."""
+    passed = [line.name for line in lines if line.verdict == "ok"]
+    by_eye = [line.name for line in lines if line.by_eye]
+    if passed:
+        yield f"{MARKS['ok']} ok: {', '.join(passed)}"
+    if by_eye:
+        yield f"{MARKS['unknown']} check yourself: {', '.join(by_eye)}"
+    for line in worst_last([line for line in lines if line.verdict != "ok" and not line.by_eye]):
+        yield (
+            line.words(system)
+            if line.failed
+            else f"{MARKS[line.verdict]} {line.name}: {in_units(line.finding, system)}"
+        )
     yield ADVICE_NOTE
 
 

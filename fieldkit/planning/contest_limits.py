@@ -8,7 +8,7 @@ from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.motors.motor import Motor
 from fieldkit.motors.names import parse, squeeze
-from fieldkit.planning.check import SafetyCheck, Verdict
+from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict
 from fieldkit.planning.contest import Season
 from fieldkit.planning.rules import MARKS
 
@@ -88,7 +88,7 @@ def allowed(
         own = next((one for one in shown if well or float(one) != limit * scale), f"{value * scale:.9g}")
         lines.append(SafetyCheck(name, verdict, f"{own} {unit}, {wanted}", source))
     for name, text in rule.by_hand:
-        look = f"check it yourself: {text}"
+        look = f"{BY_EYE}{text}"
         lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))
     return [*lines, motor_line(rule, found, approved)]
 

@@ -7,7 +7,7 @@ line is never worse than caution.
 import math
 from collections.abc import Callable, Iterator, Sequence
 
-from fieldkit.planning.check import SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
+from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
 from fieldkit.planning.governed import Governed
 from fieldkit.planning.rules import Rule, RuleRow
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
@@ -229,5 +229,5 @@ def reminder_lines(governed_by: Governed) -> Iterator[SafetyCheck]:
     """Rules that the program cannot check a plan against, in their own words."""
     for rule in governed_by.reminders():
         suffix = " (unverified)" if rule.text.unverified else ""
-        words = f"check it yourself: {rule.text.words}{suffix}"
+        words = f"{BY_EYE}{rule.text.words}{suffix}"
         yield SafetyCheck(rule.check, "unknown", words, f"{rule.of}; {rule.text.origin()}")
