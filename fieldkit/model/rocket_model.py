@@ -16,6 +16,7 @@ from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
+from fieldkit.motors.lots import lots
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.setups import recorded, typical_diameters
 from fieldkit.shapes import Array, Float
@@ -151,9 +152,11 @@ def has_logs(flights: Sequence[Flight]) -> bool:
 
 
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
-    """The group each flight belongs to: its motor type, configuration, site or day."""
+    """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
     if per == "motor":
         return [f"{item.motor.maker} {item.motor.designation}" for item in found]
+    if per == "lot":
+        return lots(flights, found)
     if per == "day":
         return [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
     return [str(getattr(flight, per)) for flight in flights]

@@ -165,6 +165,15 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
         elif len(set(group)) > 1:
             acts = np.isnan(model.recorded(effect.lacks)) if effect.lacks else np.ones(len(group), bool)
             yield from (Place(name, kind) for kind in dict.fromkeys(np.array(group)[acts].tolist()) if kind)
+    if effect.per == "motor" and not effect.each:
+        yield from (Place(name, lot) for lot in _different_lots(model))
+
+
+def _different_lots(model: Model) -> list[str]:
+    """The lots of the motor types that were flown from several."""
+    pairs = dict.fromkeys(pair for pair in zip(model.groups("motor"), model.groups("lot"), strict=True) if pair[1])
+    count = Counter(motor for motor, _ in pairs)
+    return [lot for motor, lot in pairs if count[motor] > 1]
 
 
 def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> Iterator[Place]:
@@ -191,5 +200,6 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
         weight = weight * np.isnan(model.recorded(effect.lacks))
     if not place.where:
         return np.asarray(weight)
-    inside = [group == place.where for group in model.groups(effect.per)]
+    groups = [model.groups(per) for per in ((effect.per, "lot") if effect.per == "motor" else (effect.per,))]
+    inside = [place.where in own for own in zip(*groups, strict=True)]
     return np.asarray(weight * np.array(inside, float))

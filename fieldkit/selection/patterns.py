@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.motors.lots import names_a_lot
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import Candidate, Place
 from fieldkit.selection.covariates import known_before, own_numbers
@@ -90,12 +91,12 @@ def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
 
 
 def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
-    """Patterns that correlate with recorded conditions and columns."""
+    """Patterns that correlate with recorded conditions and columns; the effects on motors act on their lots."""
     sites = _shared([flight.site for flight in flights])
     yield {f"the site {site}": _same(lambda flight: flight.site, site) for site in sites}
     numbers: dict[str, Weigh] = {name: _column(name) for name in ("temperature", "humidity", "pressure")}
     for name in dict.fromkeys(name for flight in flights for name in flight.extra):
-        if not known_before(name, flights):
+        if names_a_lot(name) or not known_before(name, flights):
             continue
         texts = [flight.extra.get(name, "") for flight in flights]
         if len(set(texts)) > MOST_VALUES:

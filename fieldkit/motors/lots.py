@@ -1,0 +1,35 @@
+"""Lots of motors, as flyers record them: in the name of the motor, `F24-4W lot 0412`, or in a column of their table."""
+
+import re
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.motors.catalogue import split_lot
+from fieldkit.motors.search import Found
+
+LOT_WORDS = ({"lot"}, {"batch"})
+"""What the header of a column of lots says, besides `FURTHER_WORDS`."""
+FURTHER_WORDS = {"motor", "number", "no", "id"}
+
+
+def names_a_lot(header: str) -> bool:
+    """Whether a column of a flyer's table has the lots of the motors, by its header: `motor_lot`, `Batch no.`."""
+    return set(re.findall(r"[a-z]+", header.casefold())) - FURTHER_WORDS in LOT_WORDS
+
+
+def lots(flights: Sequence[Flight], found: Sequence[Found]) -> list[str]:
+    """The lot of each flight's motor, `Estes D12 lot 2`, for flights in the order flown; empty if unknown.
+
+    A flight without a lot has that of the flight before on the same motor type: a flyer records the lot of a new pack.
+    """
+    last: dict[str, str] = {}
+    result = []
+    for flight, item in zip(flights, found, strict=True):
+        kind = f"{item.motor.maker} {item.motor.designation}"
+        recorded = split_lot(flight.motor)[1] or next(
+            (text.strip() for header, text in flight.extra.items() if text.strip() and names_a_lot(header)), ""
+        )
+        if recorded:
+            last[kind] = f"{kind} lot {recorded}"
+        result.append(last.get(kind, ""))
+    return result

@@ -1,0 +1,79 @@
+"""Lots of motors: read from names and columns, and places of the effects on motors instead of unexplained patterns."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.model.readout_data import observe
+from fieldkit.model.rocket_model import Model, base_model
+from fieldkit.motors.lots import lots, names_a_lot
+from fieldkit.selection.candidates import Place, effect_candidates, effect_terms, place_weight
+from fieldkit.selection.diagnose import diagnose
+from fieldkit.selection.patterns import known_patterns
+from tests.selection.test_verdict import measured, season
+
+CHECK_SHAPES = False
+
+HEADERS = {
+    "motor_lot": True,
+    "Lot": True,
+    "Batch no.": True,
+    "lot_number": True,
+    "parachute_lot": False,
+    "pilot": False,
+}
+WEAK_LOT = Place("motor_thrust", "AeroTech F24W lot 2")
+
+
+def with_lots(header: str = "motor_lot") -> Model:
+    """A season whose F24 are from two lots, the second from the ninth flight on."""
+    model = season()
+    flights = [
+        flight.with_changes(extra={header: "2" if flight.motor == "F24" and row >= 8 else "1"})
+        for row, flight in enumerate(model.flights)
+    ]
+    return base_model(flights, model.found)
+
+
+@pytest.mark.parametrize(("header", "does"), HEADERS.items())
+def test_a_column_of_lots_is_recognized_by_its_header(header: str, does: bool) -> None:
+    assert names_a_lot(header) is does
+
+
+def test_a_lot_is_read_from_the_name_or_a_column_and_lasts_until_the_next() -> None:
+    model = season()
+    flights = list(model.flights)
+    flights[0] = flights[0].with_changes(motor="F24 lot 0412")
+    flights[6] = flights[6].with_changes(extra={"batch": " 77 "})
+    found = lots(flights, model.found)
+    kinds = model.groups("motor")
+    assert found[0] == f"{kinds[0]} lot 0412" == found[3]
+    assert found[6] == f"{kinds[0]} lot 77" == found[9]
+    assert found[1] == ""
+    assert len(found) == len(flights)
+
+
+@pytest.mark.fast
+def test_effects_on_motors_act_on_lots_and_no_pattern_does() -> None:
+    model = with_lots()
+    candidates = [one for one in effect_candidates(model, np.ones(16, bool)) if one.place.effect == "motor_thrust"]
+    places = [one.place for one in candidates]
+    assert {place.where for place in places if "lot" in place.where} == {"AeroTech F24W lot 1", "AeroTech F24W lot 2"}
+    assert sum(np.exp(one.log_fraction) for one in candidates) == pytest.approx(1.0)
+    flown = [row for row, flight in enumerate(model.flights) if flight.motor == "F24" and row >= 8]
+    assert np.flatnonzero(place_weight(WEAK_LOT, model)).tolist() == flown
+    assert not any("lot" in name for kind in known_patterns(model.flights) for name in kind)
+    assert any("box" in name for kind in known_patterns(with_lots("box").flights) for name in kind)
+
+
+def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
+    truth = with_lots()
+    (term,) = effect_terms(WEAK_LOT, truth)
+    flights = measured(truth.with_terms(replace(term, mean=-0.12))).flights
+    diagnosis = diagnose(base_model(flights, truth.found), observe(flights, [True] * 16))
+    assert diagnosis.effect == "motor_thrust"
+    assert diagnosis.posterior.inclusion["motor_thrust"] > 0.9
+    lot = next(trial for one in diagnosis.ranking for trial in one.trials if trial.candidate.place == WEAK_LOT)
+    mean, sd = lot.strength()
+    assert abs(mean + 0.12) < 3 * sd
