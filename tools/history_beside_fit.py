@@ -57,7 +57,7 @@ def beside_fit() -> Iterator[str]:
                     f"(fit {one['fit_alpha_mae']:.4f}).",
                 )
     if measurements := measured("history_bench"):
-        yield from ("`python -m bench.make SETS --sets 4 --seed 70707`,", f"`{measurements['command']}`:", "")
+        yield from ("`python -m bench.make SETS --sets 4 --seed 261126`,", f"`{measurements['command']}`:", "")
         yield from table(FORECAST_COLUMNS, [forecast_row("bench, later flights", measurements["forecast"])])
         yield from table(
             (
