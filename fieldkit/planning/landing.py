@@ -72,6 +72,12 @@ class Landing:
         """Distance from the pad. [m]"""
         return np.hypot(self.along, self.across)
 
+    @property
+    def landing_speed(self) -> Three:
+        """Landing speed of the draws with an open device, of all if none opens. [m/s]"""
+        opened = self.down.ballistic < 1
+        return three(self.down.landing_speed[opened] if opened.any() else self.down.landing_speed)
+
     def ellipse(self, level: float = ELLIPSE_LEVEL) -> "LandingEllipse":
         """The ellipse with a fraction of the landings, for a normal distribution with their mean and covariance."""
         points = np.stack([self.along, self.across])
@@ -90,7 +96,7 @@ class Landing:
             "right_of_wind_m": named(three(self.across)) if known else None,
             "drift_m_per_mps": named(three(self.drift)),
             "duration_s": named(three(self.duration)),
-            "landing_speed_mps": named(three(self.down.landing_speed)),
+            "landing_speed_mps": named(self.landing_speed),
             "chance_ballistic": float(self.down.ballistic.mean()),
             "ellipse": self.ellipse().json() if known else None,
         }
@@ -175,11 +181,13 @@ def _within_calm(rng: np.random.Generator, count: int) -> tuple[Float[Array, "dr
 
 @dataclass(frozen=True, slots=True)
 class RailChoice:
-    """A direction and an angle [rad] of the rail, and the resulting distance of the landing from the pad [m]."""
+    """A direction and an angle [rad] of the rail, the resulting distance of the landing from the pad [m], and the
+    forecast."""
 
     direction: str
     angle: float
     away: Three
+    forecast: Prediction
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON."""
@@ -197,7 +205,7 @@ def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> lis
     predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
     fall = fall_of(rocket.history, plan, found)
     choices = [
-        RailChoice(name, angle, three(landing(one, fall).away))
+        RailChoice(name, angle, three(landing(one, fall).away), one)
         for (name, angle), one in zip(ways, predictions, strict=True)
     ]
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))

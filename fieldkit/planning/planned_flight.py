@@ -1,5 +1,6 @@
 """A planned flight with its complete forecast: apogee, descent, safety lines, and the best rail angle."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,11 +23,16 @@ from fieldkit.planning.landing import (
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.safety import safety_lines
 
+OF_EVERY_RAIL = ("ground wind", "thrust to weight", "rail exit speed")
+"""Checks that no angle of the rail changes: no angle is recommended for a flight that fails one."""
+OF_THE_PATH = ("ejection speed", "landing speed")
+"""Checks that depend on the angle of the rail."""
+
 
 @dataclass(frozen=True, slots=True)
 class PlannedFlight:
-    """A plan, its forecast, the basis of its descent, its landing, its safety lines, and rail settings from best to
-    worst; none if the wind is not known, or if the rocket would probably land without a parachute.
+    """A plan, its forecast, the basis of its descent, its landing, its safety lines, and safe rail settings from best
+    to worst; none if the wind is not known, or for the reason in `no_rail`.
 
     `holds` is the result of `wind_that_holds` [m/s]; None with a wind, or without the size of the field.
     """
@@ -37,6 +43,7 @@ class PlannedFlight:
     lines: tuple[SafetyCheck, ...]
     rail: tuple[RailChoice, ...]
     holds: float | None = None
+    no_rail: str = ""
 
     @property
     def name(self) -> str:
@@ -48,6 +55,7 @@ class PlannedFlight:
         return {
             "landing": self.down.json(),
             "rail": [one.json() for one in self.rail],
+            "no_rail": self.no_rail,
             "timed_flights": self.fall.flights,
         }
 
@@ -59,9 +67,37 @@ def planned_flight(rocket: Rocket, plan: Flight, found: Found, site: Site, limit
     (prediction,) = forecasts(rocket, [(plan, found)], draws=DRAWS)
     fall = fall_of(rocket.history, prediction.plan, found)
     down = landing(prediction, fall)
-    opens = down.down.ballistic.mean() < UNSAFE_RISK
-    rail = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE) if opens else ()
     lines = safety_lines(prediction, site, fall, limits)
     unknown = plan.wind is None and site.size is not None
     holds = wind_that_holds(rocket, plan, found, site.size or 0.0) if unknown else None
-    return PlannedFlight(prediction, fall, down, tuple(lines), tuple(rail), holds)
+    no_rail = _why_no_rail(down, lines)
+    rail = () if no_rail else _safe_rails(rocket, (plan, found), site, limits, lines)
+    if not no_rail and not rail and plan.wind is not None:
+        no_rail = f"at every angle {' and '.join(_unsafe(lines, OF_THE_PATH))} would be unsafe"
+    return PlannedFlight(prediction, fall, down, tuple(lines), rail, holds, no_rail)
+
+
+def _unsafe(lines: Sequence[SafetyCheck], names: Sequence[str]) -> list[str]:
+    """The checks with these names that are unsafe."""
+    return [line.name for line in lines if line.name in names and line.verdict == "unsafe"]
+
+
+def _why_no_rail(down: Landing, lines: Sequence[SafetyCheck]) -> str:
+    """Why no rail setting makes a flight safe; empty if one may."""
+    if down.down.ballistic.mean() >= UNSAFE_RISK:
+        return "the rocket hits the ground before deployment"
+    found = _unsafe(lines, OF_EVERY_RAIL)
+    return f"unsafe at every angle: {', '.join(found)}" if found else ""
+
+
+def _safe_rails(
+    rocket: Rocket, planned: tuple[Flight, Found], site: Site, limits: Limits, lines: Sequence[SafetyCheck]
+) -> tuple[RailChoice, ...]:
+    """The rail settings from best to worst, without those that are unsafe if the plan's own, judged by its safety
+    lines, is."""
+    plan, found = planned
+    choices = rail_choices(rocket, plan, found, MAX_RECOMMENDED_ANGLE)
+    if not _unsafe(lines, OF_THE_PATH):
+        return tuple(choices)
+    fall = fall_of(rocket.history, plan, found)
+    return tuple(one for one in choices if not _unsafe(safety_lines(one.forecast, site, fall, limits), OF_THE_PATH))

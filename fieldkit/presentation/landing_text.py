@@ -33,17 +33,19 @@ def landing_in_words(
     site: Site,
     system: str = "SI",
     holds: float | None = None,
+    no_rail: str = "",
 ) -> Iterator[str]:
     """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system.
 
-    `holds` is the wind that keeps landings on the field, as in `PlannedFlight` [m/s].
+    `holds` is the wind that keeps landings on the field [m/s], `no_rail` why no rail angle is recommended, both as in
+    `PlannedFlight`.
     """
     plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
     yield build_in_words(prediction)
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
     low, middle, high = three(down.duration)
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
-    falls = shown.speed(three(down.down.landing_speed)[1])
+    falls = shown.speed(down.landing_speed[1])
     yield f"  landing   at {falls}; {_device(prediction, fall, recovery, shown)}"
     if (above := _main_above_apogee(prediction, recovery)) >= LEAST_CHANCE:
         yield f"            {above:.0%} chance of an apogee below that: the main opens at apogee"
@@ -56,7 +58,7 @@ def landing_in_words(
         return
     yield f"  wind      {profile_in_words(wind_profile(plan), shown)}"
     if not rail:
-        yield "  recommended rail: none: the rocket hits the ground before deployment"
+        yield f"  recommended rail: none: {no_rail}"
         return
     others = ", ".join(f"{_rail(one)}: {shown.length(one.away[1])}" for one in rail[1:4])
     yield f"  recommended rail: {rail_in_words(rail[0], shown)}; {others}"
@@ -64,12 +66,12 @@ def landing_in_words(
 
 def rail_in_words(choice: RailChoice, shown: ShownUnits) -> str:
     """`7.5° into the wind, lands 87 m away`."""
-    from_it = " from" if choice.direction == "away" else ""
-    return f"{_rail(choice)}{from_it} the wind, lands {shown.length(choice.away[1])} away"
+    of_it = {"away": " from the wind"}.get(choice.direction, " the wind") if choice.angle else ""
+    return f"{_rail(choice)}{of_it}, lands {shown.length(choice.away[1])} away"
 
 
 def _rail(choice: RailChoice) -> str:
-    return f"{choice.angle / DEGREE:.1f}° {choice.direction}"
+    return f"{choice.angle / DEGREE:.1f}° {choice.direction}" if choice.angle else "vertical"
 
 
 def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:

@@ -26,11 +26,19 @@ from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, usual
 from fieldkit.planning.flown_descent import landing_mass, shown_speeds
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.landing import TRIED_DRAWS, RailChoice, landing, rail_choices, wind_that_holds
+from fieldkit.planning.landing import (
+    MAX_RECOMMENDED_ANGLE,
+    TRIED_DRAWS,
+    RailChoice,
+    landing,
+    rail_choices,
+    wind_that_holds,
+)
 from fieldkit.planning.limits import limits
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.safety import safety_lines
-from fieldkit.presentation.landing_text import landing_in_words
+from fieldkit.presentation.landing_text import landing_in_words, rail_in_words
+from fieldkit.quantities import ShownUnits
 from fieldkit.services.planning import completed_plan
 from fieldkit.settings import Settings
 
@@ -246,7 +254,9 @@ def test_figures_are_only_in_the_units_of_the_flyer(prediction: Prediction) -> N
     assert not [line for line in american if re.search(r"\d (m|m/s|°C|g)\b", line)]
     down = landing(prediction, usual())
     words = [
-        *landing_in_words(prediction, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0))], Site(size=300.0), "US")
+        *landing_in_words(
+            prediction, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0), prediction)], Site(size=300.0), "US"
+        )
     ]
     assert not [line for line in words if re.search(r"\d (m|m/s)\b", line)]
 
@@ -439,6 +449,47 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
     body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm", "--wind", "3m/s"]
     assert main(["--ledger", str(tmp_path / "ledger.db"), "landing", "--motor", "F39T-60", *body]) == 0
     assert "recommended rail: none: the rocket hits the ground" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"wind": 15.0}, "unsafe at every angle: ground wind"),
+        ({"wind": 4.0, "rail_length": 0.2}, "unsafe at every angle: rail exit speed"),
+        ({"wind": 3.0, "dry_mass": 2.0}, "unsafe at every angle: thrust to weight"),
+        ({"wind": 3.0, "delay": 0.0}, "at every angle ejection speed would be unsafe"),
+        ({"wind": 3.0, "delay": 3.0}, "at every angle ejection speed would be unsafe"),
+    ],
+)
+def test_no_rail_angle_is_recommended_for_a_flight_that_none_makes_safe(changes: dict[str, float], why: str) -> None:
+    plan = PLAN.with_changes(delay=6.0, extra={"main_speed_mps": "5"}).with_changes(**changes)
+    one = planned_flight(NEW, plan, FOUND, Site(), limits())
+    assert one.rail == ()
+    assert one.no_rail.startswith(why) or "ground before" in one.no_rail
+    words = landing_in_words(one.prediction, one.down, one.fall, one.rail, Site(), no_rail=one.no_rail)
+    assert f"recommended rail: none: {one.no_rail}" in "\n".join(words)
+
+
+def test_a_rail_angle_that_mends_an_unsafe_one_is_recommended() -> None:
+    plan = PLAN.with_changes(wind=2.0, delay=6.0, rail_angle=0.78)
+    one = planned_flight(NEW, plan, FOUND, Site(), limits())
+    assert {line.name for line in one.lines if line.verdict == "unsafe"} & {"launch angle", "ejection speed"}
+    assert one.no_rail == ""
+    assert one.rail[0].angle <= MAX_RECOMMENDED_ANGLE
+    assert rail_in_words(RailChoice("into", 0.0, (1.0, 57.0, 90.0), one.prediction), ShownUnits("SI")) == (
+        "vertical, lands 57 m away"
+    )
+
+
+def test_the_landing_speed_is_that_under_the_parachute_of_the_flights_that_open_it() -> None:
+    """With a delay that lets a third hit the ground first, the speed of those is no landing speed."""
+    plan = PLAN.with_changes(delay=11.0, extra={"main_speed_mps": "5"})
+    one = planned_flight(NEW, plan, FOUND, Site(), limits())
+    assert 0.1 < one.down.down.ballistic.mean() < 0.5
+    assert one.down.landing_speed[1] == pytest.approx(5.0, rel=0.15)
+    assert one.down.json()["landing_speed_mps"]["p50"] == one.down.landing_speed[1]
+    words = " ".join(landing_in_words(one.prediction, one.down, one.fall, one.rail, Site(), no_rail=one.no_rail))
+    assert f"landing   at {one.down.landing_speed[1]:.1f} m/s" in words
 
 
 @pytest.mark.parametrize(

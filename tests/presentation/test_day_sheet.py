@@ -111,7 +111,11 @@ def test_the_charge_column_shows_what_opens_the_parachute(tmp_path: Path) -> Non
         sheet = text_of(out.read_bytes())
         assert f"<!-- {charge} -->" in sheet, plan
         assert "nan" not in sheet.replace("nance", "")
-        assert ("recommended rail" in sheet) == (plan.split(",")[-2] != "60" and "C6-3" not in plan)
+        unsafe = {"F39T,60": "the rocket hits the ground", "C6-3": "thrust to weight", "C6-0": "ejection speed"}
+        (no_rail,) = [why for motor, why in unsafe.items() if motor in plan] or [""]
+        assert ("recommended rail: none" in sheet) == bool(no_rail), plan
+        assert f"recommended rail{': none: ' if no_rail else ''}" in sheet
+        assert no_rail in sheet
 
 
 def test_a_calm_row_is_not_given_the_wind_of_the_day(tmp_path: Path) -> None:

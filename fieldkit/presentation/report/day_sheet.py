@@ -207,7 +207,7 @@ def _plan_rows(planned: Sequence[PlannedFlight], own: Sequence[str], shown: Show
     pass, and the names of the unknown ones."""
     lines_below: list[str] = []
     for one, day in zip(planned, own, strict=True):
-        rail = [rail_in_words(choice, shown) for choice in one.rail[:1]]
+        rail = [rail_in_words(choice, shown) for choice in one.rail[:1]] or [f"none: {one.no_rail}"] * bool(one.no_rail)
         lines_below.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
         lines_below += [f"   {day}"] if day else []
         lines_below += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
