@@ -138,7 +138,8 @@ def _mass(
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
     if unknown and fresh is None:
         notes.append(f"the mass of {', '.join(map(shown, unknown[:5]))} is unknown and left out")
-    return total or None, "the sum of its parts"
+    entered = whole is not None or all(own is not None and below for own, below in map(override, stages))
+    return total or None, "the mass entered for it" if entered else "the sum of its parts"
 
 
 def _drag(

@@ -32,7 +32,7 @@ def test_a_design_gives_mass_diameter_and_cd_on_its_own_area(name: str) -> None:
     assert found.diameter == pytest.approx(float(rows[0]["diameter_mm"]) / 1e3, rel=1e-6)
     assert found.cd == pytest.approx(float(rows[0]["cd_coast"]), rel=GATE)
     assert found.dry_mass == pytest.approx(0.1234, rel=1e-6)
-    assert found.mass_by == "the sum of its parts"
+    assert found.mass_by == "the mass entered for it"
     assert not any("does not fit" in note for note in found.notes)
     noted = any("simulations have a Cd" in note for note in found.notes)
     cds = [float(row["cd_coast"]) for row in rows]
