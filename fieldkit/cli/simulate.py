@@ -1,18 +1,20 @@
 """`fieldkit simulate`: one forward flight."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fieldkit.cli.numbers import finite, typed
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
-from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped
+from fieldkit.cli.planning import own_limits
+from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
 
 if TYPE_CHECKING:
     from fieldkit.motors.several import Booster
+    from fieldkit.planning.check import SafetyCheck
 
 app = typer.Typer()
 
@@ -29,8 +31,9 @@ class Physics(StrEnum):
 
 def simulate(
     cd: Annotated[
-        float, typer.Option(min=0.001, max=50.0, callback=finite, help="Drag coefficient.", show_default=False)
-    ],
+        float | None,
+        typer.Option(min=0.001, max=50.0, callback=finite, help="Drag coefficient; default: that of other rockets."),
+    ] = None,
     alpha: Annotated[
         float, typer.Option(min=0.01, max=10.0, callback=finite, help="Thrust relative to certified thrust.")
     ] = 1.0,
@@ -61,9 +64,12 @@ def simulate(
     """Simulate one flight from motor, mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
+    from fieldkit.flight.site import Site
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
+    from fieldkit.planning.safety import staged_lines
     from fieldkit.services.manual_entry import dry_mass_under
+    from fieldkit.services.usual_cd import usual_cd
 
     options = {name: text for name, text in given.items() if text is not None}
     if bool(lift_off_mass) == ("dry_mass" in options):
@@ -79,23 +85,48 @@ def simulate(
         )
     plan = Flight().with_changes(**read_changes(Flight(), options))
     if physics is Physics.paper:
-        result = paper_flight(plan, cd, alpha)
-    else:
-        found = known_motors().resolve_several(plan.motor, _boosters(booster_mass, booster_cd, cd))
-        for note in found.notes:
-            complain(f"note: {note}")
-        if lift_off_mass:
-            weighed = typed("--lift-off-mass", lift_off_mass, "mass", "g")
-            plan = plan.with_changes(dry_mass=dry_mass_under(weighed, found.motor))
-        result = field_flight(plan, found, cd, alpha)
-    if json:
-        print_json(result)
+        if cd is None:
+            raise typer.BadParameter("found no --cd, expected one for the paper's physics")
+        _print(paper_flight(plan, cd, alpha), json)
         return
-    lines = [(title, measured(name, value)) for title, name, value in _figures(result)]
-    width = max(len(title) for title, _ in lines)
-    for title, text in lines:
+    low, drag, high = (cd, cd, cd) if cd is not None else usual_cd()
+    found = known_motors().resolve_several(plan.motor, _boosters(booster_mass, booster_cd, drag))
+    for note in found.notes:
+        complain(f"note: {note}")
+    if lift_off_mass:
+        weighed = typed("--lift-off-mass", lift_off_mass, "mass", "g")
+        plan = plan.with_changes(dry_mass=dry_mass_under(weighed, found.motor))
+    result = field_flight(plan, found, drag, alpha)
+    highest = result if cd is not None else field_flight(plan, found, low, alpha)
+    if cd is None:
+        least = field_flight(plan, found, high, alpha)
+        ends = [measured("apogee", one["apogee_m"]) for one in (least, highest)]
+        complain(
+            f"note: Cd not given: {drag:.2f}, the median of other rockets; 90% of them have {low:.2f} to {high:.2f}, "
+            f"which gives an apogee of {ends[0]} to {ends[1]}"
+        )
+        result |= {"cd": drag, "cd_p05": low, "cd_p95": high, "apogee_m_p05": least["apogee_m"]}
+        result |= {"apogee_m_p95": highest["apogee_m"]}
+    lines = []
+    if found.motor.kind == "stages":
+        lines = staged_lines(plan, found.motor, highest["true_apogee_m"], Site(), own_limits())
+    _print(result, json, lines)
+
+
+def _print(result: dict[str, Any], json: bool, lines: "Sequence[SafetyCheck] | None" = None) -> None:
+    """Print the figures of a flight, and its safety checks if it has any; `lines` is None for the paper's physics."""
+    from fieldkit.planning.check import safety_text, worst_last
+
+    if json:
+        print_json({**result, "safety": [line.json() for line in lines]} if lines else result)
+        return
+    for text in safety_text(worst_last(lines), system()) if lines else ():
+        say_wrapped(f"  {text}", "    ")
+    figures = [(title, measured(name, value)) for title, name, value in _figures(result)]
+    width = max(len(title) for title, _ in figures)
+    for title, text in figures:
         say(f"{title:{width}}  {text}")
-    if physics is not Physics.paper:
+    if lines is not None:
         say_wrapped(
             "Apogee and ejection altitude are as a barometric altimeter shows them; true apogee is above the pad."
         )
@@ -121,7 +152,8 @@ def _figures(result: dict[str, float]) -> Iterator[tuple[str, str, float]]:
 
     columns = {column.header: column for column in COLUMNS}
     for header, value in result.items():
-        column = columns[header.removeprefix("true_")]
+        if (column := columns.get(header.removeprefix("true_"))) is None:
+            continue
         title = "True apogee" if header.startswith("true_") else column.title
         yield title, column.name, unit(column.quantity, column.unit).to_si(value)
 

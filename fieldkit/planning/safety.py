@@ -8,7 +8,7 @@ the loaded weight at standard gravity. Limits have their sources in `fieldkit/da
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -130,6 +130,28 @@ def safety_lines(
     return [*lines, *rule_lines.reminder_lines(governed_by)]
 
 
+def staged_lines(plan: Flight, motor: Motor, altitude: float, site: Site, limits: Limits) -> list[SafetyCheck]:
+    """The checks of a rocket with several stages that need no forecast of its landing, for an expected altitude [m]:
+    the thrust of the first half second and the rules that govern the launch. Raises BadValue as `safety_lines`."""
+    mass = math.nan if plan.dry_mass is None else plan.dry_mass
+    by = governed(
+        build_of(motor, mass), altitude, site, known_rules(), plan.date_time.date() if plan.date_time else None
+    )
+    lines = [
+        _thrust_line({"in the first half second": thrust_to_weight(motor, mass)[0]}, limits),
+        rule_lines.wind_line(by, plan.wind),
+        rule_lines.angle_line(by, plan.rail_angle),
+        rule_lines.field_line(by, site.size),
+        rule_lines.distance_line(by, site.people),
+        rule_lines.bystander_line(by, site.bystanders),
+        rule_lines.mass_line(by),
+        rule_lines.class_line(by),
+        rule_lines.certification_line(by),
+        rule_lines.complex_line(by),
+    ]
+    return [*lines, *rule_lines.reminder_lines(by)]
+
+
 def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
     """The worse of two lines on the same item."""
     return one if other is None else worst([one, other])
@@ -165,15 +187,17 @@ def _rail(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyC
 
 
 def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
-    good, unsafe = limits["thrust_to_weight"], limits["thrust_to_weight_unsafe"]
     first, average = thrust_to_weight(motor, dry_mass)
-    least = min(first, average)
+    return _thrust_line({"in the first half second": first, "on average": average}, limits)
+
+
+def _thrust_line(found: Mapping[str, float], limits: Limits) -> SafetyCheck:
+    """Thrust to weight over some times, by their names. [1]"""
+    good, unsafe = limits["thrust_to_weight"], limits["thrust_to_weight_unsafe"]
+    least = min(found.values())
     verdict: Verdict = "ok" if least >= good.value else "caution" if least >= unsafe.value else "unsafe"
-    shown = [ratio(one, good.value, unsafe.value) for one in (first, average)]
-    text = (
-        f"{shown[0]} in the first half second, {shown[1]} on average; "
-        f"good above {good.value:g}, unsafe below {unsafe.value:g}"
-    )
+    shown = ", ".join(f"{ratio(value, good.value, unsafe.value)} {when}" for when, value in found.items())
+    text = f"{shown}; good above {good.value:g}, unsafe below {unsafe.value:g}"
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
 
 

@@ -17,6 +17,7 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
 from fieldkit.planning.classification import build_of
+from fieldkit.planning.safety import thrust_to_weight
 
 pytestmark = pytest.mark.fast
 
@@ -203,6 +204,35 @@ def test_simulate_supports_a_cluster_and_two_stages(capsys: pytest.CaptureFixtur
     assert "--booster-cd" in capsys.readouterr().err
     assert main(["simulate", "--motor", "D12-0/C6-7", *body]) == 1
     assert "--booster-mass" in capsys.readouterr().err
+
+
+def test_stages_are_simulated_from_mass_and_diameter_alone_with_the_rules_that_govern_them(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A ruler and a scale give no Cd; no other command flies stages, so this one names their codes."""
+    body = ["simulate", "--motor", "D12-0/C6-7", "--booster-mass", "60g", "--dry-mass", "100g", "--diameter", "30mm"]
+    assert main([*body, "--json"]) == 0
+    captured = capsys.readouterr()
+    found = json.loads(captured.out)
+    assert f"Cd not given: {found['cd']:.2f}, the median of other rockets" in captured.err
+    for end in ("p05", "p95"):
+        cd = found["cd_p95" if end == "p05" else "cd_p05"]
+        assert main([*body, "--cd", str(cd), "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["apogee_m"] == pytest.approx(found[f"apogee_m_{end}"])
+    checks = {one["check"]: one for one in found["safety"]}
+    total = several("D12").total_impulse + several("C6").total_impulse
+    assert f"{total:.0f} N s" in checks["class"]["text"]
+    assert "305 m across" in checks["field size"]["text"]
+    assert checks["complex rocket"]["verdict"] == "caution"
+    assert "people at least 9 m away" in checks["complex rocket"]["text"]
+    first = thrust_to_weight(several("D12"), 0.160 + several("C6").loaded_mass)[0]
+    assert f"{first:.1f} in the first half second" in checks["thrust to weight"]["text"]
+    assert main([*body[:3], *body[5:], "--cd", "0.6", "--json"]) == 1
+    capsys.readouterr()
+    assert main(["simulate", "--motor", "C6-5", *body[5:], "--json"]) == 0
+    assert "safety" not in json.loads(capsys.readouterr().out)
+    assert main(["simulate", "--motor", "F24", *body[5:], "--physics", "paper"]) == 2
+    assert "--cd" in capsys.readouterr().err
 
 
 def test_a_rocket_is_simulated_with_the_mass_of_all_its_stages(capsys: pytest.CaptureFixture[str]) -> None:
