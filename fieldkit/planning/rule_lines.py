@@ -106,6 +106,8 @@ def field_line(governed_by: Governed, size: float | None) -> SafetyCheck:
         if size is None:
             text = f"the code requires {length(needed)} across{why}; field size not given"
             return _check("field size", "unknown", text, rule, row)
+        if row is not None and (sure := rule.verified_below(row)) and size < sure.value - 1e-6:
+            row, needed = sure, sure.value
         wanted, own = lengths(needed, size)
         text = f"the code requires {wanted} across{why}"
         verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"

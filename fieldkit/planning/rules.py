@@ -102,6 +102,11 @@ class Rule:
         reached = altitude if self.by == "altitude" else impulse
         return next((row for row in self.rows if not self.by or reached <= row.up_to + 1e-9), None)
 
+    def verified_below(self, row: RuleRow) -> RuleRow | None:
+        """The last verified row below an unverified one: its value is needed in any case. None for a verified row."""
+        below = self.rows[: self.rows.index(row)] if row.text.unverified else ()
+        return next((one for one in reversed(below) if not one.text.unverified), None)
+
     def least(self, impulse: float, altitude: float, *, complex_rocket: bool = False) -> float | None:
         """The required value, None beyond the table. [SI]"""
         row = self.row(impulse, altitude)
