@@ -8,7 +8,7 @@ the loaded weight at standard gravity. Limits have their sources in `fieldkit/da
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -18,7 +18,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
 from fieldkit.flight.limits import check
-from fieldkit.flight.recovery import recovery_of
+from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
@@ -115,6 +115,7 @@ def safety_lines(
         _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(governed_by)),
         _stricter(rule_lines.wind_line(governed_by, plan.wind), _own("wind", plan.wind, limits)),
         _stricter(rule_lines.angle_line(governed_by, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
+        *_stability(plan, limits),
         _ceiling(prediction.true_apogee, site),
         _field(down, site, rule_lines.field_line(governed_by, site.size)),
         rule_lines.distance_line(governed_by, site.people),
@@ -199,6 +200,20 @@ def _thrust_line(found: Mapping[str, float], limits: Limits) -> SafetyCheck:
     shown = ", ".join(f"{ratio(value, good.value, unsafe.value)} {when}" for when, value in found.items())
     text = f"{shown}; good above {good.value:g}, unsafe below {unsafe.value:g}"
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
+
+
+def _stability(plan: Flight, limits: Limits) -> Iterator[SafetyCheck]:
+    """The static margin of a plan against guidance, if it is known."""
+    margin, least, most = stability(plan), limits["stability"], limits["stability_most"]
+    if margin is None:
+        return
+    text = f"{margin:.4g} calibers, at least {least.value:g}"
+    if margin < least.value:
+        yield SafetyCheck("stability", "caution", f"{text}: show that it flies straight", least.source)
+    elif margin > most.value:
+        yield SafetyCheck("stability", "caution", f"{text}; above {most.value:g} it turns into the wind", most.source)
+    else:
+        yield SafetyCheck("stability", "ok", text, least.source)
 
 
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:

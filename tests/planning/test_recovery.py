@@ -443,6 +443,18 @@ def test_a_map_states_its_assumed_wind(tmp_path: Path, capsys: pytest.CaptureFix
     assert "<description>wind from 90 degrees, 3.0 m/s" in (tmp_path / "a.kml").read_text()
 
 
+@pytest.mark.parametrize(
+    ("margin", "verdict"),
+    [("0.99", "caution"), ("1", "ok"), ("1.01", "ok"), ("3", "ok"), ("3.01", "caution"), ("", None)],
+)
+def test_a_known_static_margin_is_checked(margin: str, verdict: str | None, prediction: Prediction) -> None:
+    plan = prediction.plan.with_changes(extra={"stability_cal": margin})
+    lines = safety_lines(replace(prediction, plan=plan), Site(), usual(), limits())
+    found = [line for line in lines if line.name == "stability"]
+    assert [line.verdict for line in found] == ([verdict] if verdict else [])
+    assert all(line.text.startswith(f"{margin} calibers, at least 1") for line in found)
+
+
 def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
