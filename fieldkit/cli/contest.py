@@ -9,7 +9,15 @@ import typer
 
 from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, planning, print_plan, print_safety, season_rule, season_year
+from fieldkit.cli.planning import (
+    RocketLength,
+    about_plan,
+    planning,
+    print_plan,
+    print_safety,
+    season_rule,
+    season_year,
+)
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
 
@@ -33,6 +41,7 @@ def finals(
     targets: Annotated[str | None, typer.Option(help="Lowest and highest target, in feet: 775-825.")] = None,
     window: Annotated[str | None, typer.Option(help="Duration window announced that day, in seconds: 37-40.")] = None,
     lightest: Annotated[str | None, typer.Option(help="Lowest possible dry mass: 480g, 17oz.")] = None,
+    rocket_length: RocketLength = None,
     card: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
     ] = None,
@@ -69,6 +78,7 @@ def finals(
         check_card(card)
         force = settled(card, force)
     least = typed("--lightest", lightest, "mass", "g") if lightest else None
+    long = length("--rocket-length", rocket_length, "mm")
     with planning(context, given) as plan:
         found = plan.motor()
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
@@ -76,7 +86,7 @@ def finals(
         approved = approved_motors(rule.year, data_file("seasons"))
         ends = end_flights(plan.rocket, plan.flight, found, table)
         lines = strictest(
-            *([*plan.safety(one, area), *allowed(rule, one.plan, found, approved=approved)] for one, area in ends)
+            *([*plan.safety(one, area), *allowed(rule, one.plan, found, long, approved)] for one, area in ends)
         )
         prediction = ends[-1][0]
     chosen = system()
@@ -142,7 +152,7 @@ def contest(
         str | None, typer.Option(help="Parachute area relative to the one flown: 85% or 0.85; needs --motor.")
     ] = None,
     reef: Annotated[str | None, typer.Option(help="Fraction of the area removed by reefing: 10%.")] = None,
-    rocket_length: Annotated[str | None, typer.Option(help="Length of the rocket: 700mm, 28in.")] = None,
+    rocket_length: RocketLength = None,
     cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify; needs --motor.")] = None,
     declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
     own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,
@@ -255,6 +265,7 @@ def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[
 
 
 def _plan_document(ahead: "Outlook", rule: "Season", area: float) -> dict[str, object]:
+    from fieldkit.planning.gain import gain_json
     from fieldkit.planning.quantiles import named, three
 
     prediction = ahead.forecast
@@ -267,7 +278,13 @@ def _plan_document(ahead: "Outlook", rule: "Season", area: float) -> dict[str, o
         "score": {"mean": float(rule.sums(ahead.points).mean()), **named(three(rule.sums(ahead.points)))},
         "timed": ahead.fall.flights > 0,
         "timed_flights": ahead.fall.flights,
-        "parachute": {"area": area, "best_area": ahead.area, "points_there": ahead.points_there},
+        "parachute": {
+            "area": area,
+            "best_area": ahead.area,
+            "points_there": ahead.points_there,
+            "speed_there_mps": ahead.speed_there,
+            **gain_json(ahead.gain, ahead.gain_error, ahead.clear),
+        },
         "flights": prediction.rests_on,
         "model": prediction.model,
     }

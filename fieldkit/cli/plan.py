@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
-from fieldkit.cli.planning import about_plan, planning, print_plan, season_rule
+from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, season_rule
 from fieldkit.cli.screen import print_json, system
 
 app = typer.Typer()
@@ -85,6 +85,7 @@ def ballast(
     miss: Annotated[
         bool, typer.Option("--miss", help="Minimize the mean miss instead of the chance of a miss.")
     ] = False,
+    rocket_length: RocketLength = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
@@ -106,11 +107,11 @@ def ballast(
     goal = Goal(wanted, band, "points" if rule else "error" if miss else "chance", rule)
     with planning(context, given) as plan:
         best = solve(plan.rocket, plan.flight, plan.motor(), goal, (low, high))
-        prediction = best.forecast
+        prediction = best.advised
         approved = approved_motors(rule.year, data_file("seasons")) if rule else None
-        lines = plan.safety(prediction) + (
-            allowed(rule, prediction.plan, prediction.found, approved=approved) if rule else []
-        )
+        long = length("--rocket-length", rocket_length, "mm")
+        lines = plan.safety(prediction)
+        lines += allowed(rule, prediction.plan, prediction.found, long, approved) if rule else []
     if json:
         document = {"rocket": prediction.plan.rocket, "motor": prediction.found.motor.designation, "target_m": wanted}
         document |= {"flights": prediction.rests_on, "model": prediction.model}

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
+
+RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,9 +124,9 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
     name = given.get("rocket") or (kit.name if kit else None)
     try:
         return which_rocket(ledger, name)
-    except NoFlights:
+    except NoFlights as error:
         if not (kit or (name and kit_of_rocket(name)) or given.get("dry_mass") or given.get("lift_off_mass")):
-            raise
+            raise NoFlights(f"{error}; a rocket that has not flown needs --dry-mass and --diameter") from error
     return name or NEW_ROCKET
 
 

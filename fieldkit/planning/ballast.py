@@ -15,6 +15,7 @@ from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.gain import gain_json, gain_of, is_clear
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
@@ -25,8 +26,6 @@ DRAWS = 500
 """Flights simulated at each mass. [1]"""
 MIN_MASS_RATIO, MAX_MASS_RATIO = 0.6, 1.8
 """Range of masses tried if the user sets no bounds, relative to the current dry mass. [1]"""
-CLEAR_ERRORS, LEAST_GAIN = 2.0, 1.0
-"""Minimum gain in points, in standard errors and as a number of points. [1]"""
 BAND_SMOOTHING = 0.5
 """Width over which the edge of the band is smoothed, which makes the probability smooth in the mass. [m]"""
 SEARCH_SMOOTHING = 0.15
@@ -108,7 +107,7 @@ class Ballast:
     @property
     def clear(self) -> bool:
         """Whether the change is worth it: the points saved are significant, or the current mass exceeds the limit."""
-        return self.too_heavy or self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
+        return self.too_heavy or is_clear(self.gain, self.gain_error)
 
     @property
     def advised(self) -> Prediction:
@@ -132,9 +131,7 @@ class Ballast:
             "today": self.today.json(),
             "reach_m": list(self.reach),
             "met": self.met,
-            "gain_points": self.gain,
-            "gain_error_points": self.gain_error,
-            "change": self.clear,
+            **gain_json(self.gain, self.gain_error, self.clear),
             "too_heavy": self.too_heavy,
         }
 
@@ -188,13 +185,8 @@ def ballast(
 def _gain(
     goal: Goal, there: tuple[Figures, Figures], today: tuple[Figures, Figures], flights: int
 ) -> tuple[float, float]:
-    """Mean improvement in points per flight, and its standard error with that many flights.
-
-    Both masses are simulated with the same draws; their difference scatters from flight to flight, and that number of
-    flights determines its mean.
-    """
-    saved = _points(goal, *today) - _points(goal, *there)
-    return float(saved.mean()), float(saved.std() / np.sqrt(max(flights, 1)))
+    """Mean improvement in points per flight, and its standard error with that many flights."""
+    return gain_of(_points(goal, *today) - _points(goal, *there), flights)
 
 
 def _points(goal: Goal, apogee: Figures, duration: Figures) -> Figures:

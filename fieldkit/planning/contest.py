@@ -24,6 +24,7 @@ from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.gain import gain_of, is_clear
 from fieldkit.planning.rules import MARKS
 from fieldkit.planning.toml_values import in_order, number, problem_in, whole
 from fieldkit.safe_text import printable
@@ -40,7 +41,9 @@ MOST_DECLARED = 100
 _TEXTS = ("eggs", "body", "launch", "finals", "mark", "source")
 """Keys of a season that are text."""
 AREAS = (0.4, 2.5)
-"""Range of the tried parachute areas, as a ratio to the current area. [1]"""
+"""Range of the tried parachute areas, as a ratio to the area flown. [1]"""
+AREA_TOLERANCE = 5e-3
+"""Tolerance of the log of the best area. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,7 +240,9 @@ class Outlook:
     """Forecast of a plan's points: draws for each flight that may be declared, and what they are based on.
 
     `fall` is the basis of the durations [s]. `area` is the ratio of the parachute's area with the fewest points to the
-    current area, and `points_there` the mean points with it.
+    area flown [1], `points_there` the mean points with it, `speed_there` its descent speed near the ground [m/s];
+    `gain` is the mean improvement by it in points per flight, `gain_error` its standard error, with as many flights as
+    the forecast is based on.
     """
 
     forecast: Prediction
@@ -246,6 +251,19 @@ class Outlook:
     fall: Fall
     area: float
     points_there: float
+    speed_there: float
+    gain: float
+    gain_error: float
+
+    @property
+    def clear(self) -> bool:
+        """Whether a change of the parachute is worth it: the points saved are significant."""
+        return is_clear(self.gain, self.gain_error)
+
+    @property
+    def at_edge(self) -> bool:
+        """Whether the best area is the smallest or the largest that was tried, within the tolerance of the search."""
+        return any(abs(math.log(self.area / edge)) < 2 * AREA_TOLERANCE for edge in AREAS)
 
     def chance(self, rule: Season, cut: float) -> float:
         """Probability that the sum of the best declared flights is within a cut. [1]"""
@@ -267,9 +285,19 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
         return durations(predictions, fall, speeds)
 
     apogee = np.stack([one.apogee for one in predictions], axis=-1)
-    best = _best_area(lambda area_ratio: float(rule.points(apogee, timed(area_ratio)).mean()))
+    best_area, fewest = _best_area(lambda area_ratio: float(rule.points(apogee, timed(area_ratio)).mean()))
     duration = timed(area)
-    return Outlook(predictions[0], rule.points(apogee, duration), duration, fall, *best)
+    points = rule.points(apogee, duration)
+    return Outlook(
+        predictions[0],
+        points,
+        duration,
+        fall,
+        best_area,
+        fewest,
+        fall.on_area(best_area).usual_speed(mass, density),
+        *gain_of(points - rule.points(apogee, timed(best_area)), predictions[0].rests_on),
+    )
 
 
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
@@ -279,6 +307,6 @@ def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
 
     bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))
     best = minimize_scalar(
-        lambda log: cost(float(np.exp(log))), bounds=bounds, method="bounded", options={"xatol": 5e-3}
+        lambda log: cost(float(np.exp(log))), bounds=bounds, method="bounded", options={"xatol": AREA_TOLERANCE}
     )
     return float(np.exp(best.x)), float(best.fun)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from fieldkit.planning.air import air_of
-from fieldkit.planning.ballast import CLEAR_ERRORS, LEAST_GAIN
 from fieldkit.planning.contest import Season
 from fieldkit.planning.contest_limits import allowed
 from fieldkit.planning.descent import durations
 from fieldkit.planning.flown_descent import landing_mass
+from fieldkit.planning.gain import gain_json, gain_of, is_clear
 from fieldkit.planning.motor_guide import MotorChoice, label
 from fieldkit.planning.quantiles import named, three
 from fieldkit.shapes import Array, Float
@@ -58,16 +58,14 @@ class MotorAdvice:
         """Whether a change is worth it: the points it saves are significant."""
         if self.gain is None or self.gain_error is None:
             return False
-        return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
+        return is_clear(self.gain, self.gain_error)
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
         return {
             "motors": [one.json() for one in self.ranked],
             "current": self.current.choice.motor.designation if self.current else None,
-            "gain_points": self.gain,
-            "gain_error_points": self.gain_error,
-            "change": self.clear,
+            **gain_json(self.gain, self.gain_error, self.clear),
         }
 
 
@@ -88,8 +86,7 @@ def motor_advice(choices: Sequence[MotorChoice], rule: Season, current: str | No
     if now is None or not ranked:
         return MotorAdvice(tuple(ranked), now, None, None)
     saved = now.points - ranked[0].points
-    flights = max(now.choice.prediction.rests_on, 1)
-    return MotorAdvice(tuple(ranked), now, float(saved.mean()), float(saved.std() / np.sqrt(flights)))
+    return MotorAdvice(tuple(ranked), now, *gain_of(saved, now.choice.prediction.rests_on))
 
 
 def _points(choice: MotorChoice, rule: Season) -> Float[Array, "draw"]:

@@ -11,6 +11,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
 from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
+from fieldkit.planning.gain import LEAST_GAIN
 from fieldkit.planning.motor_advice import MotorAdvice
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
@@ -137,12 +138,24 @@ def outlook_in_words(
     yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
     yield f"  descent   {descent_in_words(ahead.fall, prediction.plan)}"
     yield f"  parachute {area:.0%} of the area flown"
-    if ahead.points_there < ahead.points.mean() - 1:
-        yield f"            {ahead.area:.0%} would give the fewest points, {ahead.points_there:.0f} per flight"
+    yield from _better_parachute(ahead, ShownUnits(system))
     yield f"  based on  {rests_in_words(prediction)}"
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"
+
+
+def _better_parachute(ahead: Outlook, shown: ShownUnits) -> Iterator[str]:
+    """The area with the fewest expected points, if it saves one per flight, and whether a change to it is advised."""
+    if ahead.gain < LEAST_GAIN:
+        return
+    edge = " of the area flown, the limit of the areas tried," if ahead.at_edge else ""
+    saves = f"{ahead.area:.0%}{edge} would save {ahead.gain:.0f} ± {ahead.gain_error:.0f} points per flight"
+    lands = f"and land at {shown.speed(ahead.speed_there)}"
+    if ahead.clear:
+        yield f"            {saves} {lands}"
+    else:
+        yield f"            no change advised: {saves}, which is not significant, {lands}"
 
 
 MAX_ADVISED_MOTORS = 5

@@ -28,7 +28,7 @@ from fieldkit.planning.finals import finals_table, finals_targets, trials
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.presentation.finals_text import finals_basis
-from fieldkit.presentation.planning_text import ballast_in_words
+from fieldkit.presentation.planning_text import ballast_in_words, outlook_in_words
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.units import FOOT
 
@@ -244,6 +244,28 @@ def test_the_best_parachute_has_the_fewest_points_and_the_probability_is_that_of
     assert smaller.points.mean() < as_flown.points.mean() - 50
     sums = rule.sums(smaller.points)
     assert smaller.chance(rule, float(np.median(sums))) == pytest.approx(0.5, abs=0.01)
+    assert as_flown.gain == pytest.approx(as_flown.points.mean() - as_flown.points_there, rel=1e-6)
+    assert as_flown.clear
+    advice = " ".join(outlook_in_words(as_flown, rule, 1.0))
+    assert f"would save {as_flown.gain:.0f} ± {as_flown.gain_error:.0f} points per flight and land at" in advice
+    assert "no change" not in advice
+    assert not smaller.clear
+    assert "would save" not in " ".join(outlook_in_words(smaller, rule, as_flown.area))
+
+
+def test_a_parachute_that_was_never_timed_is_not_to_be_changed_for_a_gain_within_the_noise() -> None:
+    """Without flights the best area is at the limit of those tried, because the descent is unknown by 30%."""
+    found = catalogue().resolve("F67W-6")
+    plan = Flight(rocket="Team", dry_mass=0.56, diameter=0.066, delay=6.0)
+    ahead = outlook(season(2027), Rocket((), ()), plan, found)
+    assert ahead.gain > 1
+    assert ahead.at_edge
+    assert not ahead.clear
+    faster = ahead.fall.usual_speed(0.56, 1.225) / np.sqrt(ahead.area)
+    assert ahead.speed_there == pytest.approx(faster, rel=0.05)
+    advice = " ".join(outlook_in_words(ahead, season(2027), 1.0))
+    assert "no change advised: 40% of the area flown, the limit of the areas tried, would save" in advice
+    assert f"which is not significant, and land at {ahead.speed_there:.1f} m/s" in advice
 
 
 def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
@@ -530,7 +552,7 @@ def test_a_motor_list_may_have_delays(tmp_path: Path, motor: str, line: str, lis
         ({"eggs": "Not cracked"}, ""),
         ({"eggs": "all OK"}, ""),
         ({"eggs": "one cracked"}, "eggs: one cracked"),
-        ({"eggs": "2"}, "eggs: 2"),
+        ({"eggs": "2"}, "eggs: 2, which does not say intact or cracked"),
         ({"disqualified": "N"}, ""),
         ({"disqualified": "yes"}, "disqualified"),
     ],
@@ -553,7 +575,7 @@ def test_eggs_and_disqualification_are_read_as_teams_write_them(extra: dict[str,
         (2019, "both ok", "eggs: both ok, 3 needed"),
         (2026, "0 intact", "eggs: 0 intact, 1 needed"),
         (2027, "2 intact, 1 cracked", "eggs: 2 intact, 1 cracked"),
-        (2027, "2 eggs", "eggs: 2 eggs"),
+        (2027, "2 eggs", "eggs: 2 eggs, which does not say intact or cracked"),
     ],
 )
 def test_counted_eggs_are_compared_with_the_number_of_their_season(year: int, eggs: str, why: str) -> None:
@@ -561,6 +583,34 @@ def test_counted_eggs_are_compared_with_the_number_of_their_season(year: int, eg
     assert why_no_score(flight, rule.egg_count) == why
     ((_, points),) = score(rule, [flight])
     assert np.isnan(points) == bool(why)
+
+
+@pytest.mark.parametrize(
+    "command", [["finals", "--targets", "795-800"], ["ballast"], ["contest"]], ids=["finals", "ballast", "contest"]
+)
+def test_every_plan_of_a_season_checks_the_length_of_the_rocket(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ["--motor", "F67W-6", "--rocket", "Team", "--dry-mass", "560g", "--diameter", "66mm", "--season", "2027"]
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, *command, *body, "--rocket-length", "649mm", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    checks = {one["check"]: one for one in found.get("plan", found)["safety"]}
+    assert checks["contest length"]["verdict"] == "unsafe"
+
+
+def test_the_checks_of_ballast_are_those_of_the_mass_that_it_advises(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ["--motor", "F67W-6", "--rocket", "Team", "--dry-mass", "560g", "--diameter", "66mm", "--season", "2027"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "ballast", *body, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    advised = found["dry_mass_g"] if found["change"] else 560.0
+    checks = {one["check"]: one for one in found["safety"]}
+    loaded = catalogue().resolve("F67W").motor.loaded_mass * 1e3
+    assert checks["contest mass"]["text"].startswith(f"{advised + loaded:.4g} g")
+    assert not found["change"]
+    assert found["dry_mass_g"] != pytest.approx(560.0, abs=5)
 
 
 def test_a_score_without_a_duration_states_that_it_covers_only_altitude(

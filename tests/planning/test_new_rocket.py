@@ -300,3 +300,11 @@ def test_the_answer_is_on_the_last_screen_of_a_small_terminal_below_the_worst_ch
     marks = [line.split()[0] for line in lines if line.startswith("    ") and line.split()[0] in "✓?!⊘"]
     assert marks == sorted(marks, key="✓?!⊘".index)
     assert len(set(marks)) > 2
+
+
+def test_a_plan_without_a_mass_or_flights_says_what_it_needs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = ["landing", "--motor", "F39T-6", "--rocket", "Fresh"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), *plan]) == 1
+    assert "a rocket that has not flown needs --dry-mass and --diameter" in capsys.readouterr().err
