@@ -67,7 +67,7 @@ def test_the_fields_of_the_model_code() -> None:
     assert len(sites.rows) == len(rows) == 9
     for row, (span, motor, feet, metres) in zip(sites.rows, rows, strict=True):
         assert (sites.least(upper(span), 0.0) or 0) / FOOT == pytest.approx(number(feet))
-        assert sites.row(upper(span), 0.0) is row
+        assert row.up_to == upper(span)
         assert row.text.mark == ("U" if "U" in metres else "O"), motor
 
 
@@ -80,6 +80,7 @@ def test_the_distances_of_high_power() -> None:
     for span, _, cleared, people, several in rows:
         row = distance.row(upper(span), 0.0)
         assert row is not None
+        assert row.up_to == upper(span)
         found = (row.cleared, distance.least(upper(span), 0.0), distance.least(upper(span), 0.0, complex_rocket=True))
         assert [(one or 0.0) / FOOT for one in found] == pytest.approx(
             [number(cleared), number(people), number(several)]
@@ -102,6 +103,7 @@ def test_the_levels_of_certification() -> None:
         assert needed.least(upper(span), 0.0) == float(level)
         assert needed.least(number(span), 0.0) == float(level)
         assert needed.text.mark == mark
+    assert [row.up_to for row in needed.rows] == [upper(span) for _, _, span, _ in rows]
 
 
 @pytest.mark.parametrize(
@@ -179,6 +181,8 @@ def section(start: str, end: str) -> str:
     return text[text.index(start) : text.index(end, text.index(start))]
 
 
+CLASS_ENDS = {letter: 1.25 * 2**place for place, letter in enumerate("ABCDEFGHIJKLMNO", start=1)}
+"""Upper limit of the total impulse of each class of motors. [N s]"""
 MODEL = {
     "Launch distance, D or smaller": ("pad distance", 0, FOOT),
     "Launch distance, larger": ("pad distance", 1, FOOT),
@@ -196,6 +200,8 @@ def test_the_figures_of_the_model_code() -> None:
     for topic, (check, row, unit) in MODEL.items():
         assert rule("nar_model", check).rows[row].value / unit == pytest.approx(number(rows[topic])), topic
     assert rule("nar_model", "impulse").rows[0].value == number(rows["Propellant, impulse"].split("g,")[1])
+    largest = CLASS_ENDS["D"], rule("nar_model", "impulse").rows[0].value
+    assert tuple(row.up_to for row in rule("nar_model", "pad distance").rows) == largest
     assert "1.5 times" in rule("nar_model", "more than ten at once").text.words
     assert number(rows["More than ten at once"]) == 1.5
     assert f"{number(rows['Misfire']):g} seconds" in rule("nar_model", "misfire").text.words
@@ -234,10 +240,6 @@ def test_clusters_and_stages_of_model_rockets() -> None:
     assert "September 2024, nar.org/safety, O" in fact
 
 
-CLASS_ENDS = {letter: 1.25 * 2**place for place, letter in enumerate("ABCDEFGHIJKLMNOP", start=1)}
-"""Upper limit of the total impulse of each class of motors. [N s]"""
-
-
 def test_the_distances_of_tripoli() -> None:
     assert "starts at 50 ft for A-G, up to 160 N s" in section("Tripoli: its safe", "Not a safety")
     first, *above = rule("tripoli", "pad distance").rows
@@ -247,6 +249,7 @@ def test_the_distances_of_tripoli() -> None:
         same = nar.row(row.up_to, 0.0)
         assert same is not None
         assert (row.value, row.complex, row.cleared) == (same.value, same.complex, same.cleared)
+    assert [row.up_to for row in above] == [row.up_to for row in nar.rows[2:]]
 
 
 def test_the_distances_of_tripoli_research() -> None:
@@ -257,6 +260,7 @@ def test_the_distances_of_tripoli_research() -> None:
     assert len(distance.rows) == len(found)
     for letter, simple, complicated in found:
         impulse = CLASS_ENDS.get(letter, 1.25 * 2**20)
+        assert impulse in {row.up_to for row in distance.rows}
         for text, several in ((simple, False), (complicated, True)):
             assert (distance.least(impulse, 0.0, complex_rocket=several) or 0) / FOOT == pytest.approx(number(text))
 
@@ -305,7 +309,9 @@ def test_the_fields_of_canada() -> None:
     fields = rule("car", "field size")
     for size, unit, feet in found:
         metres = number(size) * (1000 if unit == "km" else 1)
-        assert fields.least(50.0, number(feet) * FOOT) == pytest.approx(metres)
+        row = fields.row(50.0, number(feet) * FOOT)
+        assert row is not None
+        assert (row.value, row.up_to) == pytest.approx((metres, number(feet) * FOOT))
     assert "never under half the altitude" in fact
     assert fields.of_altitude == 0.5
 
