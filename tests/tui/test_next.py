@@ -705,3 +705,15 @@ def test_forecasts_of_a_replaced_plan_are_not_shown_for_the_next_plan() -> None:
     motors.turn_to(new)
     motors.put(old, [choice])
     assert motors.known == {}
+
+
+def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them() -> None:
+    """In a wind in which none fits, the flown one was replaced at the cursor by one that was still to be forecast."""
+    flown, other = Mock(), Mock()
+    plan = Mock(preferred=[flown])
+    motors = MotorList(plan, found=[other, flown])
+    assert motors.ordered(None)[0] is flown
+    motors.put(plan, [Mock(motor=flown, fits=False, weak=False)])
+    assert motors.ordered(None) == [flown, other]
+    motors.put(plan, [Mock(motor=other, fits=True, weak=False)])
+    assert motors.ordered(None) == [other, flown]

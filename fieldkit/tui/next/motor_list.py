@@ -70,16 +70,17 @@ class MotorList:
         return (one is None or one.fits) and (self.plan is None or self.plan.wanted.fits(motor))
 
     def ordered(self, target: float | None) -> "list[Motor]":
-        """Those that fit first, by distance from the target [m]. Without a target those with an open forecast and those
-        flown first, then those whose thrust needs no caution."""
+        """Those that fit first, by distance from the target [m], and those without a forecast last, so that no key acts
+        on one of them. Without a target those with an open forecast and those flown first, then those whose thrust
+        needs no caution."""
         if target is not None:
             places = {motor: abs(one.apogee - target) for motor, one in self.known.items()}
         else:
             places = {motor: place for place, motor in enumerate(self.plan.preferred if self.plan else ())}
 
-        def order(motor: "Motor") -> tuple[bool, float, float]:
+        def order(motor: "Motor") -> tuple[bool, bool, float, float]:
             one = self.known.get(motor)
-            return not self.fits(motor), places.get(motor, inf), inf if one is None else one.weak
+            return one is None, not self.fits(motor), places.get(motor, inf), inf if one is None else one.weak
 
         return sorted(self.found, key=order)
 
