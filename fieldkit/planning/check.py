@@ -51,6 +51,11 @@ class SafetyCheck:
         return self.verdict == "unknown" and self.finding.startswith(BY_EYE)
 
     @property
+    def suffix(self) -> str:
+        """A mark for a rule whose text is unverified."""
+        return " (unverified)" if self.mark == "U" else ""
+
+    @property
     def text(self) -> str:
         """The value found and the limit, in SI."""
         return in_units(self.finding, "SI")
@@ -60,9 +65,8 @@ class SafetyCheck:
         if it failed."""
         rule = f". The rule: {self.rule}" if self.rule and self.verdict != "ok" else ""
         origin = f" [{self.source}]" if source and self.failed and self.source else ""
-        suffix = " (unverified)" if self.mark == "U" else ""
         found = in_units(self.finding, system)
-        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{suffix}{rule}{origin}"
+        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{self.suffix}{rule}{origin}"
 
     def json(self) -> dict[str, str]:
         """Ready for JSON."""
@@ -106,7 +110,7 @@ def safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[st
 def short_safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str]:
     """The lines as text for a small screen, the worst last: what passed by name, what the flyer checks by name, what
     lacks data without the rule's wording, and every failed check in full; followed by who decides."""
-    passed = [line.name for line in lines if line.verdict == "ok"]
+    passed = [f"{line.name}{line.suffix}" for line in lines if line.verdict == "ok"]
     by_eye = [line.name for line in lines if line.by_eye]
     if passed:
         yield f"{MARKS['ok']} ok: {', '.join(passed)}"
@@ -116,7 +120,7 @@ def short_safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Itera
         yield (
             line.words(system)
             if line.failed
-            else f"{MARKS[line.verdict]} {line.name}: {in_units(line.finding, system)}"
+            else f"{MARKS[line.verdict]} {line.name}: {in_units(line.finding, system)}{line.suffix}"
         )
     yield ADVICE_NOTE
 

@@ -1,6 +1,6 @@
 """The safety checks in short: nothing that failed is shortened, nothing is left out."""
 
-from fieldkit.planning.check import ADVICE_NOTE, BY_EYE, SafetyCheck, short_safety_text, speed
+from fieldkit.planning.check import ADVICE_NOTE, BY_EYE, SafetyCheck, Verdict, short_safety_text, speed
 
 LINES = [
     SafetyCheck(
@@ -32,3 +32,12 @@ def test_figures_have_the_units_of_the_system() -> None:
 
 def test_groups_without_a_check_are_left_out() -> None:
     assert list(short_safety_text([LINES[4]])) == [LINES[4].words(), ADVICE_NOTE]
+
+
+def test_an_unverified_rule_is_marked_whatever_its_verdict() -> None:
+    verdicts: tuple[Verdict, ...] = ("ok", "unknown", "caution")
+    lines = [SafetyCheck("launch angle", one, "at most 20°", "Tripoli", "within 20 degrees", "U") for one in verdicts]
+    texts = list(short_safety_text(lines))
+    assert texts[0] == "✓ ok: launch angle (unverified)"
+    assert texts[1] == "? launch angle: at most 20° (unverified)"
+    assert "(unverified)" in texts[2]
