@@ -115,12 +115,12 @@ def simulate(
 
 def _print(result: dict[str, Any], json: bool, lines: "Sequence[SafetyCheck] | None" = None) -> None:
     """Print the figures of a flight, and its safety checks if it has any; `lines` is None for the paper's physics."""
-    from fieldkit.planning.check import safety_text, worst_last
+    from fieldkit.planning.check import short_safety_text
 
     if json:
         print_json({**result, "safety": [line.json() for line in lines]} if lines else result)
         return
-    for text in safety_text(worst_last(lines), system()) if lines else ():
+    for text in short_safety_text(lines, system()) if lines else ():
         say_wrapped(f"  {text}", "    ")
     figures = [(title, measured(name, value)) for title, name, value in _figures(result)]
     width = max(len(title) for title, _ in figures)
