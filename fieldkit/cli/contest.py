@@ -24,8 +24,9 @@ from fieldkit.cli.targets import Force, settled
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.motors import Found
-    from fieldkit.planning.contest import Outlook, Season
+    from fieldkit.planning.contest import Season
     from fieldkit.planning.finals import FinalsRow
+    from fieldkit.planning.outlook import Outlook
 
 app = typer.Typer()
 MIN_AREA = 0.01
@@ -162,10 +163,11 @@ def contest(
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
     from fieldkit.flight.short_name import short_name
     from fieldkit.paths import data_file
-    from fieldkit.planning.contest import copy_season, declared_score, outlook, score
+    from fieldkit.planning.contest import copy_season, declared_score, score
     from fieldkit.planning.contest_day import read_declared, read_window
     from fieldkit.planning.contest_flight import judged_duration, why_no_score
     from fieldkit.planning.contest_limits import allowed, approved_motors
+    from fieldkit.planning.outlook import outlook
     from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:

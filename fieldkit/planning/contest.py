@@ -4,7 +4,7 @@ Source: the rules of each season, as its file names them with their reliability.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
@@ -16,15 +16,7 @@ from fieldkit.errors import BadValue
 from fieldkit.file_lock import changing
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
-from fieldkit.forecast.prediction import Prediction
-from fieldkit.motors import Found
-from fieldkit.planning.air import air_of
 from fieldkit.planning.contest_flight import judged_duration, whole_feet, why_no_score
-from fieldkit.planning.descent import durations
-from fieldkit.planning.descent_rate import Fall, fall_of
-from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.gain import gain_of, is_clear
 from fieldkit.planning.rules import MARKS
 from fieldkit.planning.toml_values import in_order, number, problem_in, whole
 from fieldkit.safe_text import printable
@@ -32,18 +24,12 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
 FOLDER = Path(__file__).parents[1] / "data" / "seasons"
-DRAWS = 1000
-"""Number of rockets drawn, each of which flies all flights that may be declared. [1]"""
 FIRST_MONTH = 6
 """The month of the year before in which a season starts. [1]"""
 MOST_DECLARED = 100
 """Largest number of flights that may be declared. [1]"""
 _TEXTS = ("eggs", "body", "launch", "finals", "mark", "source")
 """Keys of a season that are text."""
-AREAS = (0.4, 2.5)
-"""Range of the tried parachute areas, as a ratio to the area flown. [1]"""
-AREA_TOLERANCE = 5e-3
-"""Tolerance of the log of the best area. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,80 +219,3 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
         reason = f"{', '.join(without)} have no score"
         raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {reason}")
     return float(rule.sums(np.array([known]))[0])
-
-
-@dataclass(frozen=True, slots=True)
-class Outlook:
-    """Forecast of a plan's points: draws for each flight that may be declared, and what they are based on.
-
-    `fall` is the basis of the durations [s]. `area` is the ratio of the parachute's area with the fewest points to the
-    area flown [1], `points_there` the mean points with it, `speed_there` its descent speed near the ground [m/s];
-    `gain` is the mean improvement by it in points per flight, `gain_error` its standard error, with as many flights as
-    the forecast is based on.
-    """
-
-    forecast: Prediction
-    points: Float[Array, "draw declared"]
-    duration: Float[Array, "draw declared"]
-    fall: Fall
-    area: float
-    points_there: float
-    speed_there: float
-    gain: float
-    gain_error: float
-
-    @property
-    def clear(self) -> bool:
-        """Whether a change of the parachute is worth it: the points saved are significant."""
-        return is_clear(self.gain, self.gain_error)
-
-    @property
-    def at_edge(self) -> bool:
-        """Whether the best area is the smallest or the largest that was tried, within the tolerance of the search."""
-        return any(abs(math.log(self.area / edge)) < 2 * AREA_TOLERANCE for edge in AREAS)
-
-    def chance(self, rule: Season, cut: float) -> float:
-        """Probability that the sum of the best declared flights is within a cut. [1]"""
-        return float((rule.sums(self.points) <= cut).mean())
-
-
-def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS) -> Outlook:
-    """Simulate a plan as often as flights may be declared, with a fraction of the current parachute area [1].
-
-    The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum
-    the right uncertainty. Raises ImpossibleFlight for a plan without a mass.
-    """
-    predictions = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
-    fall, shape = fall_of(rocket.history, predictions[0].plan, found), (draws, rule.declared)
-    mass, density = landing_mass(predictions[0].plan, found), air_of(predictions[0].plan).density
-
-    def timed(area_ratio: float) -> Float[Array, "draw declared"]:
-        speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, area_ratio)
-        return durations(predictions, fall, speeds)
-
-    apogee = np.stack([one.apogee for one in predictions], axis=-1)
-    best_area, fewest = _best_area(lambda area_ratio: float(rule.points(apogee, timed(area_ratio)).mean()))
-    duration = timed(area)
-    points = rule.points(apogee, duration)
-    return Outlook(
-        predictions[0],
-        points,
-        duration,
-        fall,
-        best_area,
-        fewest,
-        fall.on_area(best_area).usual_speed(mass, density),
-        *gain_of(points - rule.points(apogee, timed(best_area)), predictions[0].rests_on),
-    )
-
-
-def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
-    """The fraction of the area with the lowest cost, and that cost; searched in its logarithm, where half and double
-    are equal steps."""
-    from scipy.optimize import minimize_scalar
-
-    bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))
-    best = minimize_scalar(
-        lambda log: cost(float(np.exp(log))), bounds=bounds, method="bounded", options={"xatol": AREA_TOLERANCE}
-    )
-    return float(np.exp(best.x)), float(best.fun)

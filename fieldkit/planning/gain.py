@@ -1,4 +1,8 @@
-"""The gain of a change in points per flight, and whether it is clear enough to advise the change."""
+"""The gain of a change in points per flight, and whether it is clear enough to advise the change.
+
+Derivation: the standard error of a mean of independent values is their standard deviation over the root of their
+number.
+"""
 
 from typing import Any
 

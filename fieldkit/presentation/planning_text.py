@@ -9,10 +9,11 @@ from fieldkit.flight.start import Start, start_among
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
-from fieldkit.planning.contest import Outlook, Season
+from fieldkit.planning.contest import Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.gain import LEAST_GAIN
 from fieldkit.planning.motor_advice import MotorAdvice
+from fieldkit.planning.outlook import Outlook
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words

@@ -1,4 +1,7 @@
-"""The drag coefficient of a rocket that is known only by its size: that of other rockets."""
+"""The drag coefficient of a rocket that is known only by its size: that of other rockets.
+
+Derivation: its logarithm is normal, with the mean and the summed variances of the hyperprior's random effects.
+"""
 
 import math
 

@@ -18,10 +18,11 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.ballast import Goal, ballast
-from fieldkit.planning.contest import outlook, season
+from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
+from fieldkit.planning.outlook import outlook
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.settings import Settings

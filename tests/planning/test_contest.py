@@ -19,7 +19,7 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
-from fieldkit.planning.contest import copy_season, declared_score, outlook, score, season, season_of, seasons
+from fieldkit.planning.contest import copy_season, declared_score, score, season, season_of, seasons
 from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors, motor_line
@@ -27,6 +27,7 @@ from fieldkit.planning.descent_rate import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIG
 from fieldkit.planning.finals import finals_table, finals_targets, trials
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.outlook import outlook
 from fieldkit.presentation.finals_text import finals_basis
 from fieldkit.presentation.planning_text import ballast_in_words, outlook_in_words
 from fieldkit.services.contest_day import day_of, keep_day

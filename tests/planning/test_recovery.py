@@ -482,7 +482,7 @@ def test_no_rail_angle_is_recommended_for_a_flight_that_none_makes_safe(changes:
     assert f"recommended rail: none: {one.no_rail}" in "\n".join(words)
 
 
-def test_a_rail_angle_that_mends_an_unsafe_one_is_recommended() -> None:
+def test_a_safe_rail_angle_is_recommended_for_an_unsafe_one() -> None:
     plan = PLAN.with_changes(wind=2.0, delay=6.0, rail_angle=0.78)
     one = planned_flight(NEW, plan, FOUND, Site(), limits())
     assert {line.name for line in one.lines if line.verdict == "unsafe"} & {"launch angle", "ejection speed"}

@@ -17,7 +17,7 @@ from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.paths import data_file
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.check import SafetyCheck, safety_text
-from fieldkit.planning.contest import Season, declared_score, outlook, score, season
+from fieldkit.planning.contest import Season, declared_score, score, season
 from fieldkit.planning.contest_day import Day
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors
@@ -25,6 +25,7 @@ from fieldkit.planning.delay import delays, drill_of
 from fieldkit.planning.descent_rate import fall_of
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.planning.limits import Limit
+from fieldkit.planning.outlook import outlook
 from fieldkit.planning.planned_flight import planned_flight
 from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words
