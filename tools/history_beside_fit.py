@@ -102,10 +102,10 @@ def network_before() -> Iterator[str]:
         return
     yield from ("## The previous network", "")
     yield from prose(
-        "The shipped network is trained with the hyperprior of forecasts ([priors](priors.md)) and every effect file,",
-        "each with the prior probability of the fit (`fieldkit/selection/prior.py`). The previous network was trained",
-        "with an earlier hyperprior, in which all altimeters showed a low speed like the one device with public data,",
-        "and with twelve equally probable effects. Both are compared with the current fit.",
+        "The shipped network is trained with the hyperprior of forecasts ([priors](priors.md)), every effect file and",
+        "the physics of this version. The previous network was trained before the mean of the unweighed mass was",
+        "learned and before friction on the rail stopped a rocket without pushing it back. Both are compared with the",
+        "current fit.",
     )
     columns = (
         "forecasts",
@@ -128,11 +128,9 @@ def network_before() -> Iterator[str]:
             )
         )
     yield from prose(
-        "The previous network was replaced so that `infer`, the Flights page and quick forecasts use the same",
-        "hyperprior as `predict`. The shipped network forecasts the journal's flights and simulated ones from the",
-        "learned hyperprior better, and has no false alarms on the sets without an effect. On the bench, whose rockets",
-        "have effects more often than the prior expects, its intervals contain fewer flights, and it detects effects a",
-        "little less well, because its prior probability of an effect is lower.",
+        "The previous network was replaced so that `infer`, the Flights page and quick forecasts use the hyperprior",
+        "and the physics of `predict`. Neither is clearly better: the shipped one is ahead on the bench and the",
+        "journal, the previous one on simulated histories and the seven reference flights.",
     )
 
 
