@@ -103,9 +103,8 @@ def test_a_quick_forecast_is_near_that_of_the_fit_and_is_not_saved(
     assert quick["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=0.05)
     assert quick["apogee_m"]["p05"] < quick["apogee_m"]["p50"] < quick["apogee_m"]["p95"]
     assert quick["check"]["agrees"] == (quick["evaluation"] == "amortized")
-    # the network was trained with masses as recorded, so from apogees alone it expects a lighter and faster rocket
     assert quick["coast_s"] == pytest.approx(fit["coast_s"], rel=0.08)
-    assert quick["top_speed_mps"] == pytest.approx(fit["top_speed_mps"], rel=0.12)
+    assert quick["top_speed_mps"] == pytest.approx(fit["top_speed_mps"], rel=0.05)
     assert quick["ejection_s"] == pytest.approx(fit["ejection_s"], abs=0.3)
     assert quick["rests_on"] == 12
 
