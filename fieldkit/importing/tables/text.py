@@ -23,6 +23,10 @@ MAX_TABLE_SIZE = 4 << 20
 """Largest size of a table with a row for each flight, or of anything read in one piece. [bytes]"""
 
 
+MAX_REREAD = 20
+"""How often on average the lines of a table may be read again after an unmatched quotation mark, which may seem to end
+only lines later: otherwise the time would grow with the square of the length. [1]"""
+
 MOST_WIDE = 32 << 20
 """Largest size of a UTF-16 log that has to be converted in one piece. [bytes]"""
 
@@ -135,13 +139,13 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
     """The rows of a table with their numbers; a row with an unmatched quotation mark is a DamagedLog.
 
     That row ends at the end of its line, so that an unmatched quotation mark costs one row and not the rest of the
-    table.
+    table; if there are too many for that (`MAX_REREAD`), the last row is one for the rest of the table.
     """
     csv.field_size_limit(MAX_TABLE_SIZE)  # an exported ledger can be imported again, however long its notes are
     lines = list(io.StringIO(text, newline=""))
-    row, start = 0, 0
+    row, start, left = 0, 0, MAX_REREAD * len(lines)
     while start < len(lines):
-        reader = csv.reader(lines[start:], delimiter=separator, strict=True)
+        reader = csv.reader(map(lines.__getitem__, range(start, len(lines))), delimiter=separator, strict=True)
         whole = 0
         try:
             for cells in reader:
@@ -149,7 +153,13 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
                 yield row, cells
             return
         except csv.Error as error:
-            row, start = row + 1, start + whole + 1
+            row, start, left = row + 1, start + whole + 1, left - (reader.line_num - whole)
+            if left < 0:
+                found = (
+                    "found too many quotation marks that are not closed, expected pairs of them; the rest is not read"
+                )
+                yield row, DamagedLog(found, row=row)
+                return
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
             if "limit" in str(error):
                 found = f"found an endless cell, expected at most {MAX_TABLE_SIZE} characters"
