@@ -19,9 +19,11 @@ ENDLESS_LINE_MARK = "\0"
 """Start of what replaces a line longer than a block."""
 
 
-MAX_TABLE_SIZE = 4 << 20
-"""Largest size of a table with a row for each flight, or of anything read in one piece. [bytes]"""
-
+MAX_TABLE_SIZE = 32 << 20
+"""Largest size of a table with a row for each flight, or of anything read in one piece: about 100,000 flights with all
+their readouts. [bytes]"""
+MAX_TABLE_LINES = 500_000
+"""Largest number of lines of such a table: short damaged ones take most time and memory. [1]"""
 
 MAX_REREAD = 20
 """How often on average the lines of a table may be read again after an unmatched quotation mark, which may seem to end
@@ -34,9 +36,18 @@ MOST_WIDE = 32 << 20
 def decode_whole(log: bytes) -> str:
     """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are not text."""
     if len(log) > MAX_TABLE_SIZE:
-        found = f"found {len(log) >> 20} MB, expected at most {MAX_TABLE_SIZE >> 20} in a table of flights; split it"
-        raise DamagedLog(found)
+        raise _too_large(f"{len(log) >> 20} MB", f"{MAX_TABLE_SIZE >> 20}")
     return decode(log)
+
+
+def check_count(lines: int) -> None:
+    """Raise DamagedLog for more lines, or flights, than are read in one piece."""
+    if lines > MAX_TABLE_LINES:
+        raise _too_large(f"{lines:,} lines", f"{MAX_TABLE_LINES:,}")
+
+
+def _too_large(found: str, most: str) -> DamagedLog:
+    return DamagedLog(f"found {found}, expected at most {most} in a table of flights; split it, or export by rocket")
 
 
 def decode(log: bytes) -> str:
@@ -140,7 +151,9 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
 
     That row ends at the end of its line, so that an unmatched quotation mark costs one row and not the rest of the
     table; if there are too many for that (`MAX_REREAD`), the last row is one for the rest of the table.
+    Raises DamagedLog for too many lines.
     """
+    check_count(max(map(text.count, "\n\r")))
     csv.field_size_limit(MAX_TABLE_SIZE)  # an exported ledger can be imported again, however long its notes are
     lines = list(io.StringIO(text, newline=""))
     row, start, left = 0, 0, MAX_REREAD * len(lines)
