@@ -168,12 +168,12 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
     Raises BadValue for a flight that the ledger probably has already, unless it is to be added `again`.
     """
     from fieldkit.errors import BadValue
-    from fieldkit.services.manual_entry import enter, identical_flight
+    from fieldkit.services.manual_entry import enter, id_and_time, identical_flight
 
     if not again and (before := identical_flight(ledger, flight, filled)) is not None:
         raise BadValue(
-            f"found all values of flight {ledger.ids([before])[0]} of {before.date_time:%Y-%m-%d %H:%M}, expected "
-            "another flight, or --again to add a second one like it; nothing was saved"
+            f"found all values of flight {id_and_time(ledger, before)}, as it is or as it was entered; "
+            "expected another flight, or --again to add a second one like it; nothing was saved"
         )
     if flight.motor and (doubt := MotorCheck().catalogue.doubt(flight.motor)):
         complain(f"note: {doubt}")

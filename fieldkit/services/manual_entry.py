@@ -227,6 +227,12 @@ def identical_flight(ledger: Ledger, flight: Flight, filled: Collection[str] = (
     return None
 
 
+def id_and_time(ledger: Ledger, flight: Flight) -> str:
+    """The id of a flight of a ledger, and when it was flown if that is recorded: `7 of 2026-05-01 10:30`."""
+    (id,) = ledger.ids([flight])
+    return id if flight.date_time is None else f"{id} of {flight.date_time:%Y-%m-%d %H:%M}"
+
+
 def _is_of_last_day(flight: Flight) -> bool:
     """Whether a flight was flown, or entered without a time, in the last day; a retry may come after midnight."""
     flown = flight.date_time
