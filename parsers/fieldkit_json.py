@@ -16,7 +16,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import COLUMNS, LOGGED, MEASURED, TEXT_COLUMNS, Column, read_date, read_tags
 from fieldkit.flight.readout import read_sd, read_source
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.text import decode, decode_whole, shown
+from fieldkit.importing.tables.text import check_count, decode, decode_whole, shown
 
 _LIST = re.compile(r'"flights"\s*:\s*\[')
 HEADERS = {column.header: column for column in COLUMNS + LOGGED}
@@ -38,6 +38,7 @@ def read(log: bytes) -> list[Found]:
     flights = document.get("flights") if isinstance(document, dict) else None
     if not isinstance(flights, list):
         raise DamagedLog('found no list of flights, expected {"flights": [...]}')
+    check_count(len(flights))
     found = [_reading(row, flight) for row, flight in enumerate(flights, start=1)]
     return found or [Note("found a list without flights")]
 

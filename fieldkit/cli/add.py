@@ -44,9 +44,9 @@ def add(
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes or lift_off_mass is not None:
-            flight = _as_built(ledger, _from_options(changes, lift_off_mass), changes)
+            flight, filled = _as_built(ledger, _from_options(changes, lift_off_mass), changes)
             _doubt(ledger, flight)
-            _add(ledger, flight, None, again=again)
+            _add(ledger, flight, filled, None, again=again)
         else:
             _add(ledger, *_from_answers(ledger, resume=resume), again=again)
 
@@ -68,9 +68,9 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
     return flight
 
 
-def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "Flight":
-    """A flight with the mass and diameter of its plan or of the rocket's last flight if none are given; what is filled
-    in is printed."""
+def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":
+    """A flight with the mass and diameter of its plan or of the rocket's last flight if none are given, and the names
+    of what was filled in, which is printed."""
     from fieldkit.flight import BY_NAME
     from fieldkit.quantities import measure
     from fieldkit.services.manual_entry import with_build
@@ -82,7 +82,7 @@ def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "Fl
         ]
         options = " and ".join(f"--{one.replace('_', '-')}" for one in filled)
         complain(f"note: filled in {', '.join(values)}; change with {options}")
-    return flight
+    return flight, filled
 
 
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
@@ -95,8 +95,9 @@ def _doubt(ledger: "Ledger", flight: "Flight") -> None:
         complain(f"note: {phrase}")
 
 
-def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | None]":
-    """Ask for a flight, or continue with one; the flight, and the name of the draft that it completes.
+def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, Collection[str], str | None]":
+    """Ask for a flight, or continue with one; the flight, the names of what was filled in, and the name of the draft
+    that it completes.
 
     Exits with 1 if the user stops halfway; the draft is retained.
     """
@@ -117,11 +118,11 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     if not finished and interactive:
         complain("Saved as a draft; run `fieldkit add` to continue it")
         raise typer.Exit(1)
-    flight = with_offers(ledger, conversation.flight, set(conversation.answers))
+    flight, filled = with_offers(ledger, conversation.flight, conversation.answers)
     if typed := conversation.answers.get(LIFT_OFF_MASS.name):  # in the draft of the app
         flight = flight.with_changes(dry_mass=dry_mass(conversation.motors.catalogue, flight, typed))
         note_dry_mass(flight)
-    return flight, DRAFT if conversation.keeps else None
+    return flight, filled, DRAFT if conversation.keeps else None
 
 
 def _resume_draft(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
@@ -161,18 +162,18 @@ def _read_from_pipe(_prompt: str) -> str | None:
     return sys.stdin.readline() or None
 
 
-def _add(ledger: "Ledger", flight: "Flight", draft: str | None, *, again: bool) -> None:
+def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str | None, *, again: bool) -> None:
     """Save a flight in the ledger and print it; that it is saved is reported even if the rest cannot be printed.
 
     Raises BadValue for a flight that the ledger probably has already, unless it is to be added `again`.
     """
     from fieldkit.errors import BadValue
-    from fieldkit.services.manual_entry import enter, identical_flight
+    from fieldkit.services.manual_entry import enter, id_and_time, identical_flight
 
-    if not again and (before := identical_flight(ledger, flight)) is not None:
+    if not again and (before := identical_flight(ledger, flight, filled)) is not None:
         raise BadValue(
-            f"found all values of flight {ledger.ids([before])[0]} of {before.date_time:%Y-%m-%d %H:%M}, expected "
-            "another flight, or --again to add a second one like it; nothing was saved"
+            f"found all values of flight {id_and_time(ledger, before)}, as it is or as it was entered; "
+            "expected another flight, or --again to add a second one like it; nothing was saved"
         )
     if flight.motor and (doubt := MotorCheck().catalogue.doubt(flight.motor)):
         complain(f"note: {doubt}")

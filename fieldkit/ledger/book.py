@@ -12,7 +12,7 @@ from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
 from fieldkit.ledger.records import Added, Conflict
-from fieldkit.ledger.rows import Row, agrees, differences, row_of, same
+from fieldkit.ledger.rows import Row, agrees, check_keys, differences, row_of, same
 from fieldkit.ledger.tables import flights, tags
 
 
@@ -100,6 +100,7 @@ def _objection(flight: Flight, stored: Flight | None) -> str | None:
             f"with another {fields}; use `fieldkit edit` to change it"
         )
     try:
+        check_keys(flight)
         row_of(flight)
     except BadValue as error:
         return str(error)
@@ -115,6 +116,8 @@ def replace(recorder: ChangeRecorder, stored: StoredFlight, flight: Flight) -> b
     if before == after:
         return False
     identity = flight.rocket, flight.flight_id
+    if before["tags"] != after["tags"] or identity != (stored.flight.rocket, stored.flight.flight_id):
+        check_keys(flight)
     if not flight.flight_id:
         raise LedgerError("found an empty flight_id, expected one that is unique within the rocket")
     if identity != (stored.flight.rocket, stored.flight.flight_id) and _exists(recorder.connection, identity):

@@ -103,6 +103,13 @@ def find(connection: Connection, identities: Sequence[Identity]) -> list[StoredF
     return stored
 
 
+def ever_of(connection: Connection, rocket: str) -> list[StoredFlight]:
+    """The flights of a rocket, and those that were its flights when they were entered, latest entry first."""
+    once = IS_EDITED & (flights.c.entered["rocket"].as_string() == rocket)
+    query = select(flights).where((flights.c.rocket == rocket) | once).order_by(flights.c.entry.desc())
+    return _all_stored(connection, query)
+
+
 def _all_stored(connection: Connection, query: Select[Any]) -> list[StoredFlight]:
     return [_stored(row) for row in sound_flights(connection, query)]
 

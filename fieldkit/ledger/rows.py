@@ -21,6 +21,9 @@ class DamagedRow(ValueError):
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
 READOUT_COLUMNS: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})
 """The fields that accompany each readout, and their columns; the row's own `source` is a file."""
+MAX_KEY_SIZE = 2600
+"""Largest size of a tag, and of a rocket's name and a flight_id together, in UTF-8: the keys of a server are no longer,
+and a ledger can move between a file and a server. [bytes]"""
 DIRECT_FIELDS = tuple(name for name in FIELDS if name not in (*READOUT_COLUMNS, "tags"))
 """Fields of a flight that a row stores under the same name."""
 
@@ -39,6 +42,19 @@ def row_of(flight: Flight) -> Row:
         row[column.name] = _finite(column.header, flight.number(column.name))
     _check_beside(flight)
     return row | {column: dict(getattr(flight, part)) or None for part, column in READOUT_COLUMNS.items()}
+
+
+def check_keys(flight: Flight) -> None:
+    """Raise BadValue for names of a flight that not every kind of ledger can store."""
+    check_key("rocket and flight_id", flight.rocket + flight.flight_id)
+    for tag in flight.tags:
+        check_key("tags", tag)
+
+
+def check_key(name: str, key: str) -> None:
+    """Raise BadValue for a key, or the columns of one together, that not every kind of ledger can store."""
+    if (size := len(key.encode(errors="replace"))) > MAX_KEY_SIZE:
+        raise BadValue(f"{name}: found {key[:20] + '…'!r} of {size} bytes, expected at most {MAX_KEY_SIZE}")
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:

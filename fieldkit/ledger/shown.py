@@ -53,6 +53,13 @@ class FlightsOut(OpenLedger):
         with self._reading() as connection:
             return naming.resolve(connection, id).entered
 
+    def forms(self, rocket: str) -> Iterator[tuple[Flight, Flight]]:
+        """The flights that a rocket has or had, latest entry first: each as it is now, beside itself and, if it was
+        edited since, beside its form as entered."""
+        with self._reading() as connection:
+            for stored in finding.ever_of(connection, rocket):
+                yield from ((stored.flight, form) for form in (stored.flight, stored.entered) if form is not None)
+
     def ids(self, flights: Sequence[Flight]) -> list[str]:
         """The id of each of these flights of the ledger."""
         identities = [(flight.rocket, flight.flight_id) for flight in flights]

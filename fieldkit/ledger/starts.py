@@ -7,13 +7,16 @@ from sqlalchemy import Connection, and_, select
 from fieldkit.flight.start import Start
 from fieldkit.ledger.checksums import sound_rows
 from fieldkit.ledger.journal import ChangeRecorder
+from fieldkit.ledger.rows import check_key
 from fieldkit.ledger.tables import configurations
 
 FIELDS = tuple(field.name for field in fields(Start))
 
 
 def keep(recorder: ChangeRecorder, start: Start) -> bool:
-    """Save a starting configuration, replacing the old one; False if it is a duplicate."""
+    """Save a starting configuration, replacing the old one; False if it is a duplicate. Raises BadValue for names that
+    not every kind of ledger can store."""
+    check_key("rocket and config", start.rocket + start.config)
     stored = starts(recorder.connection, start.rocket)
     if start in stored:
         return False

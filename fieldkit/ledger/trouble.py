@@ -10,7 +10,7 @@ from sqlalchemy.exc import DBAPIError
 
 from fieldkit.errors import LedgerError, UnusableLedger
 from fieldkit.ledger import backups, soundness
-from fieldkit.ledger.rows import DamagedRow
+from fieldkit.ledger.rows import MAX_KEY_SIZE, DamagedRow
 from fieldkit.ledger.schema import missing
 from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.whereabouts import file_of, name_of
@@ -31,10 +31,11 @@ _SQLITE = {
 }
 
 _SERVER = {
-    "54000": "a rocket's name and flight_id are together too long for a server, expected at most 2600 bytes; nothing "
-    "was changed",
+    "54000": f"names of a planned flight are too long for a server, expected at most {MAX_KEY_SIZE} bytes together; "
+    "nothing was changed",
 }
-"""Reasons by PostgreSQL's codes; 54000 is a row that exceeds a limit, as that of an index on names."""
+"""Reasons by PostgreSQL's codes; 54000 is a row that exceeds a limit, as that of an index on names, of which only a
+planned flight can have longer ones."""
 _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 """SQLite's messages, which have no code of their own, about invalid text."""
 

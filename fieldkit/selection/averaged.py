@@ -12,7 +12,7 @@ from scipy.special import gammaincinv
 
 from fieldkit.inference.laplace.fit import refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
-from fieldkit.inference.laplace.leave_one_out import own_variance
+from fieldkit.inference.laplace.leave_one_out import leave_one_out, own_variance
 from fieldkit.inference.laplace.posterior import growing
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
@@ -21,6 +21,10 @@ from fieldkit.shapes import Array, Flags, Float
 
 NEGLIGIBLE_PROBABILITY = 0.01
 """Minimum probability without a flight for repeating a hypothesis's fit. [1]"""
+MAX_REFITS = 20
+"""Maximum number of flights without each of which a hypothesis's fit is repeated; with all of them, the time would grow
+with the square of the number of flights. For the others the readouts are taken as linear around the fit to all flights,
+which one of so many hardly moves. [1]"""
 TAIL_PARTS = 4
 """Normal components that approximate a Student t. [1]"""
 MIN_EARLIER_FLIGHTS = 4
@@ -57,7 +61,8 @@ class _ByHypothesis:
 def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Forecasts:
     """Leave-one-out forecasts of every flight by the hypotheses, weighted without that flight, by importance sampling.
 
-    If the importance weights are unreliable, the fit is repeated without the flight.
+    If the importance weights are unreliable, the fit is repeated without the flight; if they are for more than
+    `MAX_REFITS` flights, only without those with the most influence, as the shape of the weights' tail shows it.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     forecasts = [_sampled(one) for one in some]
@@ -66,10 +71,13 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
     for number, (one, own) in enumerate(zip(some, forecasts, strict=True)):
         on_progress("flights left out", number / len(some))
         assert one.sampled is not None
-        unsure = (one.sampled.pareto_k_without > RELIABLE_PARETO_K) & one.fit.data.seen.any(axis=1)
-        rows = np.flatnonzero(unsure & (chance[number] > NEGLIGIBLE_PROBABILITY))
-        if len(rows):
-            forecasts[number] = _refitted(one, own, rows.tolist())
+        k = one.sampled.pareto_k_without
+        unsure = (k > RELIABLE_PARETO_K) & one.fit.data.seen.any(axis=1) & (chance[number] > NEGLIGIBLE_PROBABILITY)
+        rows = np.flatnonzero(unsure)[np.argsort(-k[unsure], kind="stable")].tolist()
+        if rows[MAX_REFITS:]:
+            forecasts[number] = _linear(one, own, rows[MAX_REFITS:])
+        if rows:
+            forecasts[number] = _refitted(one, forecasts[number], rows[:MAX_REFITS])
     return _mixed(forecasts, posterior.hypotheses[0].fit.model.hyperprior.tail)
 
 
@@ -82,21 +90,36 @@ def _sampled(one: Hypothesis) -> _ByHypothesis:
 def _refitted(one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int]) -> _ByHypothesis:
     """Forecasts of some flights by a hypothesis from fits without each of them."""
     assert one.sampled is not None
-    scales = one.sampled.scales
-    columns = [whole.copy() for whole in (forecasts.mean, forecasts.known, forecasts.own, forecasts.weight)]
-    log_weight = forecasts.log_weight.copy()
-    fit, left = one.sampled.fit, one.sampled.log_evidence - one.sampled.fit.log_evidence
-    for row, again in zip(rows, refits_without(fit, rows), strict=True):
+    found = []
+    for row, again in zip(rows, refits_without(one.sampled.fit, rows), strict=True):
         apogee = again.tangent.slope[row, 0]
-        parts = (
-            again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee,
-            np.einsum("t,stu,u->s", apogee, again.covariance, apogee),
-            own_variance(again)[:, row],
-            again.weights / again.weights[scales].sum(),
-        )
-        for column, part in zip(columns, parts, strict=True):
-            column[:, row] = part[scales]
-        log_weight[row] = one.log_prior + left + again.log_evidence
+        mean = again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee
+        known = np.einsum("t,stu,u->s", apogee, again.covariance, apogee)
+        found.append((mean, known, own_variance(again)[:, row], again.log_weight))
+    return _with_flights(one, forecasts, rows, [np.stack(part, axis=-1) for part in zip(*found, strict=True)])
+
+
+def _linear(one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int]) -> _ByHypothesis:
+    """As `_refitted`, with readouts that are linear around the fit to all flights."""
+    assert one.sampled is not None
+    found, own = leave_one_out(one.sampled.fit), own_variance(one.sampled.fit)
+    parts = [part[:, rows] for part in (found.mean, found.known, own, found.log_weight)]
+    return _with_flights(one, forecasts, rows, parts)
+
+
+def _with_flights(
+    one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int], parts: Sequence[Float[Array, "scale some"]]
+) -> _ByHypothesis:
+    """The forecasts with those of some flights replaced: their mean, both variances, and the log weight of every
+    scale."""
+    assert one.sampled is not None
+    *normal, log_scale = [part[one.sampled.scales] for part in parts]
+    total, kept = np.logaddexp.reduce(parts[-1], axis=0), np.logaddexp.reduce(log_scale, axis=0)
+    columns = [whole.copy() for whole in (forecasts.mean, forecasts.known, forecasts.own, forecasts.weight)]
+    for column, part in zip(columns, (*normal, np.exp(log_scale - kept)), strict=True):
+        column[:, rows] = part
+    log_weight = forecasts.log_weight.copy()
+    log_weight[rows] = one.log_prior + one.sampled.log_evidence - one.sampled.fit.log_evidence + total
     mean, known, own, weight = columns
     return _ByHypothesis(mean, known, own, weight, log_weight)
 

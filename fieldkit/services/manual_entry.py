@@ -33,6 +33,8 @@ FLOWN_BEFORE = "flown_before"
 """Key of the flights with readouts that a saved forecast did not use, such as those without a mass."""
 LAPSES = timedelta(days=14)
 """A forecast without a flight's name is for a flight at most this much later."""
+RETRIED = timedelta(days=1)
+"""Longest time between an entry and one that repeats it without saying when it was flown."""
 BUILD = ("dry_mass", "diameter")
 """Questions that the last flight of the same build answers."""
 CONFIGURATION = ("motor", "dry_mass", "diameter")
@@ -154,14 +156,14 @@ def _weather(ledger: Ledger, name: str) -> str:
     return answer_text(last, name) if last is not None and same_day else typed.get(name, "")
 
 
-def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
-    """A flight with the default answers for the questions that were not answered."""
-    plan = planned_answers(ledger)
+def with_offers(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
+    """A flight with the default answers for the questions that were not answered, and the names of those filled in."""
+    plan, filled = planned_answers(ledger), list[str]()
     for question in QUESTIONS:
         if question.offered and question.name not in answered and flight.rocket:
             value = read_answer(question.name, offer(ledger, flight, question, plan))
-            flight = flight.with_changes(**{question.name: value})
-    return flight
+            flight, filled = flight.with_changes(**{question.name: value}), [*filled, question.name]
+    return flight, tuple(filled)
 
 
 def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
@@ -203,21 +205,38 @@ def dry_mass_under(lift_off: float, motor: Motor) -> float:
     return check(BY_NAME["dry_mass"], without_motor(lift_off, motor))
 
 
-def identical_flight(ledger: Ledger, flight: Flight) -> Flight | None:
+def identical_flight(ledger: Ledger, flight: Flight, filled: Collection[str] = ()) -> Flight | None:
     """The flight of a ledger that a typed one without a number repeats; None if there is none.
 
-    Everything but the number is equal. A typed flight without a time can repeat only one of today. That is probably
-    one entry made twice, but two flights may really read the same, so the flyer decides.
+    Everything but the number is equal to the flight as it is now or as it was entered, before any edit; what fieldkit
+    itself `filled` in may differ, because it follows the last flight. A typed flight without a time can repeat only one
+    of the last day. That is probably one entry made twice, but two flights may really read the same, so the flyer
+    decides.
     """
     if flight.flight_id or not (flight.rocket and (flight.readouts() or flight.tags)):
         return None
-    typed, today = _as_typed(ledger, flight), datetime.now().date()
-    for one in reversed(ledger.flights(flight.rocket)):
-        is_then = one.date_time is not None and one.date_time.date() == today
-        when = typed.date_time or (one.date_time if is_then else None)
-        if when is not None and one == typed.with_changes(flight_id=one.flight_id, date_time=when):
-            return one
+    typed, free = _as_typed(ledger, flight), {"flight_id", *filled}
+    if flight.site_elevation is None:
+        free.add("site_elevation")
+    if flight.date_time is None:
+        free.add("date_time")
+    for now, form in ledger.forms(flight.rocket):
+        is_then = flight.date_time is not None or _is_of_last_day(form)
+        if is_then and form == typed.with_changes(**{name: getattr(form, name) for name in free}):
+            return now
     return None
+
+
+def id_and_time(ledger: Ledger, flight: Flight) -> str:
+    """The id of a flight of a ledger, and when it was flown if that is recorded: `7 of 2026-05-01 10:30`."""
+    (id,) = ledger.ids([flight])
+    return id if flight.date_time is None else f"{id} of {flight.date_time:%Y-%m-%d %H:%M}"
+
+
+def _is_of_last_day(flight: Flight) -> bool:
+    """Whether a flight was flown, or entered without a time, in the last day; a retry may come after midnight."""
+    flown = flight.date_time
+    return flown is not None and abs(datetime.now(flown.tzinfo) - flown) <= RETRIED
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:

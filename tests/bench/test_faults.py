@@ -209,11 +209,11 @@ def test_a_change_whose_server_process_is_killed_leaves_no_trace(url: str, count
 
 @pytest.mark.postgres
 def test_names_too_long_for_the_index_of_a_server_are_refused_in_a_line(url: str) -> None:
-    rocket = random.Random(1).randbytes(3000).hex()  # names that repeat are compressed, and fit
+    name = random.Random(1).randbytes(3000).hex()  # names that repeat are compressed, and fit
     with Ledger.open(url) as ledger:
-        with pytest.raises(LedgerError, match="expected at most 2600 bytes; nothing was changed"):
-            ledger.add([FIRST.with_changes(rocket=rocket)])
-        assert ledger.flights() == []
+        with pytest.raises(LedgerError, match="expected at most 2600 bytes together; nothing was changed"):
+            ledger.keep_prediction({}, digest="a digest", rocket="Astra", flight_id=name)
+        assert ledger.predictions() == []
 
 
 @pytest.mark.postgres

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable
-from datetime import datetime
+from datetime import datetime, timedelta, tzinfo
 from pathlib import Path
 
 import pytest
@@ -18,6 +18,7 @@ from fieldkit.cli.session import MotorCheck
 from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Flight
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
+from fieldkit.services import manual_entry
 from fieldkit.services.manual_entry import DRAFT
 
 CHECK_SHAPES = False
@@ -274,6 +275,50 @@ def test_a_flight_without_a_number_is_not_added_twice_unless_asked(add: Add, fil
         assert add((), *dated, *change)[0] == 0
     assert add((), *options, "--again")[0] == 0
     assert len(flights_in(file)) == 6
+
+
+EDITS: list[tuple[str, object]] = [
+    ("apogee", 280.0),
+    ("rocket", "Astra II"),
+    ("dry_mass", 0.34),
+    ("date_time", datetime(2020, 5, 1)),
+    ("date_time", None),
+    ("tags", ("spun",)),
+]
+
+
+@pytest.mark.parametrize(("column", "value"), EDITS)
+@pytest.mark.parametrize("by_answers", [False, True])
+def test_a_repeated_entry_is_recognized_after_the_flight_was_edited(
+    add: Add, file: Path, column: str, value: object, by_answers: bool
+) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([LAST])
+    options = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--apogee", "923ft")
+    entry = (["Astra", "A", "F24-4W", "923ft"],) if by_answers else ((), *options)
+    assert add(*entry)[0] == 0
+    with Ledger.open(file) as ledger:
+        ledger.edit("8", **{column: value})
+    assert add(*entry)[0] == 1
+    assert add((), *options, "--notes", "the second flight")[0] == 0
+
+
+@pytest.mark.parametrize(("hours", "status"), [(1, 1), (25, 0)])
+def test_a_repeated_entry_is_recognized_after_midnight(
+    add: Add, hours: float, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    moment = datetime(2026, 5, 1, 23, 30)
+
+    class Clock(datetime):
+        @classmethod
+        def now(cls, tz: tzinfo | None = None) -> datetime:  # type: ignore[override]
+            return moment.replace(tzinfo=tz)
+
+    monkeypatch.setattr(manual_entry, "datetime", Clock)
+    options = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "923ft", "--dry-mass", "322g"]
+    assert add((), *options)[0] == 0
+    moment += timedelta(hours=hours)
+    assert add((), *options)[0] == status
 
 
 def test_the_flight_of_another_day_may_have_the_same_values(add: Add, file: Path) -> None:

@@ -1,5 +1,6 @@
 """Values, ledgers and folders that commands refuse in one line, and folders that they do not need."""
 
+import json
 import os
 import subprocess
 import sys
@@ -12,8 +13,10 @@ import typer
 
 from fieldkit.cli.main import app, main
 from fieldkit.errors import LONGEST_LINE, LedgerError
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.limits import LIMITS
 from fieldkit.ledger import Ledger
+from fieldkit.units import unit
 
 ROOT = Path(__file__).parents[2]
 
@@ -80,8 +83,8 @@ def test_a_typed_name_of_20_000_characters_is_refused_in_one_line(
 def test_overlong_names_of_an_older_ledger_survive_an_export(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    names = {name: name * 3_000 for name in ("flight_id", "rocket", "config", "site")}
-    flight = Flight(**names, tags=("t" * 20_000,), motor="F24-4W", apogee=250.0)
+    names = {name: name * 100 for name in ("flight_id", "rocket", "config", "site")}
+    flight = Flight(**names, tags=("t" * 2_000,), motor="F24-4W", apogee=250.0)
     with Ledger.open(tmp_path / "older.db") as older:
         older.add([flight])
     for suffix in (".csv", ".json"):
@@ -94,6 +97,26 @@ def test_overlong_names_of_an_older_ledger_survive_an_export(
         assert max(map(len, notes)) < 2 * LONGEST_LINE
         with Ledger.open(newer) as ledger:
             assert ledger.flights() == [flight]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json"])
+def test_figures_that_an_older_ledger_exports_beyond_the_limits_are_named_by_row(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str
+) -> None:
+    table, sound = str(tmp_path / f"flights{suffix}"), Flight(flight_id="0", rocket="Astra", apogee=250.0)
+    columns = {BY_NAME[name]: 2 * high + 1 for name, (_, high) in LIMITS.items()}
+    beyond = [
+        sound.with_changes(flight_id=column.header, **{column.name: unit(column.quantity, column.unit).to_si(figure)})
+        for column, figure in columns.items()
+    ]
+    with Ledger.open(tmp_path / "older.db") as older:
+        older.add([sound, *beyond])
+    assert main(["--ledger", str(tmp_path / "older.db"), "export", table]) == 0
+    capsys.readouterr()
+    main(["--ledger", str(tmp_path / "newer.db"), "import", table, "--json"])
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["imported"] == 1
+    assert [one["column"] for one in answer["rejected"]] == [column.header for column in columns]
 
 
 def test_a_number_too_large_for_a_float_is_quoted_as_in_the_file(

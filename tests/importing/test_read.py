@@ -145,5 +145,13 @@ def test_a_fallback_parser_is_used_if_no_other_claims_a_log(monkeypatch: pytest.
 @pytest.mark.parametrize("name", ["flight_table", "fieldkit_json", "altimetertwo_journal"])
 def test_an_endless_table_of_flights_is_refused_at_once(name: str) -> None:
     log = next(sample for sample in SAMPLES if sample.name.startswith(name)).read_bytes()
-    with pytest.raises(DamagedLog, match="found 5 MB, expected at most 4 in a table of flights; split it"):
-        read(log + b" " * (5 << 20), "t", any_motor, name)
+    with pytest.raises(DamagedLog, match="found 33 MB, expected at most 32 in a table of flights; split it"):
+        read(log + b" " * (33 << 20), "t", any_motor, name)
+
+
+@pytest.mark.parametrize("log", [b"rocket,apogee_m\n" + b"1,\n" * 500_001, b'{"flights": [' + b"1," * 500_001 + b"1]}"])
+def test_a_table_of_too_many_rows_is_refused_at_once(log: bytes) -> None:
+    with pytest.raises(
+        DamagedLog, match=r"found 500,00\d lines, expected at most 500,000 in a table of flights; split it"
+    ):
+        read(log, "t", any_motor)

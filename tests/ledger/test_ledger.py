@@ -1,6 +1,7 @@
 """Flights stored and read, and every change undone, on SQLite and on PostgreSQL if available."""
 
 import os
+import random
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta, timezone
@@ -82,6 +83,27 @@ records = st.builds(
     extra=st.dictionaries(words, words, max_size=3),
     **{column.name: numbers for column in COLUMNS},
 )
+
+
+@pytest.mark.parametrize("changes", [{"rocket": "é" * 1300}, {"flight_id": "7" * 2600}, {"tags": ("t" * 2601,)}])
+def test_names_longer_than_the_keys_of_a_server_are_refused_in_every_ledger(
+    where: str, changes: dict[str, object]
+) -> None:
+    with Ledger.open(where) as ledger:
+        (conflict,) = ledger.add([FIRST.with_changes(**changes)]).conflicts
+        assert "bytes, expected at most 2600" in conflict.error
+        ledger.add([FIRST])
+        with pytest.raises(BadValue, match="bytes, expected at most 2600"):
+            ledger.edit("1", **changes)
+        assert ledger.flights() == [FIRST]
+
+
+@pytest.mark.parametrize("letter", ["é", "x"])
+def test_the_longest_names_fit_in_every_ledger(where: str, letter: str) -> None:
+    some = random.Random(1).choices(f"{letter}abcdefghijklmnop0123456789", k=2599)  # a server compresses what repeats
+    name = "".join(some).encode()[:2598].decode(errors="ignore")
+    with Ledger.open(where) as ledger:
+        assert ledger.add([FIRST.with_changes(rocket=name)]).new
 
 
 @pytest.mark.parametrize("where", [pytest.param("postgres", marks=[pytest.mark.postgres, needs_server])], indirect=True)

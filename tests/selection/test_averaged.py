@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fieldkit.inference.laplace.fit import fit
+from fieldkit.inference.laplace.fit import fit, refits_without
+from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import observe
-from fieldkit.selection.averaged import left_out
+from fieldkit.selection import averaged
+from fieldkit.selection.averaged import MAX_REFITS, left_out
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.search import checked
@@ -15,20 +17,43 @@ from tests.seasons import season
 
 pytestmark = pytest.mark.fast
 FLIGHTS = 8
+MANY = 40
+
+
+def unreliable(flights: int) -> Hypothesis:
+    """The plain model of a season, whose importance weights count as unreliable."""
+    pairs = season(np.random.default_rng(1), ("apogee",), flights, None)
+    some, found = [flight for flight, _ in pairs], [motor for _, motor in pairs]
+    model = rocket_model(some, found)
+    plain = fit(model, observe(some, [True] * flights), outlier_flights=True)
+    (one,) = checked(SetPosterior((Hypothesis((), plain),))).hypotheses
+    assert one.sampled is not None
+    return replace(one, sampled=replace(one.sampled, pareto_k_without=np.linspace(1, 2, flights)))
 
 
 def test_a_repeated_fit_has_the_weight_of_importance_sampling() -> None:
-    pairs = season(np.random.default_rng(1), ("apogee",), FLIGHTS, None)
-    flights, found = [flight for flight, _ in pairs], [motor for _, motor in pairs]
-    model = rocket_model(flights, found)
-    plain = fit(model, observe(flights, [True] * FLIGHTS), outlier_flights=True)
-    posterior = checked(SetPosterior((Hypothesis((), plain),)))
-    (one,) = posterior.hypotheses
-    assert one.sampled is not None
-    unreliable = replace(one.sampled, pareto_k_without=np.full(FLIGHTS, np.inf))
-    sampled = replace(one, sampled=replace(one.sampled, pareto_k_without=np.zeros(FLIGHTS)))
-    refitted = replace(one, sampled=unreliable)
+    refitted = unreliable(FLIGHTS)
+    assert refitted.sampled is not None
+    sampled = replace(refitted, sampled=replace(refitted.sampled, pareto_k_without=np.zeros(FLIGHTS)))
     both = left_out(SetPosterior((sampled, refitted)))
     count = len(both.weight) // 2
     mean_weight = both.weight[:count].sum(axis=0)
     assert np.abs(mean_weight - 0.5).max() < 0.2
+
+
+def test_the_number_of_repeated_fits_does_not_grow_with_the_flights(monkeypatch: pytest.MonkeyPatch) -> None:
+    repeated: list[int] = []
+
+    def counted(whole: Fit, rows: list[int]) -> list[Fit]:
+        repeated.extend(rows)
+        return refits_without(whole, rows)
+
+    one = unreliable(MANY)
+    monkeypatch.setattr(averaged, "refits_without", counted)
+    some = left_out(SetPosterior((one,)))
+    assert sorted(repeated) == list(range(MANY - MAX_REFITS, MANY))
+    monkeypatch.setattr(averaged, "MAX_REFITS", MANY)
+    every = left_out(SetPosterior((one,)))
+    sd = (every.weight * every.sd).sum(axis=0)
+    assert np.abs(((some.weight * some.mean).sum(axis=0) - (every.weight * every.mean).sum(axis=0)) / sd).max() < 0.02
+    assert (some.weight * some.sd).sum(axis=0) == pytest.approx(sd, rel=0.02)

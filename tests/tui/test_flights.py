@@ -1,6 +1,7 @@
 """The table of flights, one flight in full, and tags with their effects."""
 
 import asyncio
+import sys
 from datetime import datetime
 from pathlib import Path
 
@@ -318,6 +319,29 @@ async def test_a_damaged_ledger_gives_a_notice_and_not_a_crash(tmp_path: Path) -
         assert "this file is not a ledger" in words(pilot)
         await press(pilot, "4", "_", "5", "_", "6")
         assert "error" in words(pilot)
+
+
+LOSSES = {
+    "removed": lambda file: file.unlink(),
+    "emptied": lambda file: file.write_bytes(b""),
+    "overwritten": lambda file: file.write_bytes(b"not a ledger at all, " * 1000),
+    "a folder now": lambda file: (file.unlink(), file.mkdir()),
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a file that is open cannot be removed")
+@pytest.mark.sampled
+@pytest.mark.parametrize("loss", LOSSES)
+async def test_a_ledger_lost_under_the_app_gives_a_notice_and_not_a_crash(file: Path, loss: str) -> None:
+    async with opened(file) as pilot:
+        LOSSES[loss](file)
+        await press(pilot, "enter", "t", "escape", "escape", "r", "_", "y", "e", "escape", "escape")
+        await press(pilot, *"234561", "ctrl+z", "U")
+        await press(pilot, "2", *typed("Astra"), "tab", "ctrl+s", "_", "escape", "escape", "1", "ctrl+p")
+        await press(pilot, *typed("astra"), "enter", "escape", "6", "1")
+        assert pilot.app.is_running
+        assert pilot.app.errors == []
+    assert loss != "removed" or not file.exists(), "the app makes no ledger in place of a lost one"
 
 
 async def test_beside_the_table_are_the_cd_of_the_configuration_and_the_climb_from_the_log(file: Path) -> None:

@@ -19,9 +19,15 @@ ENDLESS_LINE_MARK = "\0"
 """Start of what replaces a line longer than a block."""
 
 
-MAX_TABLE_SIZE = 4 << 20
-"""Largest size of a table with a row for each flight, or of anything read in one piece. [bytes]"""
+MAX_TABLE_SIZE = 32 << 20
+"""Largest size of a table with a row for each flight, or of anything read in one piece: about 100,000 flights with all
+their readouts. [bytes]"""
+MAX_TABLE_LINES = 500_000
+"""Largest number of lines of such a table: short damaged ones take most time and memory. [1]"""
 
+MAX_REREAD = 20
+"""How often on average the lines of a table may be read again after an unmatched quotation mark, which may seem to end
+only lines later: otherwise the time would grow with the square of the length. [1]"""
 
 MOST_WIDE = 32 << 20
 """Largest size of a UTF-16 log that has to be converted in one piece. [bytes]"""
@@ -30,9 +36,18 @@ MOST_WIDE = 32 << 20
 def decode_whole(log: bytes) -> str:
     """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are not text."""
     if len(log) > MAX_TABLE_SIZE:
-        found = f"found {len(log) >> 20} MB, expected at most {MAX_TABLE_SIZE >> 20} in a table of flights; split it"
-        raise DamagedLog(found)
+        raise _too_large(f"{len(log) >> 20} MB", f"{MAX_TABLE_SIZE >> 20}")
     return decode(log)
+
+
+def check_count(lines: int) -> None:
+    """Raise DamagedLog for more lines, or flights, than are read in one piece."""
+    if lines > MAX_TABLE_LINES:
+        raise _too_large(f"{lines:,} lines", f"{MAX_TABLE_LINES:,}")
+
+
+def _too_large(found: str, most: str) -> DamagedLog:
+    return DamagedLog(f"found {found}, expected at most {most} in a table of flights; split it, or export by rocket")
 
 
 def decode(log: bytes) -> str:
@@ -135,13 +150,15 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
     """The rows of a table with their numbers; a row with an unmatched quotation mark is a DamagedLog.
 
     That row ends at the end of its line, so that an unmatched quotation mark costs one row and not the rest of the
-    table.
+    table; if there are too many for that (`MAX_REREAD`), the last row is one for the rest of the table.
+    Raises DamagedLog for too many lines.
     """
+    check_count(max(map(text.count, "\n\r")))
     csv.field_size_limit(MAX_TABLE_SIZE)  # an exported ledger can be imported again, however long its notes are
     lines = list(io.StringIO(text, newline=""))
-    row, start = 0, 0
+    row, start, left = 0, 0, MAX_REREAD * len(lines)
     while start < len(lines):
-        reader = csv.reader(lines[start:], delimiter=separator, strict=True)
+        reader = csv.reader(map(lines.__getitem__, range(start, len(lines))), delimiter=separator, strict=True)
         whole = 0
         try:
             for cells in reader:
@@ -149,7 +166,13 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
                 yield row, cells
             return
         except csv.Error as error:
-            row, start = row + 1, start + whole + 1
+            row, start, left = row + 1, start + whole + 1, left - (reader.line_num - whole)
+            if left < 0:
+                found = (
+                    "found too many quotation marks that are not closed, expected pairs of them; the rest is not read"
+                )
+                yield row, DamagedLog(found, row=row)
+                return
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
             if "limit" in str(error):
                 found = f"found an endless cell, expected at most {MAX_TABLE_SIZE} characters"

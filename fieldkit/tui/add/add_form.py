@@ -267,11 +267,11 @@ class Draft:
         empty if there is none."""
         from fieldkit.presentation.after_flight_text import question
         from fieldkit.services.after_flight import expected_instead
-        from fieldkit.services.manual_entry import identical_flight
+        from fieldkit.services.manual_entry import id_and_time, identical_flight
 
         if (before := identical_flight(self._resources.ledger, flight)) is not None:
-            (id,) = self._resources.ledger.ids([before])
-            return f"Flight {id} of {before.date_time:%Y-%m-%d %H:%M} has the same values.\nSave another one like it?"
+            flight_named = id_and_time(self._resources.ledger, before)
+            return f"Flight {flight_named} has the same values, or had when it was entered.\nSave another one like it?"
         named = self.names()
         doubts = [doubt for name in ("rocket", "site", "motor") if (doubt := named.doubt(name, getattr(flight, name)))]
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)

@@ -1,5 +1,7 @@
 """Numbers from a table: every complete row and no others, with a line about each damaged one."""
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -90,6 +92,22 @@ def test_text_and_comments_are_kept_with_their_rows() -> None:
 def test_cells_may_be_separated_by_spaces() -> None:
     table = read_columns(b"  0   10\n1\t20  \n2 -\n", CHANNELS, after=0, separator=None, widths={2})
     assert table.values["altitude"] == pytest.approx([3.048, 6.096, np.nan], nan_ok=True)
+
+
+@pytest.mark.parametrize("line", ['"a"b,1\n', '"a,1\n', 'a","x\n'])
+def test_unmatched_quotation_marks_take_time_in_proportion_to_the_table(line: str) -> None:
+    def seconds(lines: int) -> float:
+        start = time.process_time()
+        assert list(text.rows("rocket,apogee\n" + lines * line, ","))
+        return time.process_time() - start
+
+    assert seconds(80_000) < 8 * max(seconds(20_000), 0.02)
+
+
+def test_the_rest_of_a_table_of_unmatched_quotation_marks_is_refused() -> None:
+    *_, (last, damaged) = text.rows("rocket,apogee\n" + 1000 * 'a","x\n', ",")
+    assert last < 100
+    assert "the rest is not read" in str(damaged)
 
 
 def test_a_stray_quotation_mark_loses_one_row() -> None:
