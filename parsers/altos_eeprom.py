@@ -1,14 +1,15 @@
 """AltOS .eeprom: the flash of an Altus Metrum device as downloaded, in the new form and the old.
 
 New form: an object of settings, then lines of hex bytes with records whose length depends on `log_format`. Old form:
-settings as text, possibly among the commands of a terminal, then one record per line, `A 1f2e 00 12 ...`. A record is a
-letter, a checksum, a 16-bit clock and data. Erased bytes are ff; a record with a wrong checksum is skipped.
+settings as text, possibly among the commands of a terminal, then one record per line, `A 1f2e 00 12 ...`; the samples
+of a TeleMini 1, which has no accelerometer, are records of the letter P. A record is a letter, a checksum, a 16-bit
+clock and data. Erased bytes are ff; a record with a wrong checksum is skipped.
 Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 were checked with real files.
 """
 
 import codecs
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -48,7 +49,10 @@ OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
 FORMAT_1_RECORD = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
 """A record of a letter and three numbers: log format 1, which its first devices do not state."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
+PRESSURE = POSITION
+"""The letter of a sample without an acceleration, in formats without positions."""
 TELEMINI_1 = 2
+OLD_TELEMINI_1 = RecordLayout("TeleMini 1", 8, counts=0)
 OTHER_DEVICES = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
 
 
@@ -65,12 +69,12 @@ def read(log: bytes) -> list[Found]:
     log = _plain(log)
     settings, row = _settings(log)
     number = _setting(settings, "log.format")
-    if number == TELEMINI_1:
+    old = not settings.lstrip().startswith("{") and OLD_RECORD.match(_line(log, row)) is not None
+    if number == TELEMINI_1 and not old:
         return _telemini_1(settings, log, row)
-    old = not settings.lstrip().startswith("{")
     if number is None and old:
         number = 1 if FORMAT_1_RECORD.fullmatch(_line(log, row)) else None
-    layout = LAYOUTS.get(number or 0)
+    layout = OLD_TELEMINI_1 if number == TELEMINI_1 else LAYOUTS.get(number or 0)
     if layout is None:
         known = f"{number}, {OTHER_DEVICES[number]}," if number in OTHER_DEVICES else str(number) if number else "none"
         raise DamagedLog(f"found log format {known}, expected one with pressures: {', '.join(map(str, LAYOUTS))}")
@@ -78,7 +82,7 @@ def read(log: bytes) -> list[Found]:
     readings = [_reading(records, flash.settings, layout) for records in _flights(flash.records)]
     found: list[Found] = [reading for reading in readings if reading is not None]
     if not found:
-        raise DamagedLog("found no samples, expected records of the letter A", row=row)
+        raise DamagedLog("found no samples, expected records of the letter A or P", row=row)
     return [*found, *flash.found]
 
 
@@ -118,6 +122,8 @@ def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordL
     """The flight in records; None if they contain no samples."""
     time = seconds(number_at(records, -2, 2))
     samples = records[:, 0] == SAMPLE
+    if not samples.any() and not layout.positions:
+        samples, layout = records[:, 0] == PRESSURE, replace(layout, acceleration=None)
     if not samples.any():
         return None
     states = records[:, 0] == STATE
@@ -126,7 +132,8 @@ def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordL
     head = records[records[:, 0] == FLIGHT][:1]
     series = [_samples(records[samples], _increasing(time[samples] - start), head, settings, layout)]
     if layout.positions and (fixes := records[:, 0] == POSITION).any():
-        series.append(_positions(records[fixes], _increasing(time[fixes] - start)))
+        size = 4 if _setting(settings, "altitude.32") == 1 else 2
+        series.append(_positions(records[fixes], _increasing(time[fixes] - start), size))
     flight = str(number_at(head, 2 if layout.size == 8 else 0, 2)[0]) if len(head) else _text(settings, "flight")
     return Reading(
         extra={"flight": flight} if flight else {},
@@ -149,7 +156,9 @@ def _text(settings: str, name: str) -> str:
 
 
 def _word(settings: str, names: str) -> str:
-    found = re.search(rf"(?i)^[\s\"]*(?:{names})\"?\s*[:=]?\s*\"?([\w][\w.\- ]{{0,40}})", settings, re.MULTILINE)
+    found = re.search(
+        rf"(?i)(?:^|[{{,])[\s\"]*(?:{names})\"?\s*[:=]?\s*\"?([\w][\w.\- ]{{0,40}})", settings, re.MULTILINE
+    )
     return found[1].strip() if found else ""
 
 
@@ -200,13 +209,14 @@ def _coefficients(settings: str) -> Coefficients:
     return Coefficients(**found)
 
 
-def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"]) -> Series:
+def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"], size: int) -> Series:
+    """Positions, whose altitudes have `size` bytes: older firmware fills only the lower half of four."""
     degrees = [number_at(fixes, place, 4, signed=True) * 1e-7 for place in (0, 4)]
     return Series(
         time,
         latitude=np.where(abs(degrees[0]) <= 90, degrees[0], np.nan),
         longitude=np.where(abs(degrees[1]) <= 180, degrees[1], np.nan),
-        gps_altitude_msl=number_at(fixes, 8, 4, signed=True).astype(float),
+        gps_altitude_msl=number_at(fixes, 8, size, signed=True).astype(float),
     )
 
 

@@ -1,5 +1,6 @@
 """AltOS: every version of CSV, the flash in both forms and the radio log, each compared with a known flight."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -235,3 +236,56 @@ def test_the_csv_and_the_flash_of_one_flight_are_one_flight() -> None:
     assert (flight.extra["serial"], flight.extra["flight"], flight.extra["device"]) == ("2417", "3", "TeleMetrum-v2.0")
     elsewhere = read_together([(f"{i}/{name}", (LOGS / name).read_bytes()) for i, name in enumerate(names)], any_motor)
     assert [len(intake.flights) for intake in elsewhere] == [1, 1]
+
+
+def test_the_old_form_of_a_telemini_1_has_pressures_of_the_letter_p() -> None:
+    whole, _ = read("altos_eeprom__telemini_1.eeprom")
+    body = (LOGS / "altos_eeprom__telemini_1.eeprom").read_text().partition("\n}\n")[2]
+    flight, *words = np.frombuffer(bytes.fromhex(body), "<u2").tolist()
+    records, tick, state = [f"F {0:4x} {0:4x} {flight:4x}"], 0, 0
+    for word in words[: words.index(0xFFFF) if 0xFFFF in words else None]:
+        if word >= 0x8000:
+            state = word & 0x7FFF
+            records.append(f"S {tick:4x} {state:4x} {0:4x}")
+        else:
+            records.append(f"P {tick:4x} {0:4x} {word:4x}")
+            tick += 100 if state >= 6 else 10
+    for form in ("log-format 2\n", ""):
+        log = "Config version: 1.3\n" + form + "serial-number 2417\n" + "\n".join(records) + "\n"
+        old, _ = read("altos_eeprom__", log.encode())
+        np.testing.assert_allclose(old.clocks[0].time, whole.clocks[0].time, atol=1e-6)
+        np.testing.assert_array_equal(old.clocks[0].pressure, whole.clocks[0].pressure)
+        assert old.clocks[0].acceleration is None
+        assert old.events == pytest.approx(whole.events)
+
+
+def test_settings_may_be_on_one_line() -> None:
+    log = (LOGS / "altos_eeprom__easymini.eeprom").read_bytes()
+    settings, mark, body = log.partition(b"\n}\n")
+    one, _ = read("altos_eeprom__", log)
+    other, _ = read("altos_eeprom__", settings.replace(b"\n", b" ") + mark + body)
+    assert (other.device, other.firmware, other.serial) == (one.device, one.firmware, one.serial)
+    assert other.firmware
+
+
+def test_the_last_line_of_flash_may_be_shorter() -> None:
+    log = (LOGS / "altos_eeprom__telemetrum_2_with_damage.eeprom").read_bytes()
+    settings, mark, body = log.partition(b"\n}\n")
+    lines = [line for line in body.splitlines() if b"zz" not in line and not line.startswith(b"ff")]
+    lines = lines[: len(lines) // 2 * 2 - 1]
+    rows = [b" ".join(lines[place : place + 2]) for place in range(0, len(lines), 2)]
+    whole, rest = read("altos_eeprom__", settings + mark + b"\n".join([*lines, b""]))
+    wide, more = read("altos_eeprom__", settings + mark + b"\n".join([*rows, b""]))
+    assert len(rows[-1]) < len(rows[0])
+    assert more == rest
+    np.testing.assert_array_equal(wide.clocks[0].time, whole.clocks[0].time)
+
+
+@pytest.mark.parametrize(("setting", "highest"), [("", 500), ("altitude-32 1\n", 500 + (7 << 16))])
+def test_altitudes_of_older_firmware_have_two_bytes(setting: str, highest: int) -> None:
+    log = (LOGS / "altos_eeprom__telemetrum_2_old_form.eeprom").read_text()
+    other = re.sub(r"(?m)^(P .*) 00 00$", r"\1 07 00", log).replace("log-format 7\n", "log-format 7\n" + setting)
+    assert other.count(" 07 00\n") == 5
+    altitude = read("altos_eeprom__", other.encode())[0].clocks[1].gps_altitude_msl
+    assert altitude is not None
+    assert abs(altitude.max() - highest) < 200

@@ -65,17 +65,21 @@ class Flash:
 
 
 def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
-    """The records in lines of hex bytes; a damaged line counts as erased. Raises DamagedLog for too much data."""
+    """The records in lines of hex bytes; a damaged line counts as erased, and the last may be shorter.
+
+    Raises DamagedLog for too much data.
+    """
     damaged = Damaged()
     flash, missing = bytearray(), 0
     widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
     width = widths.most_common(1)[0][0]
+    last = 0 if is_cut(log) else log.rstrip().count(b"\n") + 1
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
             if not line.strip():
                 continue
             data = hex_bytes(line)
-            if data is None or len(data) != width:
+            if data is None or len(data) > width or (len(data) < width and number != last):
                 damaged.add(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
                 data = (data or b"")[:width]
             missing = width - len(data)
