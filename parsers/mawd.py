@@ -2,12 +2,14 @@
 
 Model (two lines), firmware (one), then five statistics of a letter and five digits: G ground, A apogee and M main
 altitude in feet, N samples, D Mach delay in seconds. Then a line with the sample interval, two digits of milliseconds
-at its 21st character, and one sample per line: a character, which is interpreted as a sign, and four digits of feet.
+at its 21st character, and one sample per line: a character, which is interpreted as a sign or the first of five digits,
+and four digits of feet.
 Nothing marks the end; the statistics state the number of samples.
 
 Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author describes as untested.
 """
 
+import codecs
 import re
 
 import numpy as np
@@ -19,7 +21,7 @@ from fieldkit.importing.tables.text import line_end, narrow, shown
 from fieldkit.quantities import counted
 from fieldkit.units import FOOT
 
-STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)
+STATISTICS = re.compile(rb"^G([-+ \d]\d{4})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)
 SAMPLE = re.compile(r"([^\r\n])(\d{4})")
 INTERVAL = slice(20, 22)
 MAX_LOG_SIZE = 4 << 20
@@ -53,7 +55,7 @@ def read(log: bytes) -> list[Found]:
 
 def _plain(log: bytes) -> bytes:
     """A log with one byte per character and line feeds as line ends, regardless of what a terminal changed."""
-    log = narrow(log)
+    log = narrow(log).removeprefix(codecs.BOM_UTF8)
     return log.replace(b"\r", b"\n") if line_end(log) == b"\r" else log
 
 
@@ -66,6 +68,7 @@ def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()
     if not re.fullmatch(r"[1-9]\d|0[1-9]", line[INTERVAL]):
         found = f"found {shown(line)}, expected the sample interval, two digits of ms at the 21st character"
         raise DamagedLog(found, row=row)
+    rows = rows[: 1 + count]  # a terminal may have recorded further answers
     heights = [_height(text) for _, text in rows[1:]]
     notes: list[Found] = []
     lost = [row for (row, _), height in zip(rows[1:], heights, strict=True) if np.isnan(height)]
@@ -82,7 +85,9 @@ def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()
 def _height(text: str) -> float:
     """A sample, nan if it is invalid. [ft]"""
     match = SAMPLE.fullmatch(text.rstrip("\r"))
-    return np.nan if not match else float(match[2]) * (-1 if match[1] == "-" else 1)
+    if not match:
+        return np.nan
+    return float(text) if match[1] in "0123456789" else float(match[2]) * (-1 if match[1] == "-" else 1)
 
 
 PARSER = Parser("PerfectFlite MAWD", recognises, read, signs=("PerfectFlite", "miniAlt/WD"))

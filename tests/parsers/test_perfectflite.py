@@ -1,5 +1,6 @@
 """PerfectFlite: the values in a .pf2 file and in the exports of its program, and the handling of their rows."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -177,3 +178,18 @@ def test_several_files_in_a_row_are_flights_with_their_own_figures() -> None:
     assert [(one.stated["apogee"], one.serial) for one in flights] == [(100 * FOOT, "1"), (200 * FOOT, "2")]
     assert [len(one.clocks[0].time) for one in flights] == [20, 19]
     assert [item.row for item in found if isinstance(item, DamagedLog)] == [1 + log[: log.index("x,")].count("\n")]
+
+
+def test_a_mawd_writes_heights_from_10000_ft_with_five_digits() -> None:
+    log = sample("mawd__all_it_answers.txt").decode().replace("\r", "")
+    head, mark, rows = log.partition("Sample interval is  50 ms")
+    taller = re.sub(r"(?m)^ (\d{4})$", lambda row: f"{int(row[1]) * 20:04d}".rjust(5), rows)
+    heights = []
+    for text in (log, head + mark + taller):
+        (reading,) = parsers()["mawd"].read(text.encode())
+        assert isinstance(reading, Reading)
+        assert reading.clocks[0].altitude is not None
+        heights.append(reading.clocks[0].altitude)
+    above = heights[0] > 0
+    assert heights[1].max() > 20_000 * FOOT
+    np.testing.assert_allclose(heights[1][above], 20 * heights[0][above])
