@@ -13,9 +13,11 @@ REST = (0.8, 1.15)
 
 
 def first_time(time: Float[Array, "row"], marked: Flags) -> float | None:
-    """When a flag is first set, or None if it never is. [s]"""
+    """When a flag is first set; None if it never is, or was already set when the log began. [s]"""
     rows = np.flatnonzero(marked)
-    return float(time[rows[0]]) if len(rows) else None
+    if not len(rows) or (len(marked) > 1 and marked[:2].all()):
+        return None
+    return float(time[rows[0]])
 
 
 def marks(time: Float[Array, "row"], flags: Mapping[str, Float[Array, "row"] | None]) -> dict[str, float]:
