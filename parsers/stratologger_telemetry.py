@@ -17,7 +17,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
-from fieldkit.importing.tables.text import decode, lines_of, shown
+from fieldkit.importing.tables.text import decode, first_lines, lines_of, shown
 from fieldkit.quantities import counted
 from fieldkit.units import FOOT, UNITS
 
@@ -36,7 +36,8 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, "seconds,feet before the samples")
-    table = read_columns(log, CHANNELS, after=head.row, separator=head.separator, widths={2})
+    decimal = None if head.separator == "," else _decimal(log, head)
+    table = read_columns(log, CHANNELS, after=head.row, separator=head.separator, decimal=decimal, widths={2})
     notes = list(table.found)
     is_number = ~np.isnan(table.values["altitude"])
     time, height = table.values["time"], table.values["altitude"]
@@ -65,6 +66,11 @@ def read(log: bytes) -> list[Found]:
 
 def _fits(names: Sequence[str]) -> bool:
     return tuple(names) == ("seconds", "feet")
+
+
+def _decimal(log: bytes, head: Header) -> str:
+    """The decimal mark of the seconds, all of which have decimals."""
+    return "," if "," in "".join(first_lines(log, after=head.row, most=1)) else "."
 
 
 def _began(log: bytes, head: Header) -> str:

@@ -56,6 +56,7 @@ def parted(log: str, separator: str) -> str:
 
 MPD, MAWD, ROCKET = text("micropeak__a_small"), text("mawd__all"), text("openrocket__as_it_comes")
 MAPPED = text("mapped_table__time_three_axes")
+LIVE = text("stratologger_telemetry")
 TRS = text("eggtimer__classic")
 USB, SENTENCES = text("blueraven_usb"), text("bdureau__two_flights")
 PF2, EXPORT = text("perfectflite__drogue_and_main"), text("perfectflite_table__commas_and_celsius")
@@ -98,6 +99,9 @@ VARIANTS: Sequence[tuple[str, str, bytes, bytes]] = [
     ("a table with every other line blank", "mapped_table", MAPPED.encode(), MAPPED.replace("\n", "\n\n").encode()),
     ("an .mpd in UTF-16", "micropeak", MPD.encode("latin-1"), MPD.encode("utf-16")),
     ("a MAWD whose lines end in a carriage return", "mawd", MAWD.encode(), MAWD.replace("\n", "\r").encode()),
+    ("a MAWD below sea level", "mawd", MAWD.encode(), MAWD.replace("G00812", "G-0043").encode()),
+    ("a MAWD asked twice", "mawd", MAWD.encode(), (MAWD + MAWD[MAWD.index("Sample interval") :]).encode()),
+    ("live telemetry with decimal commas", "stratologger_telemetry", LIVE.encode(), parted(LIVE, ";").encode()),
     ("an OpenRocket export in quotation marks", "openrocket", ROCKET.encode(), in_quotes(ROCKET).encode()),
     ("an .eeprom in capitals", "altos_eeprom", EEPROM.encode(), (SETTINGS + FLASH.upper()).encode()),
 ]  # fmt: skip
