@@ -9,6 +9,7 @@ import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.descent_stages import SLOWEST_DESCENT
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, typical_line
@@ -28,8 +29,12 @@ are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fa
 speed plus this slack does not reveal when it was braked."""
 _STRAIGHT, _MIN_LINE_SAMPLES = 0.2, 6
 """Largest change of the speed in the last part of a descent that counts as straight, and its fewest samples. [1]"""
-_MIN_REST_TIME, _REST_HEIGHT = 2.0, 0.5
-"""Shortest rest after a landing [s], and how much above it smoothed heights may be at its beginning [m]."""
+_LONG_REST, _REST_HEIGHT, _REST_MARGIN = 2.5, 0.5, 0.5
+"""A rest of this length shows in a difference of heights two seconds apart [s]; how much above a shorter one smoothed
+heights may be [m]; uncertainty of the beginning of a rest from smoothed heights [s]."""
+_MIN_REST_SAMPLES, _REST_SDS = 3, 3.0
+"""Fewest samples of a rest, so that one outlier does not determine its level, and number of standard deviations by
+which it excludes a descent. [1]"""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 
@@ -124,10 +129,11 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     last_going = _last_fall(going, speed, typical)
     about = float(even[min(last_going + half_width, even.size - 1)])
-    if time[-1] - about < _MIN_REST_TIME:
-        about = _touchdown(even[last_going:], smooth[last_going:], track.noise)
-    rest = (time > about + 0.5) & (time < about + 8)
-    if rest.sum() < 4 or time[-1] - about < _MIN_REST_TIME:
+    margin = _REST_MARGIN
+    if time[-1] - about < _LONG_REST:
+        about, margin = _touchdown(time[fall], calm[fall], track.noise), 0.0
+    rest = (time >= about + margin) & (time < about + 8)
+    if not _is_at_rest(time[rest], height[rest], track.noise):
         return None, None
     level = float(np.median(height[rest]))
     last = (time > max(apogee, about - 8)) & (time < about - 0.5) & (height > level + 4 * track.noise)
@@ -141,9 +147,27 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
 
 
 def _touchdown(time: Float[Array, "_"], height: Float[Array, "_"], noise: float) -> float:
-    """When smoothed heights that fall and then rest reach their last level, in a log that ends soon after. [s]"""
-    level = float(np.median(height[time > time[-1] - _MIN_REST_TIME]))
-    return float(time[np.argmax(height < level + max(2 * noise, _REST_HEIGHT))])
+    """When the last stretch of smoothed heights begins that stays at the level of its second half. [s]"""
+    within = max(2 * noise, _REST_HEIGHT)
+    starts = np.flatnonzero(time > time[-1] - _LONG_REST - _REST_MARGIN)
+    still = [i for i in starts if np.abs(height[i:] - np.median(height[(i + time.size) // 2 :])).max() < within]
+    return float(time[still[0]]) if still else float(time[-1])
+
+
+def _is_at_rest(time: Float[Array, "_"], height: Float[Array, "_"], noise: float) -> bool:
+    """Whether heights exclude a descent: its rate is smaller than that of the slowest one by several standard
+    deviations.
+
+    Derivation: the slope of a straight line through samples at the times t with the error s each has the variance
+    s² / sum (t - mean t)². So a quiet barometer shows a rest in less than a second, and a noisy or slow one later.
+    """
+    if time.size < _MIN_REST_SAMPLES:
+        return False
+    away = time - time.mean()
+    slope = float(away @ height / (away @ away))
+    scatter = float(np.std(height - height.mean() - slope * away))
+    sd = max(noise, scatter) / float(np.sqrt(away @ away))
+    return -slope + _REST_SDS * sd < SLOWEST_DESCENT
 
 
 def _final_line(time: Float[Array, "time"], height: Float[Array, "time"]) -> tuple[float, float]:

@@ -33,7 +33,7 @@ _PARTS, _MIN_PART, _MIN_SAMPLES = 60, 1.0, 3
 """Number of parts of a descent whose speeds are compared [1], shortest part [s], and its fewest samples [1]."""
 _MIN_PARTS = 3
 """Fewest parts under each device. [1]"""
-_LEAST_DESCENT = 1.5
+SLOWEST_DESCENT = 1.5
 """A rocket slower than this is on the ground or in a tree. [m/s]"""
 _OPENING_SD = 0.3
 """Standard deviation of the time that a main takes to open. [s]"""
@@ -80,7 +80,7 @@ def descent_stages(track: Heights, seen: Outline, begin: float, end: float | Non
         return None
     drogue, main = _speed(parts, before, track), _speed(parts, after, track)
     enough = _SDS * np.sqrt(2 * AIR_SD**2 + drogue.sd**2 + main.sd**2)
-    if main.value < _LEAST_DESCENT or drogue.value < max(main.value + enough, _LEAST_AREA_RATIO**0.5 * main.value):
+    if main.value < SLOWEST_DESCENT or drogue.value < max(main.value + enough, _LEAST_AREA_RATIO**0.5 * main.value):
         return None
     return DescentStages(
         drogue, main, _main_altitude(parts, before[-_CORNER_PARTS:], after[:_CORNER_PARTS], track, seen)
@@ -103,7 +103,7 @@ def _parts(track: Heights, seen: Outline, begin: float, end: float) -> _Parts | 
     filled = _filled(track, edges)
     middle, height = (edges[1:] + edges[:-1]) / 2, (path[1:] + path[:-1]) / 2
     speed = (-np.diff(path) / length)[filled]
-    falls = np.flatnonzero(speed > _LEAST_DESCENT)
+    falls = np.flatnonzero(speed > SLOWEST_DESCENT)
     rests = falls.size > 0 and falls[-1] < speed.size - 1
     last = int(falls[-1]) if rests else speed.size  # it lands in the last part in which it falls
     parts = _Parts(middle[filled][:last], height[filled][:last], speed[:last], float(length))

@@ -273,6 +273,30 @@ def test_a_log_that_ends_a_few_seconds_after_landing_has_a_landing(rest: float) 
     assert abs(off(recorded, truth, "descent_speed")) < 2 * recorded.figures["descent_speed"].sd
 
 
+@pytest.mark.parametrize(
+    ("rate", "noise", "rest", "shows"),
+    [
+        (2.0, 0.1, 2.2, True),
+        (20.0, 0.05, 0.8, True),
+        (2.0, 0.4, 0.8, False),
+        (20.0, 2.0, 1.0, False),
+    ],
+)
+def test_a_rest_shows_once_it_excludes_the_slowest_descent(rate: float, noise: float, rest: float, shows: bool) -> None:
+    truth = flown(SMALL)
+    recorded = measure(log(truth, Logger(rate=rate, noise=noise, rest=rest), np.random.default_rng(3)))
+    assert ("duration" in recorded.figures) is shows
+    if shows:
+        assert abs(off(recorded, truth, "duration")) < 2 * recorded.figures["duration"].sd
+
+
+@pytest.mark.parametrize("early", [0.5, 1.0, 2.0])
+def test_a_log_that_ends_before_landing_has_no_landing(early: float) -> None:
+    for rate, noise in ((2.0, 0.1), (20.0, 0.05), (20.0, 1.5)):
+        (series,) = log(flown(SMALL), Logger(rate=rate, noise=noise, rest=-early), np.random.default_rng(4))
+        assert "duration" not in measure((series,)).figures
+
+
 def test_heights_above_sea_level_that_begin_in_flight_have_no_pad_to_refer_to() -> None:
     (series,) = log(flown(LARGE), Logger(late=3.0), np.random.default_rng(1))
     assert series.altitude is not None
