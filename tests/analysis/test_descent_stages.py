@@ -110,7 +110,7 @@ def test_only_a_slower_second_device_of_at_least_twice_the_area_counts(speeds: t
 @pytest.mark.parametrize("rest", [0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 @pytest.mark.parametrize("speed", [5.0, 9.0, 15.0])
 def test_a_short_rest_after_landing_is_not_a_descent_on_a_main(speed: float, rest: float) -> None:
-    """Of a rest of about two seconds no landing is found; in the log of a bdureau board it once passed for a main."""
+    """In the log of a bdureau board a rest of about two seconds once passed for a main."""
     series = with_descent(speed, speed, rocket=replace(SMALL, burn=0.8))
     landed = series.time[np.flatnonzero(np.asarray(series.altitude) > 2)[-1]]
     recorded = measure((cut_to(series, series.time < landed + rest),))
