@@ -12,6 +12,7 @@ from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.units import Unit
 
 SEPARATORS = (",", ";", "\t")
+_LETTER = re.compile(r"[^\W\d_]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Header:
 
 def find_header(log: bytes, fits: Callable[[Sequence[str]], bool]) -> Header | None:
     """The first row near the start of a log whose names, in lower case and single-spaced, fit. Raises DamagedLog."""
-    for row, ways in enumerate(_first_rows(log[:HEAD]), start=1):
+    for row, ways in _first_rows(log[:HEAD]):
         for separator, names in ways:
             if fits(names):
                 return Header(row, names, separator)
@@ -47,9 +48,13 @@ def find_header(log: bytes, fits: Callable[[Sequence[str]], bool]) -> Header | N
 
 
 @lru_cache(maxsize=2)
-def _first_rows(head: bytes) -> list[list[tuple[str, tuple[str, ...]]]]:
-    """Names of the cells of each line for each separator; cached, because every parser examines the same few lines."""
-    return [list(_ways(line)) for line in lines_of(decode(head))]
+def _first_rows(head: bytes) -> list[tuple[int, list[tuple[str, tuple[str, ...]]]]]:
+    """The lines with letters, which names have: their rows, and the names of their cells for each separator.
+
+    Cached, because every parser examines the same few lines.
+    """
+    lines = enumerate(lines_of(decode(head)), start=1)
+    return [(row, list(_ways(line))) for row, line in lines if _LETTER.search(line)]
 
 
 def _ways(line: str) -> Iterator[tuple[str, tuple[str, ...]]]:

@@ -9,12 +9,13 @@ import codecs
 import csv
 import io
 from collections.abc import Iterator
-from itertools import chain, islice
+from itertools import chain, islice, pairwise
 
 from fieldkit.errors import DamagedLog
 
 BLOCK = 1 << 19
-"""Size of the part of a log that is decoded at a time, and the longest line. [bytes]"""
+"""Size of the part of a log that is decoded at a time, and the longest line; the first part is a small fraction of it,
+because often only the first lines are needed. [bytes]"""
 ENDLESS_LINE_MARK = "\0"
 """Start of what replaces a line longer than a block."""
 
@@ -99,8 +100,8 @@ def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
         if not rest and text.isspace():
             number += text.count(end)
             continue
-        *lines, rest = (rest + text).split(end)
-        rest = ENDLESS_LINE_MARK if len(rest) > BLOCK else rest
+        first, *others = (rest + text).split(end)
+        *lines, rest = (ENDLESS_LINE_MARK if len(first) > BLOCK else first, *others)
         skipped = min(max(after + 1 - number, 0), len(lines))
         yield number + skipped, [line.strip("\r\ufeff") for line in lines[skipped:]]
         number += len(lines)
@@ -136,8 +137,8 @@ def _texts(log: bytes) -> Iterator[str]:
     while log.startswith(codecs.BOM_UTF8, begin):
         begin += len(codecs.BOM_UTF8)
     decoder = codecs.getincrementaldecoder(encodings(log[begin : begin + 2])[0])("replace")
-    for start in range(begin, size, BLOCK):
-        yield decoder.decode(log[start : min(size, start + BLOCK)])
+    for start, end in pairwise([begin, *range(begin + BLOCK // 32, size, BLOCK), size]):
+        yield decoder.decode(log[start:end])
 
 
 def is_cut(log: bytes) -> bool:
