@@ -27,6 +27,8 @@ _DELAY_SD, _BRAKED_SLACK = 1.0, 2.0
 """Standard deviation of the time from apogee to an undetected charge: delays come in steps of two or three seconds and
 are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent
 speed plus this slack does not reveal when it was braked."""
+_FREE_FALL = 0.55
+"""Least mean acceleration of a fall that nothing brakes but the air around the rocket, as a fraction of gravity. [1]"""
 _STRAIGHT, _MIN_LINE_SAMPLES = 0.2, 6
 """Largest change of the speed in the last part of a descent that counts as straight, and its fewest samples. [1]"""
 _LONG_REST, _REST_HEIGHT, _REST_MARGIN = 2.5, 0.5, 0.5
@@ -77,7 +79,8 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     """When a free fall of some length became a steady descent in the air; None if it did not.
 
     If the fall was braked before it became faster than the parachute allows, it cannot be distinguished from ejection
-    at apogee, and nothing is reported.
+    at apogee, and nothing is reported. Nor is it if the fall was slower at any earlier time than a free one: then it is
+    the swinging of a rocket that a parachute already brakes.
     """
     span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
     time, height = track.time[span], track.height[span]
@@ -95,11 +98,13 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     final_speed = float(np.median(fall[-len(fall) // 3 :]))
     fastest = int(np.argmax(fall))
     blur = 3 * track.noise / (width * (even[1] - even[0]))
+    freely = _FREE_FALL * GRAVITY * (when - apogee.time)
     late = when[fastest] - apogee.time
     if (
         fall[fastest] < 1.5 * final_speed + max(2.0, blur)
-        or fall[fastest] < 0.55 * GRAVITY * late
+        or fall[fastest] < _FREE_FALL * GRAVITY * late
         or fastest > 0.8 * fall.size
+        or (fall[:fastest] < freely[:fastest] - max(2.0, blur) - GRAVITY * apogee.sd).any()
     ):
         return None
     return Event(float(when[fastest]), 0.4, track.source)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis import measure
-from fieldkit.analysis.descent import _from_unseen_ejection
+from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.descent import _braked, _from_unseen_ejection
+from fieldkit.analysis.records import Event
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from tests.analysis.recordings import SMALL, Logger, fly, log
@@ -56,3 +58,17 @@ def test_carrying_a_rocket_uphill_after_landing_is_not_a_second_flight() -> None
     both = np.concatenate([height, walk])
     recorded = measure((Series(time=np.asarray(0.1 * np.arange(both.size), np.float64), altitude=both),))
     assert not any("another flight" in note for note in recorded.notes)
+
+
+def test_a_rocket_that_swings_under_a_parachute_is_not_braked_again() -> None:
+    """Its apparent speed is once that of a free fall, but was far from it before: a charge was seen 6.5 s too late."""
+    time = np.arange(0.0, 20.0, 0.2)
+    shown = {0.0: 0.0, 1.0: 15.0, 1.7: 8.0, 2.8: 28.0, 4.3: 6.0, 4.7: 30.0, 5.5: 20.0, 6.3: 45.0, 7.3: 16.0, 20.0: 23.0}
+    height = 640.0 - np.cumsum(0.2 * np.interp(time, list(shown), list(shown.values())))
+    free = 640.0 - np.cumsum(0.2 * np.where(time < 4.0, 0.8 * GRAVITY * time, 8.0))
+    apogee = Event(0.0, 0.1, "")
+    swings, falls = (Heights(time, one, True, 0.3, "") for one in (height, free))
+    assert _braked(swings, apogee, np.inf) is None
+    braked = _braked(falls, apogee, np.inf)
+    assert braked is not None
+    assert abs(braked.time - 4.0) < 2 * braked.sd
