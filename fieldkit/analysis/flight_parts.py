@@ -7,13 +7,14 @@ import numpy as np
 
 from fieldkit.analysis.apogee import apogee_of, drift_of_receiver, falls
 from fieldkit.analysis.ascent import Ascent
-from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
+from fieldkit.analysis.channels import CHANNEL_TITLES, MIN_SAMPLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.descent_stages import descent_stages
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.hard_boost import hidden_lead
 from fieldkit.analysis.height_lag import MAX_HEIGHT_GAP
+from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.notes import (
     AFTER_END_NOTE,
     LOST_IN_BOOST,
@@ -44,7 +45,8 @@ class FittedLog:
     """The contents of a log and the fitted curve of its ascent.
 
     `push` is the acceleration trusted for its size, `felt` the one trusted for shocks; `every` are the times of all
-    samples [s], `stated` the events that the logger marked [s]. `drag` if drag and impulse are to be measured.
+    samples [s], `stated` the events that the logger marked [s]. `drag` if drag and impulse are to be measured;
+    `compared` if `push` was compared with the heights.
     """
 
     track: Heights
@@ -55,6 +57,7 @@ class FittedLog:
     felt: Push | None
     stated: Mapping[str, float]
     drag: bool = True
+    compared: bool = True
 
     @property
     def source(self) -> str:
@@ -155,8 +158,25 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
         lead = hidden_lead(speed.value, burnout.time - lift.time, log.track.noise, lift.sd)
         lift = replace(lift, sd=max(lift.sd, lead))
     burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur))) if felt else burnout
+    if felt is not None and not log.compared:
+        speed = _doubted(speed, felt, lift.time, burnout.time)
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
     return lift, _FlightPart({"burnout": burnout}, figures, notes)
+
+
+def _doubted(speed: Figure, push: Push, begin: float, burnout: float) -> Figure:
+    """A top speed whose error includes its difference from the speed that the accelerometer alone gives.
+
+    Near the speed of sound too few undisturbed heights remain to compare the two, and in a boost an error of the static
+    ports is not constant. So if a curve through both is far from the accelerometer, either may be wrong. [m/s]
+    """
+    inside = (push.time >= begin) & (push.time <= burnout)
+    net = levelled(push, begin)
+    if net is None or inside.sum() < MIN_SAMPLES:
+        return speed
+    time, net = push.time[inside], net[inside]
+    gained = float(np.diff(time) @ (net[1:] + net[:-1]) / 2)
+    return replace(speed, sd=float(np.hypot(speed.sd, speed.value - gained)))
 
 
 def _burn(log: FittedLog, lift: Event, burnout: Event, speed: Figure) -> dict[str, Figure]:

@@ -118,7 +118,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)
     if not ascents:
         return Recorded(notes=(NO_FLIGHT,))
-    log = FittedLog(track, every, seen, ascents[0].ascent, trust.push, felt, stated)
+    log = FittedLog(track, every, seen, ascents[0].ascent, trust.push, felt, stated, compared=trust.compared)
     each = [_recorded(replace(log, drag=one is ascents[0]), one, clocks) for one in ascents]
     on_time = next(one for one, ascent in zip(each, ascents, strict=True) if not ascent.lag.lag)
     if NO_FLIGHT in on_time.notes:  # correcting a lag does not turn a drone into a rocket
@@ -151,8 +151,8 @@ class _Trust:
     """The accelerometer to use, and what the check of it found.
 
     The trusted accelerometer, or None; the tilted climb computed from it, if any; the delay of the heights relative to
-    it, from a filter or small vents [s]; the note for the user; and an accelerometer whose clock alone is trusted, for
-    the shocks that it felt.
+    it, from a filter or small vents [s]; the note for the user; an accelerometer whose clock alone is trusted, for the
+    shocks that it felt; and whether the accelerometer was compared with the heights.
     """
 
     push: Push | None
@@ -160,6 +160,7 @@ class _Trust:
     lag: float = 0.0
     notes: tuple[str, ...] = ()
     clock_only: Push | None = None
+    compared: bool = True
 
 
 def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> _Trust:
@@ -177,9 +178,11 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
         return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED),))
     if push is None or rise is None:
         return _Trust(push)
-    if found is None or found.is_consistent:
-        lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step / 2 else 0.0
-        return _Trust(replace(push, scale=found.scale, blur=found.blur) if found is not None else push, lag=lag)
+    if found is None:
+        return _Trust(push, compared=False)
+    if found.is_consistent:
+        lag = -found.late if found.late < -_MIN_LAG - found.step / 2 else 0.0
+        return _Trust(replace(push, scale=found.scale, blur=found.blur), lag=lag)
     slanted = None if found.derived else slanted_flight(track, push, seen, rise)
     if slanted is not None:
         return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),))

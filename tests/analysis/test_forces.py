@@ -5,8 +5,9 @@ import pytest
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Push
+from fieldkit.analysis.flight_parts import _doubted
 from fieldkit.analysis.forces import boost_event, forces
-from fieldkit.analysis.records import MeasuredClimb
+from fieldkit.analysis.records import Figure, MeasuredClimb
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 
 pytestmark = pytest.mark.fast
@@ -94,3 +95,13 @@ def test_a_speed_by_widely_spaced_accelerations_allows_for_what_happened_between
         sds.append(found[1].sd)
     assert min(sds) > 0.7 * np.std(sums)
     assert max(sds) < 3 * np.std(sums)
+
+
+@pytest.mark.parametrize(("true", "least"), [(60.0, 0.0), (75.0, 50.0)])
+def test_a_top_speed_far_from_that_of_an_uncompared_accelerometer_is_uncertain(true: float, least: float) -> None:
+    """Of 282 +- 6 m/s in a log of a TeleMetrum near Mach 1, its accelerometer alone gave 318."""
+    time = np.arange(-3.0, 10.0, 0.01)
+    felt = GRAVITY + np.where((time > 0) & (time < 5), true, 0.0)
+    speed = _doubted(Figure(300.0, 6.0, ""), Push(time, felt, False, ""), 0.0, 5.0)
+    assert speed.value == 300.0
+    assert max(least, 6.0) <= speed.sd < max(1.6 * least, 7.0)
