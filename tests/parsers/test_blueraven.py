@@ -119,10 +119,10 @@ def test_the_day_is_kept_if_a_spreadsheet_spoiled_the_time_of_day() -> None:
 def test_a_flag_that_is_set_when_the_log_begins_does_not_state_its_time() -> None:
     head, *rows = BY_NAME["blueraven_app__low_rate.csv"].decode().splitlines(keepends=True)
     late = "".join([head, *(row for row in rows if float(row.split(",")[4]) > 0.5)])
-    (whole,), (begun,) = (parsers()["blueraven_app"].read(log.encode()) for log in (head + "".join(rows), late))
+    (whole,), (cut,) = (parsers()["blueraven_app"].read(log.encode()) for log in (head + "".join(rows), late))
     assert isinstance(whole, Reading)
-    assert isinstance(begun, Reading)
-    assert whole.events.keys() - begun.events.keys() == {"liftoff"}
+    assert isinstance(cut, Reading)
+    assert whole.events.keys() - cut.events.keys() == {"liftoff"}
 
 
 @pytest.mark.parametrize("scale", [1.0, STANDARD_GRAVITY, 1000.0])
