@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.motors.motor import Motor
@@ -29,11 +30,31 @@ def test_saved_messages_equal_those_computed_again(ledger: Ledger, monkeypatch: 
     assert first is not None
     assert ledger.draft(f"{MESSAGE_PREFIX}R0") is not None
     monkeypatch.setattr("fieldkit.services.fleet.rocket_fit", None)  # nothing is fitted again
-    again = fleet_prior(ledger, catalogue(), "New")
+    with Ledger.open(ledger.name) as reopened:
+        again = fleet_prior(reopened, catalogue(), "New")
     assert again is not None
     assert again.names == first.names
     np.testing.assert_allclose(again.mean, first.mean, atol=1e-5)
     np.testing.assert_allclose(again.covariance, first.covariance, atol=1e-6)
+
+
+def test_flights_are_read_again_only_after_a_change(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[int] = []
+
+    def flights() -> list[Flight]:
+        read.append(1)
+        return Ledger.flights(ledger)
+
+    monkeypatch.setattr(ledger, "flights", flights)
+    for rocket in ("New", "R0", "New"):
+        fleet_prior(ledger, catalogue(), rocket)
+    assert len(read) == 1
+    with Ledger.open(ledger.name) as other:
+        other.edit(other.ids(other.flights("R0"))[0], apogee=120.0)
+    fleet_prior(ledger, catalogue(), "New")
+    ledger.undo()
+    fleet_prior(ledger, catalogue(), "New")
+    assert len(read) == 3
 
 
 def test_a_changed_flight_is_detected(ledger: Ledger) -> None:
