@@ -138,9 +138,10 @@ class FieldkitApp(Surviving):
         if self._back is not None and self._back.page == page:
             self._page(page).go_to_row(self._back.row)
             self._back = None
-        if self._stays:
+        if self._stays and self._readied:
+            self.when_at_rest(self._passed_by.extend)
+        elif self._stays:
             self._passed_by.extend()
-        if self._stays and not self._readied:
             self._readied = True
             self.run_worker(self._make_ready, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fieldkit.tui.memory import PassedBy
-from tests.pressing import frozen, opened, season
+from tests.pressing import calm, frozen, opened, press, season
 
 
 @pytest.fixture(autouse=True)
@@ -24,6 +24,24 @@ async def test_the_collector_skips_data_that_the_running_app_has_read(
     season(tmp_path / "ledger.db")
     async with opened(tmp_path / "ledger.db", stays=True):
         assert gc.get_freeze_count() > len(gc.get_objects())
+
+
+async def test_flights_are_excluded_from_collection_only_while_no_key_is_pressed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frozen(monkeypatch)
+    season(tmp_path / "ledger.db")
+    monkeypatch.setattr("fieldkit.tui.app.PAUSE", 0.0)
+    async with opened(tmp_path / "ledger.db", stays=True) as pilot:
+        await calm(pilot)
+        extended: list[int] = []
+        monkeypatch.setattr(PassedBy, "extend", lambda _: extended.append(1))
+        await press(pilot, "t", "space", "escape")  # an edit: the flights are read again
+        await press(pilot, "u")
+        assert not extended
+        monkeypatch.setattr("fieldkit.tui.in_order.REST", 0.0)
+        await press(pilot, "U")
+        assert extended
 
 
 class Ring:

@@ -35,6 +35,8 @@ class Row:
     miss: float | None = None
     stale: bool = False
     forecast: Bounds | None = None
+    hay: str = ""
+    """The text that a filter searches."""
     drag: float | None = None
     thrust: float | None = None
 
@@ -158,7 +160,9 @@ def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
     rows = []
     for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         one = forecasts.get((flight.rocket, flight.flight_id))
-        rows.append(Row(id, place, flight, one.miss, one.stale, one.interval) if one else Row(id, place, flight))
+        hay = haystack(id, flight)
+        outcome = (one.miss, one.stale, one.interval) if one else (None, False, None)
+        rows.append(Row(id, place, flight, *outcome, hay))
     return rows
 
 
@@ -167,9 +171,8 @@ def scale_of(rows: Iterable[Row], target: float | None) -> HeightScale:
     return HeightScale.of(((row.forecast, row.flight.apogee) for row in rows), target)
 
 
-def haystack(row: Row) -> str:
-    """The text that a filter searches."""
-    flight = row.flight
+def haystack(id: str, flight: Flight) -> str:
+    """The text of a flight that a filter searches."""
     when = flight.date_time.isoformat(" ") if flight.date_time else ""
-    texts = (row.id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)
+    texts = (id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)
     return " ".join(texts).lower()

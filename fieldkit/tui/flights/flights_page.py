@@ -16,7 +16,7 @@ from textual.widgets import Input, Static
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows, scale_of
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, read_rows, scale_of
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
@@ -70,7 +70,6 @@ class FlightsScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._rows: dict[str, Row] = {}
-        self._hay: dict[str, str] = {}
         self._asked: set[str] = set()
         self._inference: FlightInference | None = None
         self._order, self._down = "date", True
@@ -106,7 +105,6 @@ class FlightsScreen(PageScreen):
             if (before := known.get(row.id)) and before.flight == row.flight:
                 row.drag, row.thrust = before.drag, before.thrust
         self._rows = {row.id: row for row in rows}
-        self._hay = {row.id: haystack(row) for row in rows}
         self._asked = {row.id for row in rows if row.thrust is not None}
         self._refill()
         self._infer()
@@ -163,7 +161,7 @@ class FlightsScreen(PageScreen):
         """Show the rows that match all words of the filter, in order."""
         words = self.query_one(Input).value.lower().split()
         self._scale = scale_of(self._rows.values(), self.resources.settings.target)
-        rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
+        rows = [row for row in self._rows.values() if all(word in row.hay for word in words)]
         system = self.resources.settings.units
         shown = self._shown()
         place, arrow = self._sorted_by(shown), "▼" if self._down else "▲"
