@@ -160,9 +160,10 @@ def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
     rows = []
     for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         one = forecasts.get((flight.rocket, flight.flight_id))
-        hay = haystack(id, flight)
-        outcome = (one.miss, one.stale, one.interval) if one else (None, False, None)
-        rows.append(Row(id, place, flight, *outcome, hay))
+        row = Row(id, place, flight, hay=haystack(id, flight))
+        if one:
+            row.miss, row.stale, row.forecast = one.miss, one.stale, one.interval
+        rows.append(row)
     return rows
 
 
