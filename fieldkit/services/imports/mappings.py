@@ -2,24 +2,39 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME
 from fieldkit.importing import HEAD, ColumnChoice
 from fieldkit.importing.recognize import table_of
 from fieldkit.importing.tables.column_choice import guessed
 from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
-from fieldkit.importing.tables.layout import layout_of
-from fieldkit.importing.tables.mapping import choice_for, edit, forget, is_of_flights, read_choice, remembered
+from fieldkit.importing.tables.headings import QUANTITIES, heading
+from fieldkit.importing.tables.layout import Layout, layout_of, split
+from fieldkit.importing.tables.mapping import (
+    LIFTOFF_MASS,
+    MOTOR_MASS,
+    choice_for,
+    edit,
+    forget,
+    is_of_flights,
+    read_choice,
+    remembered,
+)
 from fieldkit.importing.tables.text import decode, first_names, first_row, rows
 from fieldkit.services.imports.gather import read_file
+from fieldkit.units import UNITS, Unit, typed_unit
 
-__all__ = ["TableColumns", "edit", "forget", "in_words", "list_mappings", "table_columns"]
+__all__ = ["TableColumns", "columns_of", "edit", "forget", "in_words", "list_mappings", "table_columns"]
+MAX_ROWS = 3
+"""Number of first rows of a table that are shown. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class TableColumns:
-    """The columns of a table: their names, the first cell of each, and their current meaning.
+    """The columns of a table: their names, the cells of its first rows, and their current meaning.
 
     `of` is the kind of its rows, `samples` or `flights`; `read_as` maps channels or fields to columns, in the syntax of
     `--map`.
@@ -27,19 +42,61 @@ class TableColumns:
 
     of: str
     names: tuple[str, ...]
-    first: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
     read_as: Mapping[str, str]
+
+    def cells(self, column: str) -> tuple[str, ...]:
+        """The cells of a column in the first rows; a unit in brackets may follow its name."""
+        place = self._place(column)
+        return () if place is None else tuple(row[place] for row in self.rows if place < len(row))
+
+    def _place(self, column: str) -> int | None:
+        """The index of a column, None if the table has no such column."""
+        bare = column.partition(" [")[0].strip()
+        folded = [name.casefold() for name in self.names]
+        numbered = [f"#{number}" for number in range(1, len(folded) + 1)]
+        for names in (folded, numbered):
+            for spelled in (column.strip().casefold(), bare.casefold()):
+                if spelled in names:
+                    return names.index(spelled)
+        return None
+
+    def units(self, channel: str, column: str) -> tuple[str, ...]:
+        """The units that a column can have in a channel; none if its name, its cells or the text states one, or if the
+        channel has no unit."""
+        place, known = self._place(column), UNITS.get(_quantity(channel, self.of), {})
+        if place is None or " [" in column or heading(self.names[place]).unit:
+            return ()
+        if any(name.endswith(f"_{unit}") for name in (self.names[place],) for unit in known):
+            return ()
+        if any(":" in cell or typed_unit(cell, "") in known for cell in self.cells(column)):
+            return ()
+        distinct: dict[Unit, str] = {}
+        for name, unit in known.items():
+            distinct.setdefault(unit, name)
+        return tuple(distinct.values())
 
     def checked(self, channel: str, text: str) -> str:
         """A column as typed for a channel. Raises BadValue if the table has no such column."""
         if not text:
             return ""
         read_choice([f"{channel}={text}"])
-        bare = text.partition(" [")[0].strip()
-        known = {name.casefold() for name in self.names} | {f"#{n}" for n in range(1, len(self.names) + 1)}
-        if not {text.casefold(), bare.casefold()} & known:
+        if self._place(text) is None:
             raise BadValue(f"found no column {text!r}")
         return text
+
+
+def _quantity(channel: str, of: str) -> str:
+    """The quantity of a channel of samples or of a field of flights, empty for a text."""
+    if of == "samples":
+        return QUANTITIES.get(channel, "")
+    column = BY_NAME.get(channel)
+    return column.quantity if column else "mass" if channel in (LIFTOFF_MASS, MOTOR_MASS) else ""
+
+
+def columns_of(choice: ColumnChoice) -> TableColumns:
+    """The columns of the tables of a saved mapping, whose rows are not known."""
+    return TableColumns("flights" if is_of_flights(choice) else "samples", choice.headers, (), choice.channels)
 
 
 def table_columns(path: Path, of: str = "") -> TableColumns:
@@ -65,19 +122,26 @@ def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
         raise DamagedLog("found columns of flights")
     choice = choice_for(layout.headers, remembered())
     read_as = {pick.channel.rstrip("?"): layout.headers[pick.place] for pick in reversed(picks)}
-    return TableColumns("samples", layout.headers, layout.first, choice.channels if choice else read_as)
+    return TableColumns("samples", layout.headers, _first_rows(head, layout), choice.channels if choice else read_as)
+
+
+def _first_rows(head: bytes, layout: Layout) -> tuple[tuple[str, ...], ...]:
+    """The cells of the first rows of a table of samples."""
+    text = decode(head)
+    lines = (text if "\n" in text else text.replace("\r", "\n")).split("\n")[layout.above :]
+    rows = (split(line.rstrip("\r"), layout.separator) for line in lines if line.strip())
+    return tuple(tuple(cell.strip() for cell in row) for row in islice(rows, MAX_ROWS))
 
 
 def _of_flights(head: bytes) -> TableColumns:
     """The columns of a table of flights."""
 
-    names, first = table_names(head), first_names(head)
-    if not shape(first):
-        text = decode(head)
-        separator = max((",", ";", "\t"), key=lambda one: len(first_row(text, one)[1]))
-        below = (cells for row, cells in rows(text, separator) if row > first_row(text, separator)[0])
-        cells = next((one for one in below if not isinstance(one, DamagedLog) and any(one)), [])
-        first = tuple(cell.strip() for cell in cells)
+    names, text = table_names(head), decode(head)
+    separator = max((",", ";", "\t"), key=lambda one: len(first_row(text, one)[1]))
+    top = 0 if shape(first_names(head)) else first_row(text, separator)[0]
+    below = (cells for row, cells in rows(text, separator) if row > top)
+    filled = (cells for cells in below if not isinstance(cells, DamagedLog) and any(cells))
+    first = tuple(tuple(cell.strip() for cell in cells) for cells in islice(filled, MAX_ROWS))
     choice = choice_for(names, [one for one in remembered() if is_of_flights(one)])
     roles = ((role_of(name, strict=False).field, name) for name in reversed(names))
     return TableColumns("flights", names, first, choice.channels if choice else {f: name for f, name in roles if f})

@@ -15,11 +15,10 @@ from fieldkit.importing import ColumnChoice
 from fieldkit.importing.manual_entry import Question
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTOR_MASS
-from fieldkit.services.imports.mappings import TableColumns, edit, forget, in_words, list_mappings
-from fieldkit.services.pickers import OfferedAnswer, among
-from fieldkit.tui.add.fields import Form
+from fieldkit.services.imports.mappings import TableColumns, columns_of, edit, forget, in_words, list_mappings
+from fieldkit.services.pickers import OfferedAnswer, Source, among
+from fieldkit.tui.add.fields import Field, Form
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.table import Head, Table
 
 _ABOUT = {
@@ -32,14 +31,18 @@ _ABOUT = {
     LIFTOFF_MASS: "Mass with the motor; the motor's mass is subtracted.",
     MOTOR_MASS: "Mass of the loaded motor.",
 }
-_HOW = "Type or choose its column; add a missing unit in brackets: Alt [ft]."
+_HOW = "Choose its column with ↓, then its unit if the name lacks one."
 OTHER_ROWS = "rows"
 """The answer that reopens the form for the other kind of rows."""
 
 
 class MappingForm(Form):
-    """A line for each channel of samples, or each field of flights; empty if the table has no such column."""
+    """A line for each channel of samples, or each field of flights; empty if the table has no such column. After a
+    column its unit is offered if its name states none, and the first cells are shown beside it."""
 
+    DEFAULT_CSS = """
+    MappingForm Field > Input, MappingForm Field > Input:focus { width: 26; }
+    """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+t", "other_rows", "Samples/flights", key_display="^T", priority=True)
     ]
@@ -51,17 +54,38 @@ class MappingForm(Form):
         super().__init__(
             f"Each row is one of the {columns.of} of this table", questions, texts, {}, _reader(columns), None
         )
-        offered = among([OfferedAnswer(*pair) for pair in _offered(columns)])
-        self._picker.sources = dict.fromkeys(names, offered)
+        self._columns = columns
+        self._picker.sources = {name: _offered(columns, name) for name in names}
+
+    async def action_go_on(self) -> None:
+        """Move to the next line; a chosen column without a unit first offers its units."""
+        field = self.focused.parent if self.focused is not None else None
+        if self._picker.take() and isinstance(field, Field):
+            self._picker.offer_more(field.question.name)
+            if self._picker.open:
+                return
+        await super().action_go_on()
+
+    def _beside(self, field: Field, value: object, unit: str) -> str:
+        """The first cells of the column, and whether its unit is missing."""
+        cells = ", ".join(self._columns.cells(field.answer))
+        lacks = self._columns.units(field.question.name, field.answer)
+        return f"no unit · {cells}" if lacks else cells
 
     def action_other_rows(self) -> None:
         """Reopen the form for samples instead of flights, or for flights instead of samples."""
         self.dismiss({OTHER_ROWS: True})
 
 
-def _offered(columns: TableColumns) -> Sequence[tuple[str, str]]:
-    first = (*columns.first, *[""] * len(columns.names))
-    return [(name, f"first {cell}" if cell else "") for name, cell in zip(columns.names, first, strict=False)]
+def _offered(columns: TableColumns, name: str) -> Source:
+    """Offers the columns of a table, each with its first cells; for a whole name without a unit, its units."""
+    named = among([OfferedAnswer(column, ", ".join(columns.cells(column)[:2])) for column in columns.names])
+
+    def found(typed: str) -> Sequence[OfferedAnswer]:
+        units = columns.units(name, typed)
+        return [OfferedAnswer(f"{typed} [{unit}]") for unit in units] if units else named(typed)
+
+    return found
 
 
 def _reader(columns: TableColumns) -> Callable[[str, str, str], object]:
@@ -131,13 +155,11 @@ class MappingList(ModalScreen[None]):
         if number is None:
             return
 
-        def save(text: str) -> None:
-            edit(number, [part.strip() for part in text.split(";") if part.strip()])
+        def answered(values: dict[str, object] | None) -> None:
+            if values is not None and OTHER_ROWS not in values:
+                self._try(lambda: edit(number, [f"{name}={column}" for name, column in values.items() if column]))
 
-        about = "CHANNEL=COLUMN, separated by ; such as altitude=Alt (ft)."
-        self.app.push_screen(
-            AskText("Columns", in_words(self._known[number - 1])[2], about, check=save), lambda _: self._show()
-        )
+        self.app.push_screen(MappingForm(columns_of(self._known[number - 1])), answered)
 
     def action_forget(self) -> None:
         """Delete the mapping under the cursor."""

@@ -83,6 +83,12 @@ class Picker(OptionList, can_focus=False):
         self.close()
         return True
 
+    def offer_more(self, name: str) -> None:
+        """Offer what can follow the answer that was just chosen."""
+        self._taken = ""
+        if self._line is not None:
+            self.follow(self._line, name)
+
     def close(self) -> None:
         """Hide the list."""
         self.remove_class("-open")

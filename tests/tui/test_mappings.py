@@ -1,0 +1,55 @@
+"""The columns of a table are chosen in a form, and saved mappings are edited in the same form."""
+
+from pathlib import Path
+
+import pytest
+
+from fieldkit.importing import ColumnChoice
+from fieldkit.importing.tables.mapping import remember, remembered
+from tests.pressing import at_home, opened, press, shown, typed
+
+pytestmark = pytest.mark.fast
+LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return at_home(tmp_path, monkeypatch)
+
+
+async def test_a_column_and_its_unit_are_chosen_by_arrows_beside_the_first_rows(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("tick,howhigh,warmth\n" + LOG)
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")
+        await press(pilot)
+        await press(pilot, "m")
+        await press(pilot, "ctrl+u", "t", "down", "enter")  # the only column that begins with t
+        assert "tick [ms]" in shown(pilot)
+        await press(pilot, "down", "down", "enter")
+        assert "0, 50, 100" in shown(pilot)
+        await press(pilot, "ctrl+u", *typed("how"), "down", "enter", "down", "enter")
+        assert "howhigh [m]" in shown(pilot)
+        await press(pilot, "ctrl+s")
+        assert pilot.app.screen._reading.columns == ("time=tick [ms]", "altitude=howhigh [m]")
+
+
+async def test_a_saved_mapping_is_edited_in_the_same_form_and_forgotten(file: Path) -> None:
+    remember(ColumnChoice({"time": "tick [ms]", "altitude": "warmth [m]"}, ("tick", "howhigh", "warmth")))
+    async with opened(file, (80, 24), page="import_files") as pilot:
+        await press(pilot, "M", "enter")
+        assert "CHANNEL" not in shown(pilot)
+        await press(pilot, "enter", "ctrl+u", *typed("how"), "down", "enter", "down", "down", "enter", "ctrl+s")
+        assert remembered()[0].channels == {"time": "tick [ms]", "altitude": "howhigh [mm]"}
+        await press(pilot, "x")
+        assert not remembered()
+
+
+async def test_a_column_that_names_its_unit_is_offered_no_other(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("tick (ms),howhigh [ft],warmth\n" + LOG)
+    async with opened(file, page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")
+        await press(pilot)
+        await press(pilot, "m", "ctrl+u", "t", "i", "down", "enter")
+        assert pilot.app.focused is not None
+        assert pilot.app.focused.id == "in-altitude"
