@@ -38,12 +38,23 @@ def changing(file: Path) -> Iterator[None]:
         os.close(number)
 
 
-def _opened(file: Path) -> int:
-    """The open lock of a file's folder, which is created if necessary. A link has the lock of its target."""
+def hold(lock: Path) -> int | None:
+    """Hold a lock file until the end of the process, or until the returned number is passed to `os.close`; None if
+    another holder has it. Raises FieldkitError if the file cannot be written."""
+    number = _opened(lock, lock.name)
+    if _is_ours(number):
+        return number
+    os.close(number)
+    return None
+
+
+def _opened(file: Path, name: str = LOCK_NAME) -> int:
+    """The open lock of this name in a file's folder, which is created if necessary. A link has the lock of its
+    target."""
     try:
         folder = file.resolve().parent
         folder.mkdir(parents=True, exist_ok=True)
-        return os.open(folder / LOCK_NAME, os.O_RDWR | os.O_CREAT, 0o666)
+        return os.open(folder / name, os.O_RDWR | os.O_CREAT, 0o666)
     except (OSError, RuntimeError) as error:  # a loop of links
         raise FieldkitError(f"{file}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
 

@@ -14,6 +14,7 @@ HOME = "FIELDKIT_HOME"
 DataFile = Literal[
     "captures",
     "crashes",
+    "drafts",
     "drills.toml",
     "hyperprior.json",
     "kits.toml",

@@ -16,6 +16,7 @@ from fieldkit.settings import Settings, change_settings, read_settings
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
+    from fieldkit.services.own_draft import OwnDraft
     from fieldkit.services.pickers import Names
 
 
@@ -84,6 +85,18 @@ class Resources:
         return Ledger.open(self._where)
 
     @property
+    def own_draft(self) -> "OwnDraft":
+        """The draft of this app, apart from those of other open apps. Raises LedgerError."""
+        with self._lock:
+            return self._own_draft
+
+    @cached_property
+    def _own_draft(self) -> "OwnDraft":
+        from fieldkit.services.own_draft import take_draft
+
+        return take_draft(self._ledger)
+
+    @property
     def motors(self) -> "Catalogue":
         """The known motors; `complaints` has the errors in the flyer's files."""
         with self._lock:
@@ -116,7 +129,9 @@ class Resources:
         self.settings = change_settings(changes, self._file)
 
     def close(self) -> None:
-        """Close the ledger if it is open."""
+        """Close the ledger if it is open, and leave an unfinished flight to the next app."""
         with self._lock:
+            if (draft := self.__dict__.pop("_own_draft", None)) is not None:
+                draft.release()
             if "_ledger" in self.__dict__:
                 self._ledger.close()

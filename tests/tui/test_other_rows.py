@@ -248,3 +248,18 @@ async def test_a_flight_stays_open_when_another_rocket_has_one_with_its_number(f
         await press(pilot, "x", "_")
     with Ledger.open(file) as ledger:
         assert [flight.rocket for flight in ledger.flights() if flight.flight_id == "12"] == ["Bee"]
+
+
+async def test_two_open_apps_have_separate_drafts_and_the_next_app_continues_what_is_left(file: Path) -> None:
+    async with opened(file, page="add") as first:
+        await press(first, *typed("923"))
+        async with opened(file, page="add") as second:
+            assert "923" not in shown(second)
+            await press(second, *typed("811"))
+        assert "811" not in shown(first)
+    offered = []
+    for _ in range(3):  # apps that stay open together: each unfinished flight is offered once
+        offered.append(opened(file, page="add"))
+    async with offered[0] as one, offered[1] as two, offered[2] as three:
+        assert ["923" in shown(app) for app in (one, two, three)] == [True, False, False]
+        assert ["811" in shown(app) for app in (one, two, three)] == [False, True, False]

@@ -158,18 +158,14 @@ class Draft:
 
     def begin(self) -> FormStart:
         """Load the draft; one that was started on another day is of a flight of that day."""
-        from fieldkit.services.manual_entry import DRAFT, STARTED, UNITS
+        from fieldkit.services.manual_entry import UNITS
 
-        ledger = self._resources.ledger
-        draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
+        ledger, own = self._resources.ledger, self._resources.own_draft
+        draft, self._units = ledger.draft(own.name) or {}, ledger.draft(UNITS) or {}
         self._kept = self._dated = bool(draft)
-        started = (ledger.draft(STARTED) or {}).get(DATE.name) if draft else None
+        started = (ledger.draft(own.started) or {}).get(DATE.name) if draft else None
         day = {DATE.name: started} if started and started != f"{date.today()}" else {}
-        return FormStart(draft, self._units, self.offers(draft) | day, self.names())
-
-    def names(self) -> "Names":
-        """Offers known names as answers."""
-        return self._resources.names()
+        return FormStart(draft, self._units, self.offers(draft) | day, self._resources.names())
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """The default answers from the planned flight, or from the last one, given the answers so far."""
@@ -195,18 +191,18 @@ class Draft:
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Save the draft of the `flight`-th flight."""
-        from fieldkit.services.manual_entry import DRAFT, STARTED, UNITS
+        from fieldkit.services.manual_entry import UNITS
 
         self._resources.import_engine()
         with self._lock:
             if flight != self.flight:
                 return
-            ledger, self._kept = self._resources.ledger, False
-            before = {} if self.shown else ledger.draft(DRAFT) or {}
-            ledger.keep_draft(DRAFT, {**before, **answers})
+            ledger, own, self._kept = self._resources.ledger, self._resources.own_draft, False
+            before = {} if self.shown else ledger.draft(own.name) or {}
+            ledger.keep_draft(own.name, {**before, **answers})
             self._kept = True
             if not self._dated:
-                ledger.keep_draft(STARTED, {DATE.name: f"{date.today()}"})
+                ledger.keep_draft(own.started, {DATE.name: f"{date.today()}"})
                 self._dated = True
             if units != self._units:
                 ledger.keep_draft(UNITS, dict(units))
@@ -214,10 +210,8 @@ class Draft:
 
     def is_saved(self, typed: Flight) -> bool:
         """Whether the flight being entered is the last one of the ledger: `redo` or another app has saved it."""
-        from fieldkit.services.manual_entry import DRAFT
-
         ledger = self._resources.ledger
-        last = ledger.latest() if self._kept and ledger.draft(DRAFT) is None else None
+        last = ledger.latest() if self._kept and ledger.draft(self._resources.own_draft.name) is None else None
         return last is not None and (last.rocket, last.motor, last.readouts()) == (
             typed.rocket,
             typed.motor,
@@ -226,16 +220,14 @@ class Draft:
 
     def forget(self) -> bool:
         """Discard the draft, which undo restores; False if there is none."""
-        from fieldkit.services.manual_entry import DRAFT
-
         with self._lock:
             self.flight, self._dated = self.flight + 1, False
-            return self._resources.ledger.drop_draft(DRAFT)
+            return self._resources.ledger.drop_draft(self._resources.own_draft.name)
 
     def save(self, answered: Answered, *, confirmed: bool = False) -> Saved:
         """Save the flight in the ledger if all answers can be read, its motor is known, and its apogee is plausible or
         `confirmed`."""
-        from fieldkit.services.manual_entry import DRAFT, enter, weighed
+        from fieldkit.services.manual_entry import enter, weighed
         from fieldkit.services.plausible_flights import implausible_flights
 
         for name, why in answered.wrong.items():
@@ -250,7 +242,7 @@ class Draft:
             return Saved(confirm=question)
         try:
             with self._lock:
-                flight, added = enter(self._resources.ledger, typed, DRAFT)
+                flight, added = enter(self._resources.ledger, typed, self._resources.own_draft.name)
                 self.flight, self._dated = self.flight + 1, False
         except FieldkitError as error:
             return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
@@ -272,7 +264,7 @@ class Draft:
         if (before := identical_flight(self._resources.ledger, flight)) is not None:
             flight_named = id_and_time(self._resources.ledger, before)
             return f"Flight {flight_named} has the same values, or had when it was entered.\nSave another one like it?"
-        named = self.names()
+        named = self._resources.names()
         doubts = [doubt for name in ("rocket", "site", "motor") if (doubt := named.doubt(name, getattr(flight, name)))]
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
         if expected is not None and flight.apogee is not None:
