@@ -23,6 +23,7 @@ from fieldkit.presentation.capture_text import counts, event_line
 from fieldkit.quantities import counted, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
+from fieldkit.tui.imports.capture_ready import Ready, ready_in, ready_text
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
@@ -73,6 +74,11 @@ class CaptureScreen(PageScreen):
     CaptureScreen #happened { height: auto; max-height: 4; scrollbar-size-vertical: 1; }
     CaptureScreen.-tall #happened { max-height: 8; }
     CaptureScreen #events { height: auto; }
+    CaptureScreen #ready { height: 1fr; }
+    CaptureScreen #steps { height: auto; }
+    CaptureScreen.-begun #ready { display: none; }
+    CaptureScreen #count, CaptureScreen #now, CaptureScreen #heights { display: none; }
+    CaptureScreen.-begun #count, CaptureScreen.-begun #now, CaptureScreen.-begun #heights { display: block; }
     CaptureScreen #count { height: 1; text-style: bold; }
     CaptureScreen #now { height: 3; }
     CaptureScreen #big { width: 34; color: $accent; }
@@ -101,6 +107,8 @@ class CaptureScreen(PageScreen):
         with Vertical(id="live"):
             with VerticalScroll(id="happened", can_focus=False):
                 yield Static("", id="events")
+            with VerticalScroll(id="ready", can_focus=False):
+                yield Static("", id="steps")
             yield Static("", id="count")
             with Horizontal(id="now"):
                 yield Big(id="big")
@@ -123,10 +131,11 @@ class CaptureScreen(PageScreen):
     def action_look(self) -> None:
         """List the ports again."""
 
-        def look() -> "list[Port]":
-            return capture.ports()
+        self.ask(lambda: capture.ports(), self._listed, "ports")
+        self.ask(partial(ready_in, capture_folder()), self._have_ready, "ready")
 
-        self.ask(look, self._listed, "ports")
+    def _have_ready(self, ready: Ready) -> None:
+        self.query_one("#steps", Static).update(ready_text(ready))
 
     def _listed(self, ports: "list[Port]") -> None:
         def cells(port: "Port") -> list[str]:
@@ -151,6 +160,7 @@ class CaptureScreen(PageScreen):
             return
         self._capturing, self._heights = True, []
         self._stop.clear()
+        self.add_class("-begun")
         self._nothing_yet()
         self.ask(partial(self._follow, port, self._device), self._ended, "capture")
 
