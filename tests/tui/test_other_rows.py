@@ -263,3 +263,11 @@ async def test_two_open_apps_have_separate_drafts_and_the_next_app_continues_wha
     async with offered[0] as one, offered[1] as two, offered[2] as three:
         assert ["923" in shown(app) for app in (one, two, three)] == [True, False, False]
         assert ["811" in shown(app) for app in (one, two, three)] == [False, True, False]
+
+
+async def test_the_loop_says_before_a_search_what_it_would_compare(file: Path) -> None:
+    async with opened(file, page="loop") as pilot:
+        assert "flights 8 of 12: with readouts, without an anomaly tag" in words(pilot)
+        assert "not recorded pressure" in words(pilot)
+        await press(pilot, "A")  # nothing was found yet
+        assert "Press S" in words(pilot)

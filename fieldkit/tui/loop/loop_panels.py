@@ -13,6 +13,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
 from fieldkit.tui.loop.loop_look import PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
+    before_search,
     draw_points,
     effect_at_length,
     fingerprint,
@@ -48,7 +49,7 @@ class Panels(Container):
     def __init__(self) -> None:
         super().__init__(id="panels")
         self.found: Findings | None = None
-        self._system = "SI"
+        self._system, self._why = "SI", ""
 
     def compose(self) -> Iterable[Widget]:
         """One frame per panel."""
@@ -73,7 +74,7 @@ class Panels(Container):
 
     def forget(self, why: str = "") -> None:
         """Clear the findings: no search has run yet, or the reason `why` there are none."""
-        self.found = None
+        self.found, self._why = None, why
         for name, text in (TEXT_BEFORE_RUN | {"at-length": ""} | ({"verdict": why} if why else {})).items():
             self.query_one(f"#{name}", Static).update(text)
         self.query_one(Plot).show(None)
@@ -125,6 +126,12 @@ class Panels(Container):
             else ""
         )
         self.query_one("#at-length", Static).update(caption)
+
+    def show_before(self, standing: Standing) -> None:
+        """Show what a search would compare, until one runs."""
+        if self.found is None:
+            about = self._why or TEXT_BEFORE_RUN["verdict"]
+            self.query_one("#verdict", Static).update(before_search(about, standing.flights))
 
     def show_versions(self, standing: Standing, system: str) -> None:
         """Show the models of the rocket, and which is in use."""
