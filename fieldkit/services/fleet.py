@@ -45,7 +45,7 @@ class _Fleet:
     fits: dict[str, RocketFit] = field(default_factory=dict)
 
 
-_LATEST: WeakKeyDictionary[Ledger, _Fleet] = WeakKeyDictionary()
+_LATEST_FLEETS: WeakKeyDictionary[Ledger, _Fleet] = WeakKeyDictionary()
 """The latest fleet of each open ledger: to read 5,000 flights and digest them takes 0.4 s, and the app asks for each
 forecast."""
 
@@ -78,9 +78,9 @@ def fleet_priors(
 
 def _fleet(ledger: Ledger, motors: Catalogue, made_with: str) -> _Fleet:
     """The fleet of a ledger, read again only if the ledger, the motors, the hyperprior or fieldkit has changed."""
-    changes, known = ledger.length(), _LATEST.get(ledger)
+    changes, known = ledger.length(), _LATEST_FLEETS.get(ledger)
     if known is None or (known.changes, known.made_with) != (changes, made_with) or known.motors is not motors:
-        known = _LATEST[ledger] = _Fleet(changes, motors, made_with, _by_rocket(ledger, motors))
+        known = _LATEST_FLEETS[ledger] = _Fleet(changes, motors, made_with, _by_rocket(ledger, motors))
     return known
 
 

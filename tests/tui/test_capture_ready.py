@@ -32,5 +32,5 @@ async def test_earlier_captures_and_known_loggers_are_listed(file: Path) -> None
 async def test_a_capture_takes_the_place_of_the_steps(file: Path) -> None:
     async with opened(file, page="serial") as pilot:
         assert pilot.app.screen.query_one("#ready").display
-        await press(pilot, "C")  # there is nothing to continue, but the page has begun
+        await press(pilot, "C")  # though there is no capture to continue
         assert not pilot.app.screen.query_one("#ready").display

@@ -76,9 +76,9 @@ class CaptureScreen(PageScreen):
     CaptureScreen #events { height: auto; }
     CaptureScreen #ready { height: 1fr; }
     CaptureScreen #steps { height: auto; }
-    CaptureScreen.-begun #ready { display: none; }
+    CaptureScreen.-started #ready { display: none; }
     CaptureScreen #count, CaptureScreen #now, CaptureScreen #heights { display: none; }
-    CaptureScreen.-begun #count, CaptureScreen.-begun #now, CaptureScreen.-begun #heights { display: block; }
+    CaptureScreen.-started #count, CaptureScreen.-started #now, CaptureScreen.-started #heights { display: block; }
     CaptureScreen #count { height: 1; text-style: bold; }
     CaptureScreen #now { height: 3; }
     CaptureScreen #big { width: 34; color: $accent; }
@@ -160,7 +160,7 @@ class CaptureScreen(PageScreen):
             return
         self._capturing, self._heights = True, []
         self._stop.clear()
-        self.add_class("-begun")
+        self.add_class("-started")
         self._nothing_yet()
         self.ask(partial(self._follow, port, self._device), self._ended, "capture")
 

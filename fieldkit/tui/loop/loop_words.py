@@ -41,7 +41,9 @@ def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
         ("recorded", ", ".join(f"{title.lower()} {count}" for title, count in counts.items() if count)),
         ("not recorded", ", ".join(title.lower() for title, count in counts.items() if not count)),
     ]
-    return stacked([Hanging(((0, Content(about)),)), cards.lines("What would be compared", [one for one in pairs if one[1]], 16)])
+    return stacked(
+        [Hanging(((0, Content(about)),)), cards.lines("What would be compared", [one for one in pairs if one[1]], 16)]
+    )
 
 
 def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
