@@ -41,6 +41,14 @@ def finder() -> type[Provider]:
     return Finder
 
 
+def _in_capitals(key: str) -> str:
+    """`^q` as `^Q`, `shift+tab` as `Shift+Tab`, `pgup` as `PgUp`; a single letter is a key of its own."""
+    if len(key) == 1:
+        return key
+    names = {"pgup": "PgUp", "pgdn": "PgDn"}
+    return "+".join(names.get(part, part.title() if len(part) > 1 else part) for part in key.split("+"))
+
+
 class FieldkitApp(Surviving):
     """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. If it `stays`,
     it has its own process, and prepares in the background what keys would otherwise wait for."""
@@ -279,8 +287,10 @@ class FieldkitApp(Surviving):
         return page if isinstance(page := self.screen, FlightsScreen) else None
 
     def get_key_display(self, binding: Binding) -> str:
-        """A key as it is printed on keyboards: `Esc`, as notices have it."""
-        return "Esc" if binding.key == "escape" else super().get_key_display(binding)
+        """A key as it is printed on keyboards and as notices have it: `Esc`, `F1`, `^Q`."""
+        if binding.key == "escape":
+            return "Esc"
+        return _in_capitals(super().get_key_display(binding))
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Commands of the palette: pages, colors, units, and the actions of the current page."""

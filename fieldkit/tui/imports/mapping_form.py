@@ -7,7 +7,6 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
-from textual.screen import ModalScreen
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
@@ -18,8 +17,10 @@ from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTO
 from fieldkit.services.imports.mappings import TableColumns, edit, forget, in_words, list_mappings
 from fieldkit.services.pickers import OfferedAnswer, among
 from fieldkit.tui.add.fields import Form
+from fieldkit.tui.help import Help
+from fieldkit.tui.imports.import_help import MAPPING_ABOUT, MAPPINGS_HELP
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.dialogs import AskText, HelpedModal
 from fieldkit.tui.widgets.table import Head, Table
 
 _ABOUT = {
@@ -40,6 +41,7 @@ OTHER_ROWS = "rows"
 class MappingForm(Form):
     """A line for each channel of samples, or each field of flights; empty if the table has no such column."""
 
+    ABOUT = MAPPING_ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+t", "other_rows", "Samples/flights", key_display="^T", priority=True)
     ]
@@ -79,7 +81,7 @@ def _about(name: str) -> str:
     return _ABOUT.get(name) or (column.help if column else "")
 
 
-class MappingList(ModalScreen[None]):
+class MappingList(HelpedModal[None]):
     """The saved mappings, listed by the headings of their tables, to edit or delete."""
 
     DEFAULT_CSS = """
@@ -105,6 +107,10 @@ class MappingList(ModalScreen[None]):
                 id="mappings", empty="none yet: press m on the Import page to map the columns of a table", enter="Edit"
             )
             yield KeyBar()
+
+    def explained(self) -> tuple[str, Help]:
+        """The columns and keys of the list."""
+        return "Saved mappings", MAPPINGS_HELP
 
     def on_mount(self) -> None:
         """Load them."""
