@@ -41,10 +41,15 @@ def add(
     With any flight option nothing is asked; dry mass and diameter are by default those of the rocket's last flight.
     Without a terminal, answers are read from standard input, one per line.
     """
+    from fieldkit.services.unknown_names import unknown_names
+
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes or lift_off_mass is not None:
-            flight, filled = _as_built(ledger, _from_options(changes, lift_off_mass), changes)
+            flight = _from_options(changes, lift_off_mass)
+            for phrase in unknown_names(ledger, flight, given, new=True):
+                complain(f"note: {phrase}")
+            flight, filled = _as_built(ledger, flight, changes)
             _doubt(ledger, flight)
             _add(ledger, flight, filled, None, again=again)
         else:

@@ -76,10 +76,9 @@ def sites(
 
 def _named(known: "Sequence[Site]", name: str | None) -> "Sequence[Site]":
     """The site with a name, or all without one. Raises BadValue that lists the sites."""
-    from fieldkit.errors import BadValue
+    from fieldkit.errors import BadValue, unknown
 
     found = [site for site in known if name in (None, site.name)]
     if name is not None and not found:
-        listed = ", ".join(site.name for site in known) or "none"
-        raise BadValue(f"found no site {name!r}, expected one of: {listed}; --elevation 212m saves a new one")
+        raise BadValue(f"{unknown('site', name, (site.name for site in known))} --elevation 212m saves a new one")
     return found

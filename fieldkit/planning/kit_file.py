@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, unknown
 from fieldkit.files import read_own, replace, toml_of
 from fieldkit.planning.kits import KIT_KEYS, LARGEST_FIGURE, Kit, read_kits
 
@@ -32,7 +32,7 @@ def put_kit(file: Path, kit: Kit, was: str = "") -> None:
 def drop_kit(file: Path, name: str) -> None:
     """Delete a kit. Raises BadValue if there is none of this name, or if the file cannot be edited line by line."""
     if name.casefold() not in read_kits(file):
-        raise BadValue(f"found no kit {name!r} in {file.name}")
+        raise BadValue(unknown("kit", name, (kit.name for kit in read_kits(file).values())))
     _change(file, name)
 
 

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from fieldkit.errors import LedgerError, NoFlights
+from fieldkit.errors import LedgerError, NoFlights, nearest, unknown
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
@@ -78,8 +78,11 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
         return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, on_progress, system)
     try:
         flight = ledger.flight(what)
-    except LedgerError:
-        if what not in ledger.names("rocket"):
+    except LedgerError as error:
+        rockets = ledger.names("rocket")
+        if what not in rockets:
+            if nearest(what, rockets):
+                raise LedgerError(unknown("flight, rocket or day", what, rockets)) from error
             raise
         flights = ledger.flights(what)
         return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress, system)

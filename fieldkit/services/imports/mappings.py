@@ -11,7 +11,7 @@ from fieldkit.importing.tables.column_choice import guessed
 from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
 from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, edit, forget, is_of_flights, read_choice, remembered
-from fieldkit.importing.tables.text import decode, first_names, first_row, rows
+from fieldkit.importing.tables.text import decode, first_names, first_row, no_column, rows
 from fieldkit.services.imports.gather import read_file
 
 __all__ = ["TableColumns", "edit", "forget", "in_words", "list_mappings", "table_columns"]
@@ -38,7 +38,7 @@ class TableColumns:
         bare = text.partition(" [")[0].strip()
         known = {name.casefold() for name in self.names} | {f"#{n}" for n in range(1, len(self.names) + 1)}
         if not {text.casefold(), bare.casefold()} & known:
-            raise BadValue(f"found no column {text!r}")
+            raise BadValue(no_column(text, self.names))
         return text
 
 
