@@ -182,13 +182,13 @@ def contest(
         raise typer.BadParameter(f"found {found}, expected at least {MIN_AREA:.0%} of the parachute's area")
     ahead, lines = None, []
     with planning(context, given) as plan:
-        found = plan.motor() if plan.flight.motor else None
-        last = None if found else plan.ledger.latest(plan.flight.rocket)
+        own_motor = plan.motor() if plan.flight.motor else None
+        last = None if own_motor else plan.ledger.latest(plan.flight.rocket)
         year = season_year(season, last.date_time if last is not None else None)
         rule = season_rule(year).announced(*announced)
         scored = score(rule, plan.ledger.flights(plan.flight.rocket))
-        if found is not None:
-            ahead = outlook(rule, plan.rocket, plan.flight, found, area)
+        if own_motor is not None:
+            ahead = outlook(rule, plan.rocket, plan.flight, own_motor, area)
             prediction = ahead.forecast
             approved = approved_motors(rule.year, data_file("seasons"))
             lines = plan.safety(prediction, area) + allowed(

@@ -10,6 +10,7 @@ from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
 from fieldkit.errors import nearest, unknown
+from fieldkit.flight.short_name import flight_label
 from fieldkit.quantities import counted, in_system, with_sd
 
 if TYPE_CHECKING:
@@ -175,7 +176,11 @@ def edit(
         (id,) = ledger.ids([after])
     if LIFT_OFF in settings:
         note_dry_mass(after)
-    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"Flight {id} unchanged")
+    say(
+        f"Changed {flight_label(id)}. `fieldkit undo` to undo."
+        if after != before
+        else f"{flight_label(id, 'Flight')} unchanged"
+    )
 
 
 @app.command()
@@ -206,7 +211,7 @@ def _say_tags(flight: str, before: "Sequence[str]", after: "Sequence[str]") -> N
     tags = (
         f"has the tags {'; '.join(after)}" if len(after) > 1 else f"has the tag {after[0]}" if after else "has no tags"
     )
-    say(f"Flight {flight} {tags}" + (". `fieldkit undo` to undo." if before != after else ""))
+    say(f"{flight_label(flight, 'Flight')} {tags}" + (". `fieldkit undo` to undo." if before != after else ""))
 
 
 @app.command()

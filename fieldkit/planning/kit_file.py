@@ -25,7 +25,9 @@ def put_kit(file: Path, kit: Kit, was: str = "") -> None:
     figures = {key: round(value * 1e3, 6) for key, value in known if value is not None}
     for key, value in figures.items():
         if not 0 < value < LARGEST_FIGURE:
-            raise BadValue(f"{kit.name}, {key}: found {value:g}, expected a number above zero")
+            name, _, unit = key.rpartition("_")
+            found = f"{name.replace('_', ' ')}: found {value:.0f} {unit}"
+            raise BadValue(f"{kit.name}, {found}, expected more than 0 and less than {LARGEST_FIGURE:.0f} {unit}")
     _change(file, was, kit.name, figures)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from fieldkit.errors import LedgerError, NoFlights, nearest, unknown
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.presentation.report.card import Card, cards, left_out, totals
@@ -88,7 +89,7 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
         return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress, system)
     (card,) = cards(ledger, motors, [flight], on_progress, system)
     subtitle = " ".join((flight.rocket, flight.config)).strip()
-    return FlightReport(f"Flight {card.id}", subtitle, (card,), system=system)
+    return FlightReport(flight_label(card.id, "Flight"), subtitle, (card,), system=system)
 
 
 def _of_several(
