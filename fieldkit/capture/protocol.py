@@ -93,7 +93,7 @@ def known_devices() -> Mapping[str, Protocol]:
 
 
 def known_device(name: str) -> Protocol:
-    """The protocol with a name. Raises PortTrouble that lists the available ones."""
+    """The protocol with a name. Raises PortTrouble that suggests the nearest."""
     plain = name.strip().lower().replace("-", "_").replace(" ", "_")
     if plain in known_devices():
         return known_devices()[plain]

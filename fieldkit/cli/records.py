@@ -25,7 +25,10 @@ app = typer.Typer()
 FlightId = Annotated[
     str,
     typer.Argument(
-        metavar="FLIGHT", help="flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+        metavar="FLIGHT",
+        help="Its id, as `fieldkit flights` lists it, or rocket/id.",
+        show_default=False,
+        autocompletion=flight_ids,
     ),
 ]
 Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Tag, such as weak_launch.", show_default=False)]
@@ -220,7 +223,10 @@ def remove(
     flights: Annotated[
         list[str],
         typer.Argument(
-            metavar="FLIGHT...", help="flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+            metavar="FLIGHT...",
+            help="Its id, as `fieldkit flights` lists it, or rocket/id.",
+            show_default=False,
+            autocompletion=flight_ids,
         ),
     ],
 ) -> None:

@@ -79,7 +79,7 @@ def sites(
 
 
 def _named(known: "Sequence[Site]", name: str | None) -> "Sequence[Site]":
-    """The site with a name, or all without one. Raises BadValue that lists the sites."""
+    """The site with a name, or all without one. Raises BadValue that suggests the nearest."""
     from fieldkit.errors import BadValue, unknown
 
     found = [site for site in known if name in (None, site.name)]

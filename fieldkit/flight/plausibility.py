@@ -74,7 +74,7 @@ class Burning(Protocol):
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:
-    """Why no rocket can have flown like this on its motor, as a phrase that starts with the column; None if possible.
+    """Why no rocket can have flown like this on its motor, as a phrase; None if possible.
 
     A plan is checked by its setup, a flight also by its readouts. The bounds are physical, with a margin for the
     strongest motor and an altimeter that reads high, so a flight that is merely unusual passes.

@@ -2,8 +2,8 @@
 
 What was not recorded gets a stated default: standard air at sea level, a vertical one-meter rail, a parachute that
 descends at 5 m/s. Wind does not turn a rocket by itself: it acts only through the `wind` effect, whose strength is how
-strongly this rocket weathercocks. Beside flights with a recorded wind, one without it flew in an unknown wind, not in
-a calm.
+strongly this rocket weathercocks. Among flights with a recorded wind, one without it flew in an unknown wind, not in
+calm air.
 """
 
 from collections.abc import Sequence

@@ -51,7 +51,7 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
 
 
 def kit_of(file: Path, name: str) -> Kit:
-    """The kit with a name. Raises BadValue that lists the available ones."""
+    """The kit with a name. Raises BadValue that suggests the nearest."""
     kits = read_kits(file)
     if name.casefold() not in kits:
         where = "" if kits else f"; add it in {file}"

@@ -50,7 +50,7 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     """The named rocket, flown or with a design, or the rocket of the flight entered last.
 
-    Raises NoFlights with the list of rockets.
+    Raises NoFlights that suggests the nearest rocket.
     """
     rockets = ledger.names("rocket")
     if wanted is not None and not ledger.starts(wanted):
