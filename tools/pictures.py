@@ -104,14 +104,9 @@ def app_pages() -> None:
             with Ledger.open(file) as ledger:
                 bring_in(ledger, [ROOT / "fieldkit" / "data" / "reference_flights.csv"], lambda name: None)
                 if name == "app_flight":
-                    known = {
-                        "flight_id": "13",
-                        "rocket": "Comet",
-                        "motor": "F24-4W",
-                        "dry_mass": 0.3,
-                        "diameter": 0.066,
-                    }
-                    bring_in(ledger, [LOG], lambda name: None, defaults=known)
+                    known = {"rocket": "Comet", "motor": "F24-4W", "dry_mass": 0.3, "diameter": 0.066}
+                    (logged,) = bring_in(ledger, [LOG], lambda name: None, defaults=known).ids
+                    ledger.edit(logged, flight_id="13")
             path = ROOT / "docs" / f"{name}.svg"
             path.write_text(asyncio.run(app_page(file, theme, keys)), encoding="utf-8")
             print(path)

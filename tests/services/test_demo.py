@@ -139,7 +139,7 @@ def test_a_warning_is_printed_once_for_all_its_flights(ledger: str, capsys: pyte
 ROCKET = Flight(rocket="Kestrel", motor="F24-4W", dry_mass=0.322, diameter=0.066)
 OTHERS = {
     "no dry mass": (ROCKET.with_changes(apogee=250.0, dry_mass=None), "no dry mass"),
-    "no readout": (ROCKET, "found no readout"),
+    "no readout": (ROCKET, "no readout"),
     "no such motor": (ROCKET.with_changes(apogee=250.0, motor="ZZ99"), "found no such motor"),
 }
 
