@@ -17,6 +17,7 @@ from textual.widgets import Input
 from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
+from fieldkit.tui.keys import in_capitals
 from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
@@ -39,14 +40,6 @@ def finder() -> type[Provider]:
     from fieldkit.tui.finder import Finder
 
     return Finder
-
-
-def _in_capitals(key: str) -> str:
-    """`^q` as `^Q`, `shift+tab` as `Shift+Tab`, `pgup` as `PgUp`; a single letter is a key of its own."""
-    if len(key) == 1:
-        return key
-    names = {"pgup": "PgUp", "pgdn": "PgDn"}
-    return "+".join(names.get(part, part.title() if len(part) > 1 else part) for part in key.split("+"))
 
 
 class FieldkitApp(Surviving):
@@ -288,9 +281,7 @@ class FieldkitApp(Surviving):
 
     def get_key_display(self, binding: Binding) -> str:
         """A key as it is printed on keyboards and as notices have it: `Esc`, `F1`, `^Q`."""
-        if binding.key == "escape":
-            return "Esc"
-        return _in_capitals(super().get_key_display(binding))
+        return "Esc" if binding.key == "escape" else in_capitals(super().get_key_display(binding))
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Commands of the palette: pages, colors, units, and the actions of the current page."""

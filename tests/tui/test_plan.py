@@ -123,7 +123,7 @@ async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> 
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
         await press(pilot, *["down"] * 7, *typed("50g"))
         await press(pilot, "ctrl+s")
-        assert "expected more than the mass of 61" in words(pilot)
+        assert "expected more than the mass of 60.6 g" in words(pilot)
         await press(pilot, "ctrl+u", *typed("520g"), "ctrl+s", "_")
         await front(pilot, "Contest")
         assert "contest mass: ok: 520 g" in screen_text(pilot)
