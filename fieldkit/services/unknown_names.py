@@ -14,7 +14,7 @@ def unknown_names(
 ) -> Iterator[str]:
     """What is not known of the `given` names of a flight, with the nearest known ones.
 
-    A rocket, and with `new` also a configuration and a site, may be new: only one similar to a known name is reported.
+    A rocket and a site, and with `new` also a configuration, may be new: only one similar to a known name is reported.
     """
     rockets, places = ledger.names("rocket"), [site.name for site in sites(ledger)]
     known_rocket = flight.rocket in rockets
@@ -24,7 +24,7 @@ def unknown_names(
         configs = sorted({one.config for one in ledger.flights(flight.rocket)} - {""})
         yield from _unknown(f"configuration of {flight.rocket} called", flight.config, configs, new=new)
     if given.get("site") and same_name(flight.site, places) not in places:
-        yield from _unknown("site", flight.site, places, new=new)
+        yield from _unknown("site", flight.site, places, new=True)
 
 
 def _unknown(kind: str, typed: str, known: Sequence[str], *, new: bool) -> Iterator[str]:
