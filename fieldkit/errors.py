@@ -4,6 +4,12 @@ The message names the file, row and column if there are any, what was found, and
 exception is a bug and keeps its traceback.
 """
 
+from collections.abc import Iterable
+
+MAX_NEAREST = 3
+"""Number of similar names that a message suggests. [1]"""
+MIN_SIMILARITY = 0.6
+"""Minimum similarity (`difflib`) of a misspelling to a name. [1]"""
 LONGEST_LINE = 1000
 """Length to which lines of messages that quote a file are shortened. [characters]"""
 
@@ -14,6 +20,22 @@ def shortened(text: str) -> str:
         line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 2 :]}"
         for line in text.split("\n")
     )
+
+
+def nearest(typed: str, known: Iterable[str], least: float = MIN_SIMILARITY) -> list[str]:
+    """The known names that a typed one may misspell, the most similar first; `least` is the minimum similarity. [1]"""
+    from difflib import get_close_matches
+
+    by_fold = {name.casefold(): name for name in known}
+    return [by_fold[one] for one in get_close_matches(typed.strip().casefold(), by_fold, MAX_NEAREST, least)]
+
+
+def unknown(kind: str, typed: str, known: Iterable[str]) -> str:
+    """The message about a name that is not known: `no rocket 'Astrra'; did you mean Astra?`, or the known names."""
+    names = list(known)
+    if near := nearest(typed, names):
+        return f"no {kind} {typed!r}; did you mean {' or '.join(near)}?"
+    return f"no {kind} {typed!r}, expected one of: {', '.join(names)}" if names else f"no {kind} {typed!r} yet"
 
 
 class FieldkitError(Exception):

@@ -7,8 +7,10 @@ import shlex
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -198,7 +200,7 @@ def test_the_manual_can_be_read_in_the_terminal(page: str, capsys: pytest.Captur
 
 def test_for_a_missing_page_the_existing_ones_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["docs", "weather"]) == 1
-    assert "found 'weather', expected one of index, start, predictions" in capsys.readouterr().err
+    assert "no page 'weather', expected one of: index, start, predictions" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
@@ -212,6 +214,26 @@ def test_every_command_and_option_that_is_mentioned_exists(page: str) -> None:
         command = group.commands[words[0]]
         known = {option for parameter in command.params for option in parameter.opts} | {"--help"}
         assert isinstance(command, TyperGroup) or {word for word in words if word.startswith("--")} <= known, text
+
+
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_every_option_that_is_mentioned_by_itself_exists(page: str) -> None:
+    """Options after the name of a program are those of the two tests beside this one."""
+    options = [word for text in quoted(page) if text.startswith("--") for word in text.split() if word.startswith("--")]
+    assert [option for option in options if option.partition("=")[0].rstrip(",") not in every_option()] == []
+
+
+@cache
+def every_option() -> set[str]:
+    """The options of all commands."""
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    commands: list[Any] = [group, *group.commands.values()]
+    commands += [
+        one for command in commands[1:] if isinstance(command, TyperGroup) for one in command.commands.values()
+    ]
+    parameters = [one for command in commands for one in command.params]
+    return {"--help"} | {option for one in parameters for option in (*one.opts, *one.secondary_opts)}
 
 
 @pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])

@@ -61,9 +61,9 @@ PAGES = {
     "app_add": ("sun", ["a", "_", *"923ft", "enter", *"140mph", "enter", *"2.14", "enter", *"7.9", "enter", *"2.98"]),
     "app_flight": ("field", ["enter"]),
 }
+"""Pages of the app in the README: their colors, and the keys to press; `_` waits."""
 SIZE = (120, 44)
 """Size of the terminal in the pictures."""
-"""Pages of the app in the README: their colors, and the keys to press; `_` waits."""
 
 
 async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
@@ -105,7 +105,8 @@ def app_pages() -> None:
                 bring_in(ledger, [ROOT / "fieldkit" / "data" / "reference_flights.csv"], lambda name: None)
                 if name == "app_flight":
                     known = {"rocket": "Comet", "motor": "F24-4W", "dry_mass": 0.3, "diameter": 0.066}
-                    bring_in(ledger, [LOG], lambda name: None, defaults=known)
+                    (logged,) = bring_in(ledger, [LOG], lambda name: None, defaults=known).ids
+                    ledger.edit(logged, flight_id="13")
             path = ROOT / "docs" / f"{name}.svg"
             path.write_text(asyncio.run(app_page(file, theme, keys)), encoding="utf-8")
             print(path)

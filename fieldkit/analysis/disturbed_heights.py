@@ -31,9 +31,9 @@ such a climb is lower than the speed of sound. [m/s]"""
 _MARGIN = 0.15
 """How long before and after an apparent fall shocks disturb the pressure. [s]"""
 _ABOVE = 12.0
-"""Smallest apparent fall, as a multiple of the noise of a sample, [1]"""
+"""Smallest apparent fall, as a multiple of the noise of a sample. [1]"""
 _FALL = 5.0
-"""and in meters. [m]"""
+"""Smallest apparent fall, however small the noise. [m]"""
 
 
 def undisturbed(track: Heights) -> Heights:

@@ -12,7 +12,7 @@ from fieldkit.capture.captured import Captured, Log, read_capture
 from fieldkit.capture.events import Stored
 from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Dialogue, Link
-from fieldkit.errors import CaptureTrouble, PortTrouble
+from fieldkit.errors import CaptureTrouble, PortTrouble, unknown
 from fieldkit.plugins import plugins
 from fieldkit.quantities import counted
 
@@ -93,13 +93,13 @@ def known_devices() -> Mapping[str, Protocol]:
 
 
 def known_device(name: str) -> Protocol:
-    """The protocol with a name. Raises PortTrouble that lists the available ones."""
+    """The protocol with a name. Raises PortTrouble that suggests the nearest."""
     plain = name.strip().lower().replace("-", "_").replace(" ", "_")
     if plain in known_devices():
         return known_devices()[plain]
     if plain in NOT_PUBLIC:
         raise PortTrouble(f"{plain}: {NOT_PUBLIC[plain]}")
-    raise PortTrouble(f"no device is called {name!r}, expected one of {', '.join(known_devices())}")
+    raise PortTrouble(unknown("device", name, known_devices()))
 
 
 def logs_in(file: Path) -> list[Log]:

@@ -10,6 +10,7 @@ from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_colum
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
+from fieldkit.flight.short_name import flight_label
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
@@ -41,10 +42,15 @@ def add(
     With any flight option nothing is asked; dry mass and diameter are by default those of the rocket's last flight.
     Without a terminal, answers are read from standard input, one per line.
     """
+    from fieldkit.services.unknown_names import unknown_names
+
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes or lift_off_mass is not None:
-            flight, filled = _as_built(ledger, _from_options(changes, lift_off_mass), changes)
+            flight = _from_options(changes, lift_off_mass)
+            for phrase in unknown_names(ledger, flight, given, new=True):
+                complain(f"note: {phrase}")
+            flight, filled = _as_built(ledger, flight, changes)
             _doubt(ledger, flight)
             _add(ledger, flight, filled, None, again=again)
         else:
@@ -172,8 +178,8 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
 
     if not again and (before := identical_flight(ledger, flight, filled)) is not None:
         raise BadValue(
-            f"found all values of flight {id_and_time(ledger, before)}, as it is or as it was entered; "
-            "expected another flight, or --again to add a second one like it; nothing was saved"
+            f"flight {id_and_time(ledger, before)} has the same values, or had them when it was entered; "
+            "nothing was saved; --again saves another one like it"
         )
     if flight.motor and (doubt := MotorCheck().catalogue.doubt(flight.motor)):
         complain(f"note: {doubt}")
@@ -184,7 +190,7 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
     try:
         _print(ledger, flight, added.new[0])
     finally:
-        complain(f"Saved flight {added.new[0]}. `fieldkit undo` to undo.")
+        complain(f"Saved {flight_label(added.new[0])}. `fieldkit undo` to undo.")
 
 
 def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:

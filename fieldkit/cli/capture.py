@@ -104,6 +104,8 @@ def _events(
     from fieldkit import capture
     from fieldkit.paths import capture_folder
 
+    if device is not None:
+        capture.known_device(device)
     if not resume:
         if len(where) > 1:
             raise typer.BadParameter(f"found {len(where)} ports, expected one")

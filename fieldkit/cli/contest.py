@@ -69,10 +69,7 @@ def finals(
     )
     from fieldkit.units import FOOT
 
-    rule = season_rule(season_year(season)).announced(None, read_window(window) if window else None)
-    if targets:
-        low, high = read_window(targets)
-        rule = replace(rule, finals_range=(low * FOOT, high * FOOT))
+    announced, between = read_window(window) if window else None, read_window(targets) if targets else None
     if card is not None:
         from fieldkit.presentation.report.finals_card import check_card, finals_card
 
@@ -82,6 +79,9 @@ def finals(
     long = length("--rocket-length", rocket_length, "mm")
     with planning(context, given) as plan:
         found = plan.motor()
+        rule = season_rule(season_year(season)).announced(None, announced)
+        if between is not None:
+            rule = replace(rule, finals_range=(between[0] * FOOT, between[1] * FOOT))
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
         table = finals_table(flown, rule, finals_targets(rule))
         approved = approved_motors(rule.year, data_file("seasons"))
@@ -182,12 +182,13 @@ def contest(
         raise typer.BadParameter(f"found {found}, expected at least {MIN_AREA:.0%} of the parachute's area")
     ahead, lines = None, []
     with planning(context, given) as plan:
-        last = None if plan.flight.motor else plan.ledger.latest(plan.flight.rocket)
+        own_motor = plan.motor() if plan.flight.motor else None
+        last = None if own_motor else plan.ledger.latest(plan.flight.rocket)
         year = season_year(season, last.date_time if last is not None else None)
         rule = season_rule(year).announced(*announced)
         scored = score(rule, plan.ledger.flights(plan.flight.rocket))
-        if plan.flight.motor:
-            ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
+        if own_motor is not None:
+            ahead = outlook(rule, plan.rocket, plan.flight, own_motor, area)
             prediction = ahead.forecast
             approved = approved_motors(rule.year, data_file("seasons"))
             lines = plan.safety(prediction, area) + allowed(

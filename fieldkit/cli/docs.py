@@ -27,7 +27,7 @@ def docs(
     from rich.console import Console
     from rich.markdown import Markdown
 
-    from fieldkit.errors import BadValue
+    from fieldkit.errors import BadValue, unknown
 
     if not page:
         print_table(("page", ""), [(name, _title(name)) for name in page_names()])
@@ -36,7 +36,7 @@ def docs(
         return
     found = [page] if page in page_names() else page_names(page)
     if len(found) != 1:
-        raise BadValue(f"page: found {page!r}, expected one of {', '.join(found or page_names())}")
+        raise BadValue(unknown("page", page, found or page_names()))
     Console(highlight=False).print(Markdown(_readable(_text(found[0]))))
 
 

@@ -12,6 +12,7 @@ from fieldkit.cli.planning import (
     OF_THE_FIELD,
     about_plan,
     check_given_with_table,
+    known_rocket,
     planned_table,
     print_safety,
     safety_of,
@@ -132,6 +133,8 @@ def _plan(
 
     if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
+    if given.get("rocket"):
+        known_rocket(ledger, given)
     plan = plan_from_options(ledger, motors, given)
     if complaint := check(plan.motor):
         raise BadValue(f"--motor: {complaint}")

@@ -11,6 +11,7 @@ from fieldkit.cli.planning import about_plan, planning, print_plan
 from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.flight.short_name import flight_label
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -127,8 +128,8 @@ def track(
     clocks: Any = found.reading.clocks if found is not None and found.reading is not None else ()
     for clock in clocks:
         if clock.latitude is not None and clock.longitude is not None:
-            content = track_kml(f"flight {flight}", clock.latitude, clock.longitude, clock.gps_altitude_msl)
+            content = track_kml(flight_label(flight), clock.latitude, clock.longitude, clock.gps_altitude_msl)
             files.write(out, content, force=force)
-            say(f"Wrote the track of flight {flight} to {out}")
+            say(f"Wrote the track of {flight_label(flight)} to {out}")
             return
     raise BadValue(f"{flight}: found no GPS positions, expected a flight with the log of a tracker")

@@ -91,21 +91,14 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 
 
 def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given) -> "Iterator[str]":
-    """What looks mistyped in a plan: a rocket or site that is new and similar to a known one, a value that is unusual
-    or impossible on the motor. The plan is forecast anyway."""
+    """What looks mistyped in a plan: a name that is not known, a value that is unusual or impossible on the motor. The
+    plan is forecast anyway."""
     from fieldkit.errors import UnknownMotor
     from fieldkit.flight.plausibility import doubts, implausible
     from fieldkit.quantities import in_system, significant
-    from fieldkit.services.names import same_name, similar_name
-    from fieldkit.services.sites import sites
+    from fieldkit.services.unknown_names import unknown_names
 
-    rockets, places = ledger.names("rocket"), [site.name for site in sites(ledger)]
-    new_rocket = plan.rocket not in rockets and not ledger.starts(plan.rocket)
-    if given.get("rocket") and new_rocket and (near := similar_name(plan.rocket, rockets)):
-        yield f"{plan.rocket!r} has no flights; did you mean {near}?"
-    new_site = same_name(plan.site, places) not in places
-    if given.get("site") and new_site and (near := similar_name(plan.site, places)):
-        yield f"nothing is saved of the site {plan.site!r}; did you mean {near}?"
+    yield from unknown_names(ledger, plan, given)
     yield from doubts(plan, figure=partial(significant, system=system()))
     with suppress(UnknownMotor):
         if plan.motor and (reason := implausible(plan, motors.resolve_several(plan.motor).motor)):

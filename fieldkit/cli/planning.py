@@ -126,7 +126,7 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
         return which_rocket(ledger, name)
     except NoFlights as error:
         if not (kit or (name and kit_of_rocket(name)) or given.get("dry_mass") or given.get("lift_off_mass")):
-            raise NoFlights(f"{error}; a rocket that has not flown needs --dry-mass and --diameter") from error
+            raise NoFlights(f"{error} (a rocket that has not flown needs --dry-mass and --diameter)") from error
     return name or NEW_ROCKET
 
 

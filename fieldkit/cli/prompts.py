@@ -17,7 +17,7 @@ from fieldkit.importing.manual_entry import (
     read_lift_off_mass,
 )
 from fieldkit.ledger import Ledger
-from fieldkit.quantities import rounded, spelled
+from fieldkit.quantities import in_system, rounded, spelled
 from fieldkit.safe_text import printable
 from fieldkit.services import manual_entry
 
@@ -111,7 +111,7 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
             text = _without_motor(conversation, question, text)
             _take(conversation, question, text)
         except (BadValue, UnknownMotor) as error:
-            complain(f"{question.title}: {error}")
+            complain(f"{question.title}: {in_system(str(error), system())}")
             return False
         implausible = implausible_answers(
             conversation.flight,

@@ -9,10 +9,12 @@ from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
+from fieldkit.errors import nearest, unknown
+from fieldkit.flight.short_name import flight_label
 from fieldkit.quantities import counted, in_system, with_sd
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from fieldkit.flight import Flight
     from fieldkit.ledger import FlightSummary, Ledger
@@ -23,7 +25,10 @@ app = typer.Typer()
 FlightId = Annotated[
     str,
     typer.Argument(
-        metavar="FLIGHT", help="flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+        metavar="FLIGHT",
+        help="Its id, as `fieldkit flights` lists it, or rocket/id.",
+        show_default=False,
+        autocompletion=flight_ids,
     ),
 ]
 Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Tag, such as weak_launch.", show_default=False)]
@@ -50,12 +55,24 @@ def flights(
             return
         pages = ledger.summaries(rocket, tag)
         if (first := next(pages, None)) is None:
+            for note in _mistyped(ledger, rocket, tag):
+                complain(f"note: {note}")
             complain(f"No matching flights in {ledger.name}" if rocket or tag else f"No flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
             chosen = system()
             rows = ([_listed(one, chosen) for one in page] for page in chain([first], pages))
             stream_table(headers, rows, numbers=["apogee"])
+
+
+def _mistyped(ledger: "Ledger", rocket: str | None, tag: str | None) -> "Iterator[str]":
+    """A rocket and a tag that no flight of the ledger has, with the nearest ones."""
+    rockets = ledger.names("rocket")
+    if rocket is not None and rocket not in rockets:
+        yield unknown("rocket", rocket, rockets)
+    tags = sorted({one for flight in ledger.flights() for one in flight.tags}) if tag is not None else []
+    if tag is not None and tag not in tags:
+        yield unknown("flight with the tag", tag, tags)
 
 
 def _listed(one: "FlightSummary", system: str) -> tuple[str, ...]:
@@ -162,16 +179,23 @@ def edit(
         (id,) = ledger.ids([after])
     if LIFT_OFF in settings:
         note_dry_mass(after)
-    say(f"Changed flight {id}. `fieldkit undo` to undo." if after != before else f"Flight {id} unchanged")
+    say(
+        f"Changed {flight_label(id)}. `fieldkit undo` to undo."
+        if after != before
+        else f"{flight_label(id, 'Flight')} unchanged"
+    )
 
 
 @app.command()
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Add tags to a flight; a flight tagged as an anomaly is not used in the model."""
-    from fieldkit.flight import read_tags
+    from fieldkit.flight import TAGS, read_tags
     from fieldkit.flight.limits import check_name
 
     named = [check_name(one) for one in read_tags(";".join(tags))]
+    for own in named:
+        if own not in TAGS and nearest(own, TAGS):
+            complain(f"note: {unknown('known tag', own, TAGS)}")
     with open_ledger(context) as ledger:
         _say_tags(flight, ledger.flight(flight).tags, ledger.tag(flight, *named).tags)
 
@@ -190,7 +214,7 @@ def _say_tags(flight: str, before: "Sequence[str]", after: "Sequence[str]") -> N
     tags = (
         f"has the tags {'; '.join(after)}" if len(after) > 1 else f"has the tag {after[0]}" if after else "has no tags"
     )
-    say(f"Flight {flight} {tags}" + (". `fieldkit undo` to undo." if before != after else ""))
+    say(f"{flight_label(flight, 'Flight')} {tags}" + (". `fieldkit undo` to undo." if before != after else ""))
 
 
 @app.command()
@@ -199,7 +223,10 @@ def remove(
     flights: Annotated[
         list[str],
         typer.Argument(
-            metavar="FLIGHT...", help="flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+            metavar="FLIGHT...",
+            help="Its id, as `fieldkit flights` lists it, or rocket/id.",
+            show_default=False,
+            autocompletion=flight_ids,
         ),
     ],
 ) -> None:

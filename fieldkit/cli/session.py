@@ -87,14 +87,16 @@ def read_settings(
 
 def dry_mass(motors: "Catalogue", flight: "Flight", text: str) -> float | None:
     """The dry mass of a rocket weighed with its motor, as typed. Raises BadValue, UnknownMotor. [kg]"""
+    from fieldkit.cli.screen import system
     from fieldkit.errors import BadValue
     from fieldkit.importing.manual_entry import read_lift_off_mass
+    from fieldkit.quantities import in_system
     from fieldkit.services.manual_entry import weighed
 
     try:
         return weighed(motors, flight, read_lift_off_mass(text)).dry_mass
     except BadValue as error:
-        raise BadValue(f"{LIFT_OFF}: {error}") from error
+        raise BadValue(f"lift-off mass: {in_system(str(error), system())}") from error
 
 
 def note_dry_mass(flight: "Flight") -> None:

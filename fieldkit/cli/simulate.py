@@ -68,6 +68,7 @@ def simulate(
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
     from fieldkit.planning.safety import staged_lines
+    from fieldkit.quantities import in_system
     from fieldkit.services.manual_entry import dry_mass_under
     from fieldkit.services.usual_cd import usual_cd
 
@@ -95,7 +96,10 @@ def simulate(
         complain(f"note: {note}")
     if lift_off_mass:
         weighed = typed("--lift-off-mass", lift_off_mass, "mass", "g")
-        plan = plan.with_changes(dry_mass=dry_mass_under(weighed, found.motor))
+        try:
+            plan = plan.with_changes(dry_mass=dry_mass_under(weighed, found.motor))
+        except BadValue as error:
+            raise BadValue(f"lift-off mass: {in_system(str(error), system())}") from error
     result = field_flight(plan, found, drag, alpha)
     highest = result if cd is not None else field_flight(plan, found, low, alpha)
     if cd is None:

@@ -36,8 +36,9 @@ def sites(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
+    from fieldkit.errors import BadValue
     from fieldkit.flight.site import SITE_LENGTHS
-    from fieldkit.quantities import ShownUnits
+    from fieldkit.quantities import ShownUnits, in_system
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 
@@ -51,7 +52,10 @@ def sites(
         raise typer.BadParameter("found values and no site, expected its name first")
     with open_ledger(context) as ledger:
         if name is not None and changed:
-            keep_site(ledger, name, rules=rules, **given)
+            try:
+                keep_site(ledger, name, rules=rules, **given)
+            except BadValue as error:
+                raise BadValue(in_system(str(error), system())) from error
         known = _named(sites_of(ledger), name)
     if json:
         lengths = [{f"{key}_m": getattr(one, key) for key in SITE_LENGTHS} for one in known]
@@ -75,11 +79,10 @@ def sites(
 
 
 def _named(known: "Sequence[Site]", name: str | None) -> "Sequence[Site]":
-    """The site with a name, or all without one. Raises BadValue that lists the sites."""
-    from fieldkit.errors import BadValue
+    """The site with a name, or all without one. Raises BadValue that suggests the nearest."""
+    from fieldkit.errors import BadValue, unknown
 
     found = [site for site in known if name in (None, site.name)]
     if name is not None and not found:
-        listed = ", ".join(site.name for site in known) or "none"
-        raise BadValue(f"found no site {name!r}, expected one of: {listed}; --elevation 212m saves a new one")
+        raise BadValue(f"{unknown('site', name, (site.name for site in known))} --elevation 212m saves a new one")
     return found

@@ -74,7 +74,7 @@ class Burning(Protocol):
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:
-    """Why no rocket can have flown like this on its motor, as a phrase that starts with the column; None if possible.
+    """Why no rocket can have flown like this on its motor, as a phrase; None if possible.
 
     A plan is checked by its setup, a flight also by its readouts. The bounds are physical, with a margin for the
     strongest motor and an altimeter that reads high, so a flight that is merely unusual passes.
@@ -131,12 +131,12 @@ def _impossible(flight: Flight) -> str:
     for column in COLUMNS:
         value = flight.number(column.name)
         if value is not None and not math.isfinite(value):
-            return f"{column.header}: found {value}, expected a number"
+            return f"{column.title.lower()}: found {value}, expected a number"
         try:
             if value is not None:
                 check(column, value)
         except BadValue as error:
-            return f"{column.header}: {error}"
+            return f"{column.title.lower()}: {error}"
     try:
         if flight.extra:
             check_recovery(flight, IN_EVERY_FIT)
@@ -149,12 +149,13 @@ def _impossible(flight: Flight) -> str:
 def _misfit(flight: Flight, motor: Burning) -> str:
     """A phrase for a body too narrow or too wide for its motor, or a rail closer to horizontal than to vertical."""
     if flight.diameter is not None and not MIN_CALIBER_RATIO <= flight.diameter / motor.diameter <= MAX_CALIBER_RATIO:
-        bounds = (ratio * motor.diameter for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO))
-        low, high = (f"a diameter of {figure(BY_NAME['diameter'], bound)}" for bound in bounds)
-        found = f"diameter_mm: found a diameter of {figure(BY_NAME['diameter'], flight.diameter)}"
-        return f"{found}, expected {low} to {high} around {motor.designation}"
+        low, high = (ratio * motor.diameter for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO))
+        beyond = f"more than a diameter of {figure(BY_NAME['diameter'], high)}, the most"
+        if flight.diameter < low:
+            beyond = f"less than a diameter of {figure(BY_NAME['diameter'], low)}, the least"
+        return f"a diameter of {figure(BY_NAME['diameter'], flight.diameter)} is {beyond} around {motor.designation}"
     if flight.rail_angle is not None and abs(flight.rail_angle) > MAX_LAUNCH_ANGLE + 1e-9:
-        return f"{_at_fault('rail_angle', flight)}, expected at most {figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
+        return f"{_found('rail_angle', flight)} is more than {figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
     return ""
 
 
@@ -165,8 +166,8 @@ def _too_heavy(flight: Flight, motor: Burning) -> str:
     most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
     if flight.dry_mass < most:
         return ""
-    found, lifted = f"dry_mass_g: found {_mass(flight.dry_mass)}", figure(BY_NAME["dry_mass"], most)
-    return f"{found}, expected less than the mass of {lifted} that {motor.designation} lifts"
+    lifted = figure(BY_NAME["dry_mass"], most)
+    return f"{_mass(flight.dry_mass)} is more than the mass of {lifted} that {motor.designation} lifts"
 
 
 def _too_far(flight: Flight, motor: Burning) -> str:
@@ -183,8 +184,8 @@ def _too_far(flight: Flight, motor: Burning) -> str:
         value = flight.number(name)
         if value is not None and value > READ_TOO_HIGH * bound:
             most = figure(BY_NAME[name], READ_TOO_HIGH * bound)
-            mass = _mass(flight.dry_mass)
-            return f"{_at_fault(name, flight)}, expected at most {most}: {mass} on {motor.designation} without drag"
+            without_drag = f"{_mass(flight.dry_mass)} on {motor.designation} without drag"
+            return f"{_found(name, flight)} is more than {most}, the most for {without_drag}"
     return ""
 
 
@@ -193,10 +194,10 @@ def _mass(mass: float) -> str:
     return f"a dry mass of {figure(BY_NAME['dry_mass'], mass)}"
 
 
-def _at_fault(name: str, flight: Flight) -> str:
-    """A column and the flight's value in it."""
+def _found(name: str, flight: Flight) -> str:
+    """A flight's value in words: `apogee of 281.3 m`."""
     column = BY_NAME[name]
-    return f"{column.header}: found {figure(column, flight.number(name) or 0.0)}"
+    return f"{column.title.lower()} of {figure(column, flight.number(name) or 0.0)}"
 
 
 def identity(flight: Flight) -> float | None:

@@ -12,6 +12,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight.columns import Column
 from fieldkit.flight.flight import Flight
+from fieldkit.flight.limits import rounded
 
 Device = Literal["parachute", "streamer"]
 DEVICES: tuple[Device, ...] = ("parachute", "streamer")
@@ -84,7 +85,7 @@ def measured_sd(flight: Flight, column: Column) -> float | None:
 
 
 def recovery_figure(flight: Flight, name: str) -> float | None:
-    """An extra number of a flight in SI, None if it was not recorded. Raises BadValue that names the column."""
+    """An extra number of a flight in SI, None if it was not recorded. Raises BadValue that names it."""
     quantity, unit, _ = RECOVERY_COLUMNS[name]
     header = recovery_column(flight, name)
     if header is None:
@@ -92,7 +93,7 @@ def recovery_figure(flight: Flight, name: str) -> float | None:
     try:
         return units.parse(flight.extra[header], quantity, header[len(name) :].removeprefix("_") or unit)
     except BadValue as error:
-        raise BadValue(f"{header}: {error}") from error
+        raise BadValue(f"{_label(name)}: {error}") from error
 
 
 def recovery_column(flight: Flight, name: str) -> str | None:
@@ -111,9 +112,24 @@ def check_recovery(flight: Flight, names: Iterable[str] = tuple(LIMITS)) -> None
     for name in names:
         (low, high), value = LIMITS[name], recovery_figure(flight, name)
         if value is not None and not low <= value <= high:
-            quantity, unit, _ = RECOVERY_COLUMNS[name]
-            found, least, most = (f"{units.unit(quantity, unit).from_si(one):g}" for one in (value, low, high))
-            raise BadValue(f"{recovery_header(name)}: found {found}, expected {least} to {most}")
+            text, unit = _typed(flight, name)
+            scale = units.unit(RECOVERY_COLUMNS[name][0], unit)
+            least, most = (rounded(scale.from_si(one)) for one in (low, high))
+            raise BadValue(f"{_label(name)}: found {text}, expected {least} to {most} {units.spelled(unit)}")
+
+
+def _typed(flight: Flight, name: str) -> tuple[str, str]:
+    """The text of an extra number that a flight has, and its unit."""
+    _, unit, _ = RECOVERY_COLUMNS[name]
+    header = recovery_column(flight, name) or name
+    text = flight.extra.get(header, "").strip()
+    own = units.typed_unit(text, header[len(name) :].removeprefix("_") or unit)
+    return text if text.endswith(own) else f"{text} {units.spelled(own)}", own
+
+
+def _label(name: str) -> str:
+    """A recovery column in a message."""
+    return name.replace("_", " ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,14 +162,12 @@ def recovery_of(flight: Flight) -> Recovery:
     found = device_of(flight)
     drogue, main = recovery_figure(flight, "drogue_speed"), recovery_figure(flight, "main_altitude")
     if drogue is not None and main is None:
-        raise BadValue(
-            "drogue_speed: found one without main_altitude, expected the height at which the main opens, such as 500ft"
-        )
+        raise BadValue("found a drogue speed and no height at which the main opens, expected both, such as 500ft")
     speed, diameter = recovery_figure(flight, "main_speed"), recovery_figure(flight, "parachute_diameter")
     positive = {"drogue_speed": drogue, "main_altitude": main, "main_speed": speed, "parachute_diameter": diameter}
     for name, value in positive.items():
         if value is not None and value <= 0:
-            raise BadValue(f"{name}: found {value:g}, expected more than zero")
+            raise BadValue(f"{_label(name)}: found {_typed(flight, name)[0]}, expected more than zero")
     opening = recovery_figure(flight, "opening_time")
     opens = OPENING_TIME if opening is None else max(opening, 0.0)
     return Recovery(found, drogue, main, opens, speed, diameter)
@@ -188,7 +202,7 @@ def stability(flight: Flight) -> float | None:
     except ValueError:
         margin = math.nan
     if not 1 / MAX_STABILITY <= margin <= MAX_STABILITY:
-        raise BadValue(f"{STABILITY}: found {text[:40]!r}, expected body diameters above zero, such as 2.5")
+        raise BadValue(f"{_label(STABILITY)}: found {text[:40]!r}, expected body diameters above zero, such as 2.5")
     return margin
 
 

@@ -14,3 +14,8 @@ def short_name(flight: Flight) -> str:
         return flight.flight_id
     when = "" if flight.date_time is None else f"{flight.date_time:%Y-%m-%d %H:%M}".removesuffix(" 00:00")
     return " ".join(part for part in (when, flight.motor) if part) or flight.flight_id
+
+
+def flight_label(id: str, noun: str = "flight") -> str:
+    """A flight in a sentence: `flight 13`, or `flight-4f3b09c1d2` alone if its id was derived without a date."""
+    return id if id.startswith("flight-") and _DERIVED_ID.fullmatch(id) else f"{noun} {id}"

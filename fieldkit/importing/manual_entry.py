@@ -8,11 +8,10 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from difflib import get_close_matches
 from functools import partial
 
 from fieldkit import units
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, nearest
 from fieldkit.flight import (
     BY_NAME,
     COLUMNS,
@@ -98,7 +97,7 @@ def field_of(name: str) -> tuple[str, str]:
             return column.name, ending[1:]
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
     known += [header for column in MEASURED for header in (column.sd_header, column.source_header)]
-    near = get_close_matches(plain, known, n=3, cutoff=0.5)
+    near = nearest(plain, known, least=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else "`fieldkit flights --json` shows their names"
     raise BadValue(f"no column {name!r}; {hint}")
 
@@ -159,7 +158,9 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
             field, unit = field_of(name)
             values[field] = read_answer(field, text, unit)
         except BadValue as error:
-            raise BadValue(str(error) if str(error).startswith("no column") else f"{name}: {error}") from error
+            label = {"date_time": "date", "flight_id": "id"}.get(name, name)
+            label = label.replace("_", " ") if name in BY_NAME else label
+            raise BadValue(str(error) if str(error).startswith("no column") else f"{label}: {error}") from error
     changed = flight.with_changes(**values)
     for part, new in details.items():
         both = {**getattr(changed, part), **new}

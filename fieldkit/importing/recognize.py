@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fieldkit.analysis import rises
-from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.errors import DamagedLog, UnknownFormat, unknown
 from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
@@ -37,7 +37,7 @@ def parsers() -> Mapping[str, Parser]:
 def check_format(name: str, place: str = "") -> None:
     """Raise UnknownFormat, with the `place` first, for a name that no parser has."""
     if name not in parsers():
-        raise UnknownFormat(f"{place}no parser is called {name!r}, expected one of {', '.join(parsers())}")
+        raise UnknownFormat(f"{place}{unknown('format', name, parsers())}")
 
 
 def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser:

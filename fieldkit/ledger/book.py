@@ -6,6 +6,7 @@ from sqlalchemy import Connection, func, select
 
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.ledger.finding import Identity, StoredFlight, find
 from fieldkit.ledger.journal import ChangeRecorder
@@ -87,16 +88,16 @@ def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
 def _objection(flight: Flight, stored: Flight | None) -> str | None:
     """Why a flight cannot be added, in one line."""
     if not flight.flight_id:
-        return "found no flight_id, expected one that is unique within the rocket"
+        return "found a flight without an id, expected one that is unique within the rocket"
     if stored and lacks_files(stored, flight):
         return (
-            f"flight {flight.flight_id} of {flight.rocket or 'no rocket'} is in the ledger without the other files "
-            f"of its logger; `fieldkit remove` it and import them together again"
+            f"{flight_label(flight.flight_id)} of {flight.rocket or 'no rocket'} is in the ledger without the "
+            f"other files of its logger; `fieldkit remove` it and import them together again"
         )
     if stored:
         fields = ", ".join(differences(stored, flight))
         return (
-            f"flight {flight.flight_id} of {flight.rocket or 'no rocket'} is in the ledger "
+            f"{flight_label(flight.flight_id)} of {flight.rocket or 'no rocket'} is in the ledger "
             f"with another {fields}; use `fieldkit edit` to change it"
         )
     try:
@@ -119,9 +120,9 @@ def replace(recorder: ChangeRecorder, stored: StoredFlight, flight: Flight) -> b
     if before["tags"] != after["tags"] or identity != (stored.flight.rocket, stored.flight.flight_id):
         check_keys(flight)
     if not flight.flight_id:
-        raise LedgerError("found an empty flight_id, expected one that is unique within the rocket")
+        raise LedgerError("found an empty id of a flight, expected one that is unique within the rocket")
     if identity != (stored.flight.rocket, stored.flight.flight_id) and _exists(recorder.connection, identity):
-        raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is already in the ledger")
+        raise LedgerError(f"{flight_label(flight.flight_id)} of {flight.rocket} is already in the ledger")
     changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
     if stored.entered is None:
         changes["entered"] = before

@@ -1,11 +1,10 @@
 """The id of a flight: its flight_id if unique, else rocket/flight_id."""
 
 from collections.abc import Collection, Mapping, Sequence
-from difflib import get_close_matches
 
 from sqlalchemy import Connection, or_, select, tuple_
 
-from fieldkit.errors import LedgerError
+from fieldkit.errors import LedgerError, nearest
 from fieldkit.ledger.finding import Identity, StoredFlight, find
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
@@ -70,7 +69,7 @@ def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: 
         raise LedgerError(f"{id} is ambiguous: {' or '.join(sorted(known[one] for one in found))}")
     if not found:
         everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
-        near = get_close_matches(id, ids(connection, everything).values(), n=3, cutoff=0.4)
+        near = nearest(id, ids(connection, everything).values(), least=0.4)  # ids are often short
         hint = (
             f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {counted(len(everything), 'flight')}"
         )

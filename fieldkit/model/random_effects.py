@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, unknown
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
@@ -22,7 +22,7 @@ def known_effects(names: Sequence[str]) -> dict[str, Effect]:
     registry = effects()
     for name in names:
         if name not in registry:
-            raise BadValue(f"found the effect {name!r}, expected some of: {', '.join(sorted(registry))}")
+            raise BadValue(unknown("effect", name, sorted(registry)))
     return {name: registry[name] for name in dict.fromkeys(names)}
 
 

@@ -194,8 +194,8 @@ def delays_text(delays: Sequence[float]) -> str:
 def without_motor(lift_off: float, motor: Motor) -> float:
     """Dry mass of a rocket from its mass on the pad with a motor [kg]. [kg] Raises BadValue if the motor is heavier."""
     if not lift_off > motor.loaded_mass:
-        alone = f"{motor.maker} {motor.designation} alone weighs {motor.loaded_mass * 1e3:.0f} g"
-        raise BadValue(f"found a lift-off mass of {lift_off * 1e3:.4g} g, expected more: {alone}")
+        alone = f"the mass of {motor.loaded_mass * 1e3:.1f} g of {motor.maker} {motor.designation}"
+        raise BadValue(f"found a mass of {lift_off * 1e3:.1f} g, expected more than {alone}")
     return lift_off - motor.loaded_mass
 
 

@@ -86,7 +86,8 @@ def motor_index(name: str) -> int:
     for index, motor in enumerate(MOTORS):
         if spelt and spelt["name"].upper() == motor.name.split("-")[0]:
             return index
-    raise UnknownMotor(f"found {name!r}, the paper's physics knows {', '.join(m.name for m in MOTORS)}")
+    known = ", ".join(motor.name for motor in MOTORS)
+    raise UnknownMotor(f"the paper flew no motor {name!r}, only {known}")
 
 
 def paper_burns(steps: int = 8) -> Burns:

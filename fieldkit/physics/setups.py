@@ -2,8 +2,8 @@
 
 What was not recorded gets a stated default: standard air at sea level, a vertical one-meter rail, a parachute that
 descends at 5 m/s. Wind does not turn a rocket by itself: it acts only through the `wind` effect, whose strength is how
-strongly this rocket weathercocks. Beside flights with a recorded wind, one without it flew in an unknown wind, not in
-a calm.
+strongly this rocket weathercocks. Among flights with a recorded wind, one without it flew in an unknown wind, not in
+calm air.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ import numpy as np
 from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_column, recovery_figure, stability
+from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import WIND_EXPONENT, altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
@@ -226,8 +227,8 @@ def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     found = recorded(flights, "dry_mass")
     if np.isnan(found).any():
         first = flights[int(np.argmax(np.isnan(found)))]
-        name = first.flight_id or first.rocket or "the plan"
-        raise ImpossibleFlight(f"{name}: found no dry mass, expected the rocket's mass without its motor")
+        name = flight_label(first.flight_id) if first.flight_id else first.rocket or "the plan"
+        raise ImpossibleFlight(f"{name}: no dry mass, expected the rocket's mass without its motor")
     return found
 
 

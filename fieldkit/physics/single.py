@@ -48,7 +48,7 @@ def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[st
 def _body(plan: Flight) -> tuple[float, float]:
     """Dry mass [kg] and diameter [m]."""
     if plan.dry_mass is None or plan.diameter is None:
-        raise ImpossibleFlight("found no dry mass or no diameter, expected dry_mass_g and diameter_mm")
+        raise ImpossibleFlight("found no dry mass or no diameter, expected both")
     return plan.dry_mass, plan.diameter
 
 

@@ -210,12 +210,14 @@ def _too_heavy(goal: Goal, plan: Flight, found: Found) -> bool:
 
 def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
     if plan.dry_mass is None:
-        raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
+        raise ImpossibleFlight("no dry mass, expected --dry-mass, the rocket's mass without its motor")
     low, high = (
         edge or plan.dry_mass * ratio for edge, ratio in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
-        raise ImpossibleFlight("found a lowest mass above the highest mass")
+        raise ImpossibleFlight(
+            f"a lowest mass of {low * 1e3:.0f} g is not below the highest, a mass of {high * 1e3:.0f} g"
+        )
     return np.linspace(low, high, GRID)
 
 

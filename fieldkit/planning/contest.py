@@ -139,7 +139,7 @@ def season(year: int, own: Path | None = None) -> Season:
     if own is not None and (own / f"{year}.toml").exists():
         file = own / f"{year}.toml"
     if not file.exists():
-        raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons(own)))}")
+        raise BadValue(f"no season {year}, expected one of: {', '.join(map(str, seasons(own)))}")
     try:
         rule = files.read_toml(file)
         window, most = in_order(rule["window_s"], "window_s"), rule.get("limits", {})

@@ -88,11 +88,13 @@ def trials(
     from scipy.interpolate import PchipInterpolator
 
     if plan.dry_mass is None:
-        raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
+        raise ImpossibleFlight("no dry mass, expected --dry-mass, the rocket's mass without its motor")
     most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
     low = bounds[0] or min(MIN_MASS_RATIO * plan.dry_mass, MIN_MASS_RATIO * most)
     if not 0 < low < most:
-        raise ImpossibleFlight("found a lowest mass above the highest mass")
+        raise ImpossibleFlight(
+            f"a lowest mass of {low * 1e3:.0f} g is not below the highest, a mass of {most * 1e3:.0f} g"
+        )
     flown = np.linspace(low, most, MASSES)
     predictions = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
     if not np.median(predictions[0].apogee) > 0:

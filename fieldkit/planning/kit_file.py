@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, unknown
 from fieldkit.files import read_own, replace, toml_of
 from fieldkit.planning.kits import KIT_KEYS, LARGEST_FIGURE, Kit, read_kits
 
@@ -25,14 +25,16 @@ def put_kit(file: Path, kit: Kit, was: str = "") -> None:
     figures = {key: round(value * 1e3, 6) for key, value in known if value is not None}
     for key, value in figures.items():
         if not 0 < value < LARGEST_FIGURE:
-            raise BadValue(f"{kit.name}, {key}: found {value:g}, expected a number above zero")
+            name, _, unit = key.rpartition("_")
+            found = f"{name.replace('_', ' ')}: found {value:.0f} {unit}"
+            raise BadValue(f"{kit.name}, {found}, expected more than 0 and less than {LARGEST_FIGURE:.0f} {unit}")
     _change(file, was, kit.name, figures)
 
 
 def drop_kit(file: Path, name: str) -> None:
     """Delete a kit. Raises BadValue if there is none of this name, or if the file cannot be edited line by line."""
     if name.casefold() not in read_kits(file):
-        raise BadValue(f"found no kit {name!r} in {file.name}")
+        raise BadValue(unknown("kit", name, (kit.name for kit in read_kits(file).values())))
     _change(file, name)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, unknown
 from fieldkit.files import read_toml
 from fieldkit.motors.motor import Motor
 
@@ -51,11 +51,11 @@ def read_kits(file: Path) -> Mapping[str, Kit]:
 
 
 def kit_of(file: Path, name: str) -> Kit:
-    """The kit with a name. Raises BadValue that lists the available ones."""
+    """The kit with a name. Raises BadValue that suggests the nearest."""
     kits = read_kits(file)
     if name.casefold() not in kits:
-        known = ", ".join(kit.name for kit in kits.values()) or f"none; add them in {file}"
-        raise BadValue(f"found no kit {name!r}, expected one of: {known}")
+        where = "" if kits else f"; add it in {file}"
+        raise BadValue(unknown("kit", name, (kit.name for kit in kits.values())) + where)
     return kits[name.casefold()]
 
 

@@ -86,7 +86,7 @@ def motor_temperature(plan: Flight) -> float | None:
         value = units.parse(text, "temperature", "c") if text else None
         return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
     except BadValue as error:
-        raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
+        raise BadValue(f"motor temperature: {error}") from error
 
 
 def known_rules() -> list[RuleSet]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.flight.short_name import flight_label
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.physics.effect import Effect, effects, spoken
 from fieldkit.physics.setups import delays
@@ -54,7 +55,7 @@ class Place:
 
     @property
     def _since(self) -> str:
-        return f" from flight {self.since} on" if self.since else ""
+        return f" from {flight_label(self.since)} on" if self.since else ""
 
     @property
     def start(self) -> str:

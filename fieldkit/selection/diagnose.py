@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.errors import UnknownEffect
+from fieldkit.errors import UnknownEffect, nearest
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
@@ -171,7 +171,13 @@ def _check(names: Sequence[str], families: Families) -> None:
     for number, name in enumerate(names):
         if not name or name not in families or name in names[:number]:
             could = ", ".join(sorted(name for name in families if name))
-            raise UnknownEffect(f"found the effect {name!r}, expected one that these flights can show: {could}")
+            near = nearest(name, filter(None, families)) if name not in names[:number] else []
+            hint = (
+                f"; did you mean {' or '.join(near)}?"
+                if near
+                else f", expected one that these flights can show: {could}"
+            )
+            raise UnknownEffect(f"found the effect {name!r}{hint}")
 
 
 def _ranking(

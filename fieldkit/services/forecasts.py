@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import NoFlights
+from fieldkit.errors import NoFlights, unknown
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
@@ -50,7 +50,7 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     """The named rocket, flown or with a design, or the rocket of the flight entered last.
 
-    Raises NoFlights with the list of rockets.
+    Raises NoFlights that suggests the nearest rocket.
     """
     rockets = ledger.names("rocket")
     if wanted is not None and not ledger.starts(wanted):
@@ -61,7 +61,7 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
         found = "no flights" if wanted is None else f"no flights of {wanted!r} or any other rocket"
         raise NoFlights(f"{ledger.name}: found {found}, expected at least one; import or add flights first")
     if wanted is not None:
-        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets)}")
+        raise NoFlights(unknown("rocket", wanted, rockets))
     return rockets[0]
 
 

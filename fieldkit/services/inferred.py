@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.forecast.at_once import each_at_once
 from fieldkit.inference.network.flights import Inferences, Inferred, infer
 from fieldkit.ledger import Ledger
@@ -78,7 +79,7 @@ class FlightInference:
             if np.isfinite([*answer.log_cd, *answer.log_alpha]).all():
                 inferred.append(_with_answer(one, answer))
             else:
-                left_out.append(f"flight {one.flight.flight_id}, its readouts are inconsistent")
+                left_out.append(f"{flight_label(one.flight.flight_id)}: its readouts are inconsistent")
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":

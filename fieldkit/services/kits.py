@@ -19,7 +19,7 @@ def kit_of_rocket(rocket: str) -> Kit | None:
 
 
 def named_kit(name: str) -> Kit:
-    """The kit with a name. Raises BadValue that lists the available ones."""
+    """The kit with a name. Raises BadValue that suggests the nearest."""
     return kit_of(data_file("kits.toml"), name)
 
 

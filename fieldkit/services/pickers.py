@@ -4,10 +4,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import date, timedelta
-from difflib import get_close_matches
 from itertools import chain, islice
 
-from fieldkit.errors import BadValue, UnknownMotor
+from fieldkit.errors import BadValue, UnknownMotor, nearest
 from fieldkit.flight import TAGS
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor, is_cluster
@@ -19,8 +18,6 @@ MAX_PICKS = 8
 """Maximum number of offered answers. [1]"""
 NAME_QUESTIONS = ("rocket", "config", "site")
 """Questions whose answers are the user's names."""
-MIN_SIMILARITY = 0.6
-"""Minimum similarity (`difflib`) of a misspelling to a name. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,12 +115,6 @@ def among(picks: Sequence[OfferedAnswer]) -> Source:
         return list(islice(dict.fromkeys(fitting), MAX_PICKS))
 
     return found
-
-
-def nearest(text: str, known: Iterable[str]) -> list[str]:
-    """Names that a text may misspell, the most similar first."""
-    by_fold = {name.casefold(): name for name in known}
-    return [by_fold[one] for one in get_close_matches(text.casefold(), by_fold, n=3, cutoff=MIN_SIMILARITY)]
 
 
 def days(today: date | None = None) -> list[OfferedAnswer]:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import far_from_usual, implausible, middles
+from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Catalogue, Found, is_cluster
 from fieldkit.motors.names import tidy
 from fieldkit.quantities import counted
@@ -37,7 +38,7 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
     """A line for each clean flight that is implausible and therefore not used in a fit."""
     found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
     return [
-        f"flight {flight.flight_id} of {flight.rocket} is excluded from every fit: {reason}"
+        f"{flight_label(flight.flight_id)} of {flight.rocket} is excluded from every fit: {reason}"
         for flight, reason in found
         if reason and flight.clean
     ]
@@ -82,7 +83,7 @@ def exclusion(flight: Flight, motors: Catalogue) -> str:
 def _named(ids: Sequence[str]) -> str:
     """Flights by id, the first few of many: `flights 2, 3, and 40 others`."""
     if len(ids) == 1:
-        return f"flight {ids[0]}"
+        return flight_label(ids[0])
     shown, others = ids[:MAX_NAMED_FLIGHTS], len(ids) - MAX_NAMED_FLIGHTS
     if others > 0:
         return f"flights {', '.join(shown)}, and {counted(others, 'other')}"

@@ -14,6 +14,7 @@ from fieldkit import __version__
 from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, LOGGED, Column, Flight
 from fieldkit.flight.readout import render_sd
 from fieldkit.flight.recovery import STABILITY, recovery_column
+from fieldkit.flight.short_name import flight_label
 from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
 from fieldkit.quantities import significant, spelled
@@ -162,14 +163,14 @@ def model_changes(made: Parts, now: Parts) -> Iterator[str]:
     before, after = made["flights"], now["flights"]
     for one, old in before.items():
         if one not in after:
-            yield f"flight {one} was removed"
+            yield f"{flight_label(one)} was removed"
         elif after[one][0] != old[0]:
-            yield f"flight {one} {'is used in the fit again' if after[one][0] == USED_IN_FIT else 'is tagged'}"
+            yield f"{flight_label(one)} {'is used in the fit again' if after[one][0] == USED_IN_FIT else 'is tagged'}"
         elif after[one] != old:
-            yield f"flight {one} was edited"
+            yield f"{flight_label(one)} was edited"
     if new_ones := [one for one in after if one not in before]:
         several = f"flights {', '.join(new_ones[:4])}{' and more' if len(new_ones) > 4 else ''}"
-        yield f"{several if len(new_ones) > 1 else f'flight {new_ones[0]}'} added since"
+        yield f"{several if len(new_ones) > 1 else flight_label(new_ones[0])} added since"
 
 
 def _version(number: str) -> str:

@@ -46,7 +46,7 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
         raise BadValue(f"{name}, elevation: {error}") from error
     for key in SITE_LENGTHS[1:]:
         if key in changes and not 0 < changes[key] < MAX_LENGTH:
-            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected a length above zero")
+            raise BadValue(f"{name}, {key}: found {changes[key]:.0f} m, expected 0 to {MAX_LENGTH:.0f} m")
     ledger.change_draft(SITES, lambda saved: saved | {name: saved.get(name, {}) | changes}, "site", name)
     return site_of(ledger, name)
 

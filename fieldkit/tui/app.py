@@ -17,6 +17,7 @@ from textual.widgets import Input
 from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
+from fieldkit.tui.keys import in_capitals
 from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 
 PAUSE = 0.05
 """Pause between opening two pages off screen, so that keys are handled. [s]"""
-
 LOOK_INTERVAL = 3.0
 """Interval of checking for changes by other programs: terminals side by side report no change of focus. [s]"""
 
@@ -280,8 +280,8 @@ class FieldkitApp(Surviving):
         return page if isinstance(page := self.screen, FlightsScreen) else None
 
     def get_key_display(self, binding: Binding) -> str:
-        """A key as it is printed on keyboards: `Esc`, as notices have it."""
-        return "Esc" if binding.key == "escape" else super().get_key_display(binding)
+        """A key as it is printed on keyboards and as notices have it: `Esc`, `F1`, `^Q`."""
+        return "Esc" if binding.key == "escape" else in_capitals(super().get_key_display(binding))
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Commands of the palette: pages, colors, units, and the actions of the current page."""

@@ -1,4 +1,4 @@
-"""Separates two keys that a terminal sends as one.
+"""Separates two keys that a terminal sends as one, and names keys as they are printed on keyboards.
 
 Terminals send Alt and a key as Esc and that key, and Textual combines the two if they arrive within 0.1 s. The app has
 no keys with Alt, so here they are always two keys. If Textual reports only the key after Esc (Enter, or a character
@@ -21,3 +21,11 @@ def pressed(key: Key, *, typed: bool) -> list[Key]:
     digit = None if typed else OPTION_DIGITS.get(key.character or "")
     letter = key.character if key.key.startswith("alt+") else digit
     return [Key("escape", "\x1b"), Key(letter, letter)] if letter else [key]
+
+
+def in_capitals(key: str) -> str:
+    """`^q` as `^Q`, `shift+tab` as `Shift+Tab`, `pgup` as `PgUp`; a single letter is a key of its own."""
+    if len(key) == 1:
+        return key
+    names = {"pgup": "PgUp", "pgdn": "PgDn"}
+    return "+".join(names.get(part, part.title() if len(part) > 1 else part) for part in key.split("+"))

@@ -77,7 +77,7 @@ def test_an_unknown_site_is_reported_with_the_known_ones(folder: Path, capsys: p
     capsys.readouterr()
     assert main(["sites", "Medow"]) == 1
     printed = capsys.readouterr().err
-    assert "found no site 'Medow', expected one of: Meadow" in printed
+    assert "no site 'Medow'; did you mean Meadow?" in printed
     assert "No sites yet" not in printed
 
 

@@ -41,7 +41,7 @@ def test_an_unrecognized_file_is_not_near_any_format(log: bytes) -> None:
 
 
 def test_an_unknown_format_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(UnknownFormat, match=r"no parser is called 'xls', expected one of .*altimetertwo_journal"):
+    with pytest.raises(UnknownFormat, match=r"no format 'xls', expected one of: .*altimetertwo_journal"):
         recognise(b"", format="xls")
 
 

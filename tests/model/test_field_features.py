@@ -78,7 +78,7 @@ def test_a_burn_time_rounded_to_a_tenth_is_refined_by_the_other_two_readouts() -
 
 def test_a_flight_without_a_mass_is_an_error_that_reports_it() -> None:
     flight = Flight(flight_id="7", motor="Estes C6", apogee=100.0)
-    with pytest.raises(ImpossibleFlight, match="7: found no dry mass"):
+    with pytest.raises(ImpossibleFlight, match="flight 7: no dry mass"):
         observe([flight], [catalogue().find("Estes C6")])
 
 

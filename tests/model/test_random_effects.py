@@ -35,7 +35,7 @@ def test_strengths_stay_within_the_bounds_of_their_prior() -> None:
 
 
 def test_an_unknown_effect_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(BadValue, match=r"'gusts', expected some of: air_density, .*wind"):
+    with pytest.raises(BadValue, match=r"no effect 'gusts', expected one of: air_density, .*wind"):
         known_effects(["wind", "gusts"])
 
 

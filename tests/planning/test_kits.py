@@ -60,7 +60,7 @@ def test_a_kit_is_renamed_added_and_deleted(file: Path) -> None:
         (Kit("alpha", 0.1, None, None), "Big Bertha", "another kit 'Alpha'"),
         (Kit(" ", 0.1, None, None), "", "expected a name"),
         (Kit("a\nb", 0.1, None, None), "", "expected a name"),
-        (Kit("New", -0.1, None, None), "", "New, dry_mass_g: found -100"),
+        (Kit("New", -0.1, None, None), "", "New, dry mass: found -100 g"),
         (Kit("New", float("nan"), None, None), "", "found nan"),
     ],
 )

@@ -238,7 +238,7 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
     assert "did you mean Astra?" in plan("delay", "--rocket", "Asrta", *body)[1]
     assert "did you mean Moor?" in plan("delay", "--rocket", "Astra", "--site", "Mooor")[1]
     assert "dry mass 0.4 g is unusual" in plan("delay", "--rocket", "Astra", "--dry-mass", "0.4")[1]
-    assert "expected a diameter of 21.6 mm" in plan("delay", "--rocket", "Astra", "--diameter", "6.6")[1]
+    assert "is less than a diameter of 21.6 mm" in plan("delay", "--rocket", "Astra", "--diameter", "6.6")[1]
     assert not plan("delay", "--rocket", "Zephyr", "--site", "Fen", *body)[1]
 
 

@@ -119,7 +119,7 @@ def test_a_flight_that_cannot_be_inferred_is_named_and_left_out(
     assert main(["--ledger", ledger, "infer", "1", "2", "--json"]) == 0
     printed = capsys.readouterr()
     assert [one["flight_id"] for one in json.loads(printed.out)["flights"]] == ["1"]
-    assert printed.err == "left out: flight 2, found no readout, expected at least the apogee\n"
+    assert printed.err == "left out: flight 2: no readout, expected at least the apogee\n"
     assert main(["--ledger", ledger, "infer", "2"]) == 1
     assert "no flight could be used for inference" in capsys.readouterr().err
 
@@ -138,8 +138,8 @@ def test_a_warning_is_printed_once_for_all_its_flights(ledger: str, capsys: pyte
 
 ROCKET = Flight(rocket="Kestrel", motor="F24-4W", dry_mass=0.322, diameter=0.066)
 OTHERS = {
-    "no dry mass": (ROCKET.with_changes(apogee=250.0, dry_mass=None), "dry_mass_g: found nothing"),
-    "no readout": (ROCKET, "found no readout"),
+    "no dry mass": (ROCKET.with_changes(apogee=250.0, dry_mass=None), "no dry mass"),
+    "no readout": (ROCKET, "no readout"),
     "no such motor": (ROCKET.with_changes(apogee=250.0, motor="ZZ99"), "found no such motor"),
 }
 
@@ -151,7 +151,7 @@ def test_missing_values_are_reported_and_the_other_flights_inferred(case: str) -
     found = infer([flight.with_changes(flight_id="5"), good], catalogue())
     assert [one.flight for one in found.inferred] == [good]
     (line,) = found.left_out
-    assert line.startswith("flight 5, ")
+    assert line.startswith("flight 5: ")
     assert why in line
 
 

@@ -285,7 +285,7 @@ def test_simulate_reports_wrong_input(run: Run, more: tuple[str, ...], status: i
 
 def test_the_papers_physics_has_only_its_own_motors() -> None:
     plan = Flight(motor="C6-5", dry_mass=0.322, diameter=0.066)
-    with pytest.raises(UnknownMotor, match="the paper's physics knows"):
+    with pytest.raises(UnknownMotor, match="the paper flew no motor"):
         paper_flight(plan, 0.6, 1.0)
     with pytest.raises(ImpossibleFlight, match="no diameter"):
         paper_flight(plan.with_changes(diameter=None), 0.6, 1.0)

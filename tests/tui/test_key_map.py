@@ -1,7 +1,9 @@
 """A key has the same meaning on every page of the app."""
 
+import re
 from collections import defaultdict
 from importlib import import_module
+from pathlib import Path
 from pkgutil import walk_packages
 
 import pytest
@@ -10,6 +12,7 @@ from textual.binding import Binding
 from fieldkit import tui
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.page import PageScreen
+from tools.strings import texts as texts_of
 
 pytestmark = pytest.mark.fast
 
@@ -49,3 +52,30 @@ def test_keys_that_change_the_model_are_capital_letters() -> None:
     keys = {binding.action: binding.key for binding in bindings()}
     assert keys["accept"] == "A"
     assert keys["decline"] == "D"
+
+
+ROOT = Path(__file__).parents[2]
+MENTIONED = re.compile(r"(?:\b[Pp]ress |[.;:,(] |^)([A-Za-z])(?= to [a-z])|\b[Pp]ress ([A-Za-z])\b")
+"""A key in a sentence: `S to search`, `press e`."""
+QUOTED = re.compile(r"`([A-Za-z0-9?]|F\d+|ctrl\+[a-z])`")
+"""A key in the manual."""
+
+
+def bound() -> set[str]:
+    """Every key of the app and of its dialogs, as the manual writes it."""
+    written = {"question_mark": "?", "f1": "F1"}
+    return {written.get(one.key, one.key) for one in bindings()}
+
+
+@pytest.mark.parametrize("page", ["app", "planning", "troubleshooting"])
+def test_every_key_of_the_manual_exists(page: str) -> None:
+    quoted = set(QUOTED.findall((ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")))
+    assert quoted
+    assert quoted - bound() == set()
+
+
+def test_every_key_that_the_app_mentions_exists() -> None:
+    texts = [text for name, _, text in texts_of(("fieldkit/tui", "fieldkit/presentation"))]
+    found = {key for text in texts for pair in MENTIONED.findall(text) for key in pair if key}
+    assert len(found) > 15
+    assert found - bound() == set()

@@ -86,7 +86,7 @@ async def test_an_unrecognized_file_is_reported_and_changes_nothing(file: Path) 
         await press(pilot, "escape")
         assert "✗ error" not in words(pilot), "the same is to be read once"
         await press(pilot, "F", *typed("nonsense"), "enter")
-        assert "no parser is called 'nonsense'" in words(pilot)
+        assert "no format 'nonsense'" in words(pilot)
 
 
 async def test_a_rocket_uses_its_design_until_it_has_flown(file: Path) -> None:

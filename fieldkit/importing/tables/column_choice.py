@@ -12,7 +12,7 @@ from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.tables.columns import LogTable
 from fieldkit.importing.tables.headings import QUANTITIES, barometric, channel, heading, stated_unit, unit_named
 from fieldkit.importing.tables.layout import Layout
-from fieldkit.importing.tables.text import shown
+from fieldkit.importing.tables.text import no_column, shown
 from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
@@ -133,8 +133,7 @@ def _find(layout: Layout, text: str) -> tuple[int, str]:
         if places:
             numbers = " or ".join(f"#{place + 1}" for place in places)
             raise DamagedLog(f"found {len(places)} columns {shown(wanted)}, expected one; write {numbers} for it")
-    columns = ", ".join(shown(name) for name in layout.headers[:30])
-    raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}")
+    raise DamagedLog(no_column(text, layout.headers))
 
 
 def _folded(name: str) -> str:

@@ -15,7 +15,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
 from fieldkit.flight.readout import ReadoutColumn, beside
 from fieldkit.importing.reading import ColumnChoice
-from fieldkit.importing.tables.text import first_names, shown
+from fieldkit.importing.tables.text import first_names, no_column
 from fieldkit.safe_text import printable
 
 OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
@@ -79,8 +79,7 @@ def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
         found = ((place, unit) for wanted, unit in ways for place in _places(names, wanted))
         place, unit = next(found, (-1, ""))
         if place < 0:
-            columns = ", ".join(shown(one) for one in names[:30])
-            raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}", row=row)
+            raise DamagedLog(no_column(text, names), row=row)
         unit = unit or stated_unit(names[place])
         renamed[place] = f"{name}_{unit}" if unit else name
     return renamed

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.errors import BadValue, FieldkitError, unknown
 from fieldkit.file_lock import changing
 from fieldkit.files import read_own, replace
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
@@ -117,7 +117,7 @@ def _with_number(number: int) -> list[ColumnChoice]:
     """The remembered choices, of which one has this number. Raises BadValue if there is no such number."""
     kept = list(remembered())
     if not 1 <= number <= len(kept):
-        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} saved ones")
+        raise BadValue(unknown("mapping", str(number), map(str, range(1, len(kept) + 1))))
     return kept
 
 

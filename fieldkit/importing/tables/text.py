@@ -8,10 +8,10 @@ with line breaks is still one row.
 import codecs
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain, islice, pairwise
 
-from fieldkit.errors import DamagedLog
+from fieldkit.errors import DamagedLog, nearest
 
 BLOCK = 1 << 19
 """Size of the part of a log that is decoded at a time, and the longest line; the first part is a small fraction of it,
@@ -215,6 +215,20 @@ def shown(cell: str, most: int = 40) -> str:
     """A cell as messages quote it: in quotes, with control characters escaped, truncated if long."""
     cell = cell.strip()
     return repr(cell if len(cell) <= most else cell[:most] + "…")
+
+
+MAX_COLUMNS = 30
+"""Number of columns that a message lists. [1]"""
+MAX_COMPARED = 300
+"""Number of columns with which a misspelled name is compared. [1]"""
+
+
+def no_column(wanted: str, names: Sequence[str]) -> str:
+    """The message about a column that a table does not have: the most similar names, or the first ones."""
+    near = nearest(wanted[:40], (name[:40] for name in names[:MAX_COMPARED]))
+    hint = f"; did you mean {' or '.join(map(shown, near))}?" if near else ""
+    listed = ", ".join(shown(name) for name in names[:MAX_COLUMNS])
+    return f"found no column {shown(wanted)}{hint or f', expected one of {listed}'}"
 
 
 def line_end(log: bytes) -> bytes:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.quantities import rounded
@@ -54,6 +55,6 @@ def _line(flight: Flight, readout: str, weight: float) -> str:
     value = flight.number(readout)
     found = "" if value is None else f" of {rounded(float(column.render(value)))} {column.unit}"
     return (
-        f"flight {name}: {column.title.lower()}{found} is far from what the model expects and has "
+        f"{flight_label(name)}: {column.title.lower()}{found} is far from what the model expects and has "
         f"{100 * weight:.0f}% of the usual weight; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
     )

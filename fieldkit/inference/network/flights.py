@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from fieldkit.errors import FieldkitError, ImpossibleFlight
+from fieldkit.errors import FieldkitError, ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
+from fieldkit.flight.short_name import flight_label
 from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.field_ensemble import infer_field
 from fieldkit.inference.network.posterior import infer_paper
@@ -58,7 +59,7 @@ def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Fli
         try:
             known.append((flight, _flyable(flight, motors)))
         except FieldkitError as error:
-            left_out.append(f"flight {flight.flight_id}, {error}")
+            left_out.append(f"{flight_label(flight.flight_id)}: {error}")
     return known, left_out
 
 
@@ -88,11 +89,13 @@ def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
 
 
 def _flyable(flight: Flight, motors: Catalogue) -> Found:
-    """The motor of a flight with everything that inference needs; each error message starts with the column."""
+    """The motor of a flight with everything that inference needs."""
     if flight.dry_mass is None:
-        raise ImpossibleFlight("dry_mass_g: found nothing, expected the rocket's mass without its motor")
+        raise ImpossibleFlight("no dry mass, expected the rocket's mass without its motor")
     if not flight.readouts():
-        raise ImpossibleFlight("found no readout, expected at least the apogee")
+        raise ImpossibleFlight("no readout, expected at least the apogee")
+    if not flight.motor:
+        raise UnknownMotor("no motor named")
     found = motors.resolve(flight.motor)
     if reason := implausible(flight, found.motor):
         raise ImpossibleFlight(reason)
@@ -117,7 +120,7 @@ def _paper(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
             left_out.append(str(error))
             continue
         if reason := _doubted(flight, motors):
-            left_out.append(f"flight {flight.flight_id}, {reason}")
+            left_out.append(f"{flight_label(flight.flight_id)}: {reason}")
             continue
         cd, cd_sd, alpha, alpha_sd = (float(x[0]) for x in (found.cd, found.cd_sd, found.alpha, found.alpha_sd))
         inferred.append(Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model))

@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.inference.network.ensemble import load
 from fieldkit.model.features import paper_features
 from fieldkit.physics import paper
@@ -48,7 +49,7 @@ def _motor_index(flight: Flight) -> int:
     try:
         return paper.motor_index(flight.motor)
     except UnknownMotor as error:
-        raise UnknownMotor(f"flight {flight.flight_id}, motor: {error}") from None
+        raise UnknownMotor(f"{flight_label(flight.flight_id)}: {error}") from None
 
 
 def paper_dry_mass(flight: Flight) -> float:
@@ -62,13 +63,13 @@ def paper_dry_mass(flight: Flight) -> float:
         if found is not None and abs(found - mass) < 5e-4:
             return found
     known = " or ".join(f"a mass of {1e3 * mass:g} g ({config})" for config, mass in masses.items())
-    shown = "nothing" if found is None else f"a mass of {1e3 * found:g} g"
+    shown = "no dry mass" if found is None else f"a mass of {1e3 * found:g} g"
     raise ImpossibleFlight(
-        f"flight {flight.flight_id}, dry_mass_g: found {shown}, expected that of the paper's own rocket: {known}"
+        f"{flight_label(flight.flight_id)}: found {shown}, expected that of the paper's own rocket: {known}"
     )
 
 
 def _apogee(flight: Flight) -> float:
     if flight.apogee is None:
-        raise ImpossibleFlight(f"flight {flight.flight_id}, apogee_m: found nothing, inference needs the apogee")
+        raise ImpossibleFlight(f"{flight_label(flight.flight_id)}: no apogee, which inference needs")
     return flight.apogee

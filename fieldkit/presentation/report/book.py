@@ -9,8 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from fieldkit.errors import LedgerError, NoFlights
+from fieldkit.errors import LedgerError, NoFlights, nearest, unknown
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.presentation.report.card import Card, cards, left_out, totals
@@ -78,14 +79,17 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
         return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, on_progress, system)
     try:
         flight = ledger.flight(what)
-    except LedgerError:
-        if what not in ledger.names("rocket"):
+    except LedgerError as error:
+        rockets = ledger.names("rocket")
+        if what not in rockets:
+            if nearest(what, rockets):
+                raise LedgerError(unknown("flight, rocket or day", what, rockets)) from error
             raise
         flights = ledger.flights(what)
         return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress, system)
     (card,) = cards(ledger, motors, [flight], on_progress, system)
     subtitle = " ".join((flight.rocket, flight.config)).strip()
-    return FlightReport(f"Flight {card.id}", subtitle, (card,), system=system)
+    return FlightReport(flight_label(card.id, "Flight"), subtitle, (card,), system=system)
 
 
 def _of_several(

@@ -9,6 +9,7 @@ import numpy as np
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress
@@ -101,7 +102,7 @@ def cards(
     learned, recordings = _learned(ledger, flights, motors), FlightRecordings(ledger)
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
-        on_progress(f"flight {id}", number / len(flights))
+        on_progress(flight_label(id), number / len(flights))
         one = forecasts[flight.rocket].get((flight.rocket, flight.flight_id))
         if one is not None:
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)

@@ -6,6 +6,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from fieldkit import __version__
+from fieldkit.flight.short_name import flight_label
 from fieldkit.presentation.report.book import FlightReport, table
 from fieldkit.presentation.report.card import Card, Rows
 from fieldkit.presentation.report.loop.pictures import PICTURES
@@ -81,7 +82,7 @@ def heading(card: Card) -> tuple[str, str]:
     when = moment_in_words(flight.date_time) if flight.date_time else "no date"
     build = " ".join(part for part in (flight.rocket, flight.config) if part)
     number = card.id.removeprefix(f"{flight.rocket}/")
-    title = f"{build} · flight {number}" if build else f"Flight {number}"
+    title = f"{build} · {flight_label(number)}" if build else flight_label(number, "Flight")
     return title, " · ".join(filter(None, (when, flight.site)))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import Arrival
 from fieldkit.importing.to_flights import CheckMotor
@@ -105,7 +106,9 @@ def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) ->
         known |= {name: one.flight for name, one in new.items()}
         for name, phrase in outlying(list(known.values()), new):
             one = new[name]
-            yield str(DamagedLog(f"flight {name} of {rocket}: {phrase}; check it", row=one.row, source=one.source))
+            yield str(
+                DamagedLog(f"{flight_label(name)} of {rocket}: {phrase}; check it", row=one.row, source=one.source)
+            )
 
 
 def _corrected(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -> Iterator[str]:
@@ -120,8 +123,8 @@ def _corrected(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -
             for old in before.get(one.flight.date_time, []) if one.flight.date_time else []:
                 changed = _differing(old, one.flight)
                 if len(changed) == 1:
-                    text = f"flight {name} of {rocket} differs from flight {old.flight_id} only in {changed[0]}"
-                    text += f"; if it is a correction, remove {old.flight_id}"
+                    text = f"{flight_label(name)} of {rocket} differs from {flight_label(old.flight_id)} only in "
+                    text += f"{changed[0]}; if it is a correction, remove {old.flight_id}"
                     yield str(DamagedLog(text, row=one.row, source=one.source))
 
 

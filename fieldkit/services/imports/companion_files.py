@@ -15,6 +15,7 @@ from math import hypot
 
 from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import Arrival, Original
@@ -133,7 +134,7 @@ def _join(ledger: Ledger, id: str, arrival: Arrival, sorting: Sorting, choices: 
     except (DamagedLog, UnknownFormat, LedgerError) as error:
         sorting.new.append(arrival)
         sorting.notes.append(
-            f"{arrival.source}: belongs to flight {id} but cannot be read together with its other files: {error}"
+            f"{arrival.source}: belongs to {flight_label(id)} but cannot be read together with its other files: {error}"
         )
         return
     fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
@@ -142,7 +143,7 @@ def _join(ledger: Ledger, id: str, arrival: Arrival, sorting: Sorting, choices: 
     sorting.renewals.append(
         Renewal(id, flight, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new))
     )
-    sorting.notes.append(f"{arrival.source}: added to flight {id}")
+    sorting.notes.append(f"{arrival.source}: added to {flight_label(id)}")
 
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:

@@ -23,7 +23,7 @@ from fieldkit.importing.tables.mapping import (
     read_choice,
     remembered,
 )
-from fieldkit.importing.tables.text import decode, first_names, first_row, rows
+from fieldkit.importing.tables.text import decode, first_names, first_row, no_column, rows
 from fieldkit.services.imports.gather import read_file
 from fieldkit.units import UNITS, Unit, typed_unit
 
@@ -82,7 +82,7 @@ class TableColumns:
             return ""
         read_choice([f"{channel}={text}"])
         if self._place(text) is None:
-            raise BadValue(f"found no column {text!r}")
+            raise BadValue(no_column(text, self.names))
         return text
 
 

@@ -237,7 +237,8 @@ class Draft:
         try:
             typed = weighed(self._resources.motors, answered.flight, answered.lift_off)
         except FieldkitError as error:
-            return Saved(wrong=LIFT_OFF_MASS.name, trouble=f"{LIFT_OFF_MASS.title}: {error}")
+            why = in_system(str(error), self._resources.settings.units)
+            return Saved(wrong=LIFT_OFF_MASS.name, trouble=f"{LIFT_OFF_MASS.title}: {why}")
         if not confirmed and (question := self._question(typed)):
             return Saved(confirm=question)
         try:

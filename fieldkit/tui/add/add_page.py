@@ -159,7 +159,7 @@ class AddScreen(PageScreen):
         system = self.resources.settings.units
         for name, question in BY_NAME.items():
             self.field(name).note(beside(question, self._answered, self._unit_of_answer(question), system))
-        self._in_hand()
+        self._show_current()
         self.query_one(EstimateLine).follow(self._answered.flight, self._answered.lift_off)
 
     def _unit_of_answer(self, question: Question) -> str:
@@ -181,9 +181,9 @@ class AddScreen(PageScreen):
         self._usual = usual
         self._look()
 
-    def _in_hand(self) -> None:
+    def _show_current(self) -> None:
         """Show the current field in large digits, with its meaning and the consistency of the readouts."""
-        field, hand = self._sheet.take_in_hand(self.focused), self.query_one(Hand)
+        field, hand = self._sheet.highlight(self.focused), self.query_one(Hand)
         system = self.resources.settings.units
         if field is not None:
             hand.show(field, self._answered, self.unit(field.question), system)
@@ -200,7 +200,7 @@ class AddScreen(PageScreen):
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Show the current field in large digits, once the cursor is in it."""
-        self.soon(self._in_hand)
+        self.soon(self._show_current)
         event.widget.scroll_visible(animate=False, immediate=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:

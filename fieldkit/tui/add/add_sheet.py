@@ -131,7 +131,7 @@ class Sheet:
         """Where Enter leads after the last readout: to a mass or diameter that is not known, else to the button."""
         return next((self.field(name).line for name in BODY if not self.field(name).line.value), self.button)
 
-    def take_in_hand(self, widget: Widget | None) -> Field | None:
+    def highlight(self, widget: Widget | None) -> Field | None:
         """Highlight the field that a line belongs to, and no other."""
         left, self._held = self._held, field_of(widget)
         for one in (left, self._held):

@@ -12,6 +12,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.quantities import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui.next.intervals import Interval, Intervals
@@ -116,7 +117,7 @@ class AfterCard(VerticalScroll, can_focus=True):
             draw(system)
 
     def _show_flight(self, id: str, flight: Flight, system: str) -> None:
-        self.border_title = Content(printable(f"Saved flight {id}"))
+        self.border_title = Content(printable(f"Saved {flight_label(id)}"))
         heading = cards.heading(flight.with_changes(date_time=None), "")
         self._put(".heading", Content(heading).stylize("bold"))
         self.query_one(Big).show(number(cards.APOGEE, flight.apogee, system) if flight.apogee is not None else "")

@@ -9,7 +9,6 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.screen import ModalScreen
 from textual.widget import Widget
 from textual.widgets import Input, Label, Static
 from textual.worker import Worker
@@ -21,7 +20,7 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.host import Host
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.dialogs import AskYes, HelpScreen, key_list
+from fieldkit.tui.widgets.dialogs import AskYes, HelpedModal
 from fieldkit.tui.widgets.hanging import marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
@@ -83,7 +82,7 @@ class Field(Horizontal):
             self.query_one(".note", Static).update(marked(printable(text)), layout=False)
 
 
-class Form(ModalScreen[dict[str, object] | None]):
+class Form(HelpedModal[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
     `units` are those of numbers typed without one, by question; `read` converts a name, a text and its unit to a value,
@@ -106,7 +105,6 @@ class Form(ModalScreen[dict[str, object] | None]):
         Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "leave", "Cancel", priority=True),
-        Binding("f1", "help", "Help", key_display="F1", priority=True),
     ]
 
     def __init__(
@@ -211,10 +209,10 @@ class Form(ModalScreen[dict[str, object] | None]):
         else:
             self.focus_previous()
 
-    def action_help(self) -> None:
-        """Explain every field."""
+    def explained(self) -> tuple[str, Help]:
+        """Every field."""
         fields = tuple((question.title, question.help) for question in self._questions)
-        self.app.push_screen(HelpScreen(f"Help: {self._title}", Help(self.ABOUT, fields), key_list(self)))
+        return self._title, Help(self.ABOUT, fields)
 
     def action_leave(self) -> None:
         """Close the list, or cancel the form."""

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 
 from fieldkit.flight import Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.tui.add.add_form import READ, Answered, Draft, Saved
 from fieldkit.tui.add.add_sheet import Sheet
 from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
@@ -72,7 +73,7 @@ class Saving:
             self._page.field_app.withdraw(objection)
         self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
-        self._page.show_notice(f"Saved flight {saved.id}. u to undo.{silent}" if saved.id else DUPLICATE)
+        self._page.show_notice(f"Saved {flight_label(saved.id)}. u to undo.{silent}" if saved.id else DUPLICATE)
         if saved.trouble:
             self._page.complain(saved.trouble)
         self._sheet.clear()

@@ -5,6 +5,7 @@ from functools import partial
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import CONDITIONS, Flight
+from fieldkit.flight.short_name import flight_label
 from fieldkit.importing.manual_entry import QUESTIONS, Question
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import DATE
@@ -30,7 +31,7 @@ def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[st
     units = {
         question.name: unit_of(question.column, system) for question in EDIT_QUESTIONS if question.column is not None
     }
-    form = Form(f"Flight {id}", EDIT_QUESTIONS, texts, units, names=page.resources.names)
+    form = Form(flight_label(id, "Flight"), EDIT_QUESTIONS, texts, units, names=page.resources.names)
     page.app.push_screen(form, partial(_answered, page, id, renamed, texts))
 
 
@@ -46,7 +47,7 @@ def _answered(
     system = page.resources.settings.units
     changes = {name: new for name, new in values.items() if not same(name, new, texts[name], system)}
     if not changes:
-        page.show_notice(f"Flight {id} unchanged")
+        page.show_notice(f"{flight_label(id, 'Flight')} unchanged")
         return
 
     def work() -> str:
@@ -65,5 +66,5 @@ def _answered(
 
 def _saved(page: PageScreen, id: str, names: list[str]) -> None:
     titles = ", ".join(question.title.lower() for question in EDIT_QUESTIONS if question.name in names)
-    page.show_notice(f"Saved flight {id}: {titles}. u to undo")
+    page.show_notice(f"Saved {flight_label(id)}: {titles}. u to undo")
     page.field_app.changed()

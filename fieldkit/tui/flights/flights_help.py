@@ -1,4 +1,4 @@
-"""The help of the Flights page: what its columns mean."""
+"""The help of the Flights page and of the view of a log: what their columns and figures mean."""
 
 from fieldkit.tui.help import Help
 
@@ -31,4 +31,18 @@ FLIGHTS_HELP = Help(
         "fieldkit undo",
         "fieldkit report DAY --out day.html",
     ),
+)
+LOG_HELP = Help(
+    "The log from lift-off (T+0) to landing: height above the pad, speed and acceleration against time. The line at "
+    "the top has the values at the cursor. The left and right arrows move it; Home and End move it from event to "
+    "event. Below the plots, or on a small screen after Tab, are the readouts measured in the log, its events and its "
+    "columns.",
+    (
+        ("T+2.10 s", "Seconds from lift-off. In a log without a lift-off, seconds of its own clock."),
+        ("Readouts", "Each with its standard deviation and sensor, and the device's own value if it states one."),
+        ("Events", "Lift-off, burnout, apogee, ejection and landing: time, height, and the sensor that shows it."),
+        ("How it was read", "The format, the reason for it, and the number of rows that were used."),
+        ("Columns", "Each column of the file, its unit, and what it was read as."),
+    ),
+    ("fieldkit inspect FILE", "fieldkit report FLIGHT --out card.html"),
 )

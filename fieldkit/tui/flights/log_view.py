@@ -8,7 +8,6 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
-from textual.screen import ModalScreen
 from textual.widgets import Static
 
 from fieldkit import units
@@ -20,9 +19,12 @@ from fieldkit.safe_text import printable
 from fieldkit.services.imports import FileView, FlightView
 from fieldkit.services.imports.view import flight_view
 from fieldkit.services.replay import recording_of
+from fieldkit.tui.flights.flights_help import LOG_HELP
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
+from fieldkit.tui.help import Help
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import HelpedModal
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
 
@@ -113,7 +115,7 @@ def _events(one: FlightView, system: str) -> Hanging:
     return cards.lines("Events", rows)
 
 
-class LogView(ModalScreen[None]):
+class LogView(HelpedModal[None]):
     """The log of a flight, or of several, one at a time."""
 
     DEFAULT_CSS = """
@@ -158,6 +160,10 @@ class LogView(ModalScreen[None]):
             with VerticalScroll(can_focus=False):
                 yield Static("", id="facts")
             yield KeyBar()
+
+    def explained(self) -> tuple[str, Help]:
+        """The plots, the facts and the keys."""
+        return "Log", LOG_HELP
 
     def on_mount(self) -> None:
         """Show the first flight."""

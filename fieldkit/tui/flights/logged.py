@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight import READOUTS, Column, Flight
+from fieldkit.flight import READOUTS, TWO_DEVICES, Column, Flight
 from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.quantities import measure, spelled, unit_of, with_sd
 
@@ -15,7 +15,11 @@ SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g":
 
 def readout(flight: Flight, column: Column, system: str) -> str:
     """A readout, with its standard deviation if it is known: `162.8 ± 1.0 m`; empty without one."""
-    value, sd = flight.number(column.name), flight.sd.get(column.name)
+    return _with_sd(column, flight.number(column.name), flight.sd.get(column.name), system)
+
+
+def _with_sd(column: Column, value: float | None, sd: float | None, system: str) -> str:
+    """A value and its standard deviation [SI] in the user's units."""
     if value is None or sd is None:
         return measure(column, value, system)
     unit = unit_of(column, system)
@@ -31,6 +35,11 @@ def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
         for c in READOUTS
         if c.stated_header in left
     ]
+    lines += [
+        (c.title, _of_device(c, left.pop(c.header), left.pop(c.sd_header, ""), system))
+        for c in TWO_DEVICES
+        if c.header in left
+    ]
     time, spread = (left.pop(name, "") for name in TIME_TO_APOGEE)
     if time:
         lines.append(("Time to apogee", f"{time}{f' ± {spread}' if spread else ''} s"))
@@ -43,6 +52,15 @@ def _stated(column: Column, text: str, system: str) -> str:
     """The device's own values, in the user's units."""
     try:
         return measure(column, column.parse(text), system)
+    except BadValue:
+        return text
+
+
+def _of_device(column: Column, text: str, spread: str, system: str) -> str:
+    """A figure of a drogue or a main with its standard deviation, in the user's units."""
+    sd, scale = _figure(spread), units.unit(column.quantity, column.unit)
+    try:
+        return _with_sd(column, column.parse(text), None if sd is None else scale.difference_to_si(sd), system)
     except BadValue:
         return text
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from textual.binding import Binding
 
+from fieldkit.flight.short_name import flight_label
 from fieldkit.tui.page import PageScreen
 
 REMOVE = Binding("x,delete", "remove", "Remove", key_display="x", tooltip="Remove this flight; u to undo", show=False)
@@ -12,7 +13,7 @@ REMOVE = Binding("x,delete", "remove", "Remove", key_display="x", tooltip="Remov
 
 def leave(page: PageScreen, id: str) -> None:
     """Leave the screen of a flight that is no longer in the ledger: undo or another program has removed it."""
-    page.show_notice(f"Flight {id} is no longer in the ledger")
+    page.show_notice(f"{flight_label(id, 'Flight')} is no longer in the ledger")
     close(page)
 
 
@@ -30,7 +31,7 @@ def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None)
 
     def removed(_: object) -> None:
         then()
-        page.show_notice(f"Removed flight {id}. u to undo")
+        page.show_notice(f"Removed {flight_label(id)}. u to undo")
         page.field_app.changed()
 
     page.change(lambda: page.resources.ledger.remove(id), removed)

@@ -1,4 +1,4 @@
-"""The help of the Import page: what its columns and keys mean."""
+"""The help of the Import page and of column mappings: what their columns and keys mean."""
 
 from fieldkit.tui.help import Help
 
@@ -30,4 +30,19 @@ IMPORT_HELP = Help(
         "fieldkit import FILE --format NAME --set rocket=Astra --map 'altitude=Alt (ft)'",
         "fieldkit ork FILE.ork --rocket Lark --config A",
     ),
+)
+MAPPING_ABOUT = (
+    "Name the column of the table that holds each value; leave empty what the table lacks. Names are offered as you "
+    "type. Enter goes to the next field and saves after the last one. The mapping is saved, and used for every table "
+    "with the same headings."
+)
+MAPPINGS_HELP = Help(
+    "Every saved column mapping, listed by the headings of its table. A table with these headings is read by it. Enter "
+    "changes its columns, x deletes it. m on the Import page makes a new one.",
+    (
+        ("of", "Whether each row of the table is a flight or a sample of a log."),
+        ("columns", "Each value with the column it is read from, such as altitude=Alt (ft)."),
+        ("headings of the table", "The headings by which a table is recognized."),
+    ),
+    ("fieldkit mappings", "fieldkit import FILE --map 'altitude=Alt (ft)'"),
 )

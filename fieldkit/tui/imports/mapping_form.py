@@ -7,7 +7,6 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
-from textual.screen import ModalScreen
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
@@ -18,7 +17,10 @@ from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTO
 from fieldkit.services.imports.mappings import TableColumns, columns_of, edit, forget, in_words, list_mappings
 from fieldkit.services.pickers import OfferedAnswer, Source, among
 from fieldkit.tui.add.fields import Field, Form
+from fieldkit.tui.help import Help
+from fieldkit.tui.imports.import_help import MAPPING_ABOUT, MAPPINGS_HELP
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import HelpedModal
 from fieldkit.tui.widgets.table import Head, Table
 
 _ABOUT = {
@@ -40,6 +42,7 @@ class MappingForm(Form):
     """A line for each channel of samples, or each field of flights; empty if the table has no such column. After a
     column its unit is offered if its name states none, and the first cells are shown beside it."""
 
+    ABOUT = MAPPING_ABOUT
     DEFAULT_CSS = """
     MappingForm Field > Input, MappingForm Field > Input:focus { width: 26; }
     """
@@ -103,7 +106,7 @@ def _about(name: str) -> str:
     return _ABOUT.get(name) or (column.help if column else "")
 
 
-class MappingList(ModalScreen[None]):
+class MappingList(HelpedModal[None]):
     """The saved mappings, listed by the headings of their tables, to edit or delete."""
 
     DEFAULT_CSS = """
@@ -129,6 +132,10 @@ class MappingList(ModalScreen[None]):
                 id="mappings", empty="none yet: press m on the Import page to map the columns of a table", enter="Edit"
             )
             yield KeyBar()
+
+    def explained(self) -> tuple[str, Help]:
+        """The columns and keys of the list."""
+        return "Saved mappings", MAPPINGS_HELP
 
     def on_mount(self) -> None:
         """Load them."""

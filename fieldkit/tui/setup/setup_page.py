@@ -83,7 +83,7 @@ class SetupScreen(PageScreen):
         self._names = LedgerNames((), ())
         self._found: Sequence[Motor] = ()
         self._kits: Sequence[Kit] = ()
-        self._in_hand: Facts
+        self._shown_facts: Facts
 
     def body(self) -> Iterable[Widget]:
         """The names of the lists, a search, the list, and the card of its current row."""
@@ -173,11 +173,11 @@ class SetupScreen(PageScreen):
 
     def _have_facts(self, facts: Facts) -> None:
         """Show the list first, then the card."""
-        self._in_hand = facts
+        self._shown_facts = facts
         self.soon(self._show_facts)
 
     def _show_facts(self) -> None:
-        self.query_one(SetupCard).show(self._in_hand)
+        self.query_one(SetupCard).show(self._shown_facts)
 
     def _facts(self, kind: str, key: Any, system: str) -> Facts:
         if key is None:

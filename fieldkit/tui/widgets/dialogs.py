@@ -1,10 +1,10 @@
-"""Small screens over a page: help, a question with a typed answer."""
+"""Small screens over a page: help, a question with a typed answer, and the base of all such screens."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
+from textual.binding import ActiveBinding, Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen, Screen
@@ -37,6 +37,9 @@ OF_TEXTUAL = {
     "page_right": "",
 }
 """Actions that Textual binds and describes itself, with the description in our help; an empty one omits the action."""
+OF_A_LINE = {"delete_left_all": ("^U", "Clear the field, left of the cursor"), "paste": ("^V", "Paste")}
+"""The editing keys of an input that its help lists; everyone knows the others, such as Backspace."""
+Result = TypeVar("Result")
 
 
 class HelpScreen(ModalScreen[None]):
@@ -94,18 +97,40 @@ def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Hanging:
 
 
 def key_list(screen: Screen[Any]) -> list[tuple[str, str]]:
-    """The keys of a screen and their current actions."""
-    bindings = [active.binding for active in screen.active_bindings.values() if active.enabled]
-    described = {one.action: (screen.app.get_key_display(one), _description(one)) for one in bindings}
-    return [(key, text) for key, text in described.values() if text]
+    """The keys of a screen and their current actions, the keys of one action together."""
+    listed: dict[str, list[str]] = {}
+    for active in screen.active_bindings.values():
+        key, text = _described(screen, active)
+        if active.enabled and text and key not in listed.setdefault(text, []):
+            listed[text].append(key)
+    return [(" ".join(keys), text) for text, keys in listed.items()]
 
 
-def _description(binding: Binding) -> str:
-    """What a key does, for the help."""
-    return OF_TEXTUAL.get(binding.action, binding.tooltip or binding.description)
+def _described(screen: Screen[Any], active: ActiveBinding) -> tuple[str, str]:
+    """A key and what it does, for the help; an empty description omits it."""
+    binding = active.binding
+    if isinstance(active.node, Input):
+        return OF_A_LINE.get(binding.action, ("", ""))
+    text = OF_TEXTUAL.get(binding.action, binding.tooltip or binding.description)
+    return screen.app.get_key_display(binding), text
 
 
-class AskText(ModalScreen[str | None]):
+class HelpedModal(ModalScreen[Result]):
+    """A small screen over a page, with help on F1."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("f1", "help", "Help", key_display="F1", priority=True)]
+
+    def explained(self) -> tuple[str, Help]:
+        """The title of the screen and its help."""
+        raise NotImplementedError
+
+    def action_help(self) -> None:
+        """Explain the screen and its keys."""
+        title, about = self.explained()
+        self.app.push_screen(HelpScreen(f"Help: {title}", about, key_list(self)))
+
+
+class AskText(HelpedModal[str | None]):
     """One line to be typed; the result is the text, or None.
 
     `check` is called with a changed text and raises a FieldkitError for one that cannot be used: the line then stays
@@ -162,6 +187,12 @@ class AskText(ModalScreen[str | None]):
             yield KeyBar()
         yield self._picker
 
+    def explained(self) -> tuple[str, Help]:
+        """What is asked for, and how to answer."""
+        how = "Type the answer and press Enter. Esc changes nothing."
+        choose = " ↓ and ↑ choose one of those listed." if self._offered else ""
+        return self._title, Help(f"{self._about} {how}{choose}".strip())
+
     def action_move(self, by: int) -> None:
         """Move in the list of offered answers."""
         self._picker.move(by)
@@ -188,7 +219,7 @@ class AskText(ModalScreen[str | None]):
             self.dismiss(text)
 
 
-class AskYes(ModalScreen[bool]):
+class AskYes(HelpedModal[bool]):
     """A question that `y` or Enter agrees to, and `n` or Esc does not."""
 
     DEFAULT_CSS = """
@@ -212,3 +243,8 @@ class AskYes(ModalScreen[bool]):
         with Vertical():
             yield Static(Content("\n".join(printable(line) for line in self._question.splitlines())))
             yield KeyBar()
+
+    def explained(self) -> tuple[str, Help]:
+        """The question, and what each answer does."""
+        question = "\n".join(printable(line) for line in self._question.splitlines())
+        return "Question", Help(f"{question}\n\ny or Enter goes ahead; n or Esc goes back without doing it.")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fieldkit.services.pickers import OfferedAnswer, Source
 
 MIN_WIDTH, MAX_WIDTH = 24, 56
-"""Height of the list. [cell]"""
+"""Smallest and largest width of the list. [cell]"""
 
 
 class Picker(OptionList, can_focus=False):

@@ -96,6 +96,6 @@ def test_an_unknown_effect_stops_before_anything_is_simulated(tmp_path: Path) ->
     from fieldkit.errors import BadValue
     from fieldkit.inference.training.field import train_field
 
-    with pytest.raises(BadValue, match="found the effect 'gusts'"):
+    with pytest.raises(BadValue, match="no effect 'gusts'"):
         train_field(tmp_path / "field", effects=["gusts"])
     assert not (tmp_path / "field").exists()
