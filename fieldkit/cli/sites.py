@@ -9,6 +9,8 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.planning import check_rules
 from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
+from fieldkit.errors import BadValue
+from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
@@ -37,7 +39,6 @@ def sites(
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
     from fieldkit.flight.site import SITE_LENGTHS
-    from fieldkit.quantities import ShownUnits
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 
@@ -76,8 +77,6 @@ def sites(
 
 def _named(known: "Sequence[Site]", name: str | None) -> "Sequence[Site]":
     """The site with a name, or all without one. Raises BadValue that lists the sites."""
-    from fieldkit.errors import BadValue
-
     found = [site for site in known if name in (None, site.name)]
     if name is not None and not found:
         listed = ", ".join(site.name for site in known) or "none"
