@@ -136,13 +136,15 @@ def slopes(
     terms: Sequence[Term], moved: Mapping[str, Float[Array, "flight readout"]]
 ) -> Float[Array, "flight readout term"]:
     """Derivatives of the readouts per unit of each term, from the result of `moved_at`."""
+    if not terms:
+        return np.empty((*moved[""].shape, 0))
     names = {id(effect): started(name, 0) for name, effect in effects().items()}
-    known = {**moved, **_OF_READOUTS}
-    found = np.empty((*moved[""].shape, len(terms)))
-    for number, term in enumerate(terms):
-        bends = term.bends if isinstance(term.bends, str) else names[id(term.bends)]
-        found[..., number] = known[bends] * term.weight[:, None]
-    return found
+    bends = [term.bends if isinstance(term.bends, str) else names[id(term.bends)] for term in terms]
+    kinds = list(dict.fromkeys(bends))
+    shape = moved[""].shape
+    known = [moved[kind] if kind in moved else np.broadcast_to(_OF_READOUTS[kind], shape) for kind in kinds]
+    weight = np.stack([term.weight for term in terms], axis=-1)
+    return np.stack(known, axis=-1)[..., [kinds.index(kind) for kind in bends]] * weight[:, None]
 
 
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
