@@ -141,10 +141,11 @@ def slopes(
     names = {id(effect): started(name, 0) for name, effect in effects().items()}
     bends = [term.bends if isinstance(term.bends, str) else names[id(term.bends)] for term in terms]
     kinds = list(dict.fromkeys(bends))
-    shape = moved[""].shape
-    known = [moved[kind] if kind in moved else np.broadcast_to(_OF_READOUTS[kind], shape) for kind in kinds]
-    weight = np.stack([term.weight for term in terms], axis=-1)
-    return np.stack(known, axis=-1)[..., [kinds.index(kind) for kind in bends]] * weight[:, None]
+    known = np.empty((*moved[""].shape, len(kinds)))
+    for place, kind in enumerate(kinds):
+        known[..., place] = moved[kind] if kind in moved else _OF_READOUTS[kind]
+    weight = np.array([term.weight for term in terms]).T
+    return np.asarray(known[..., [kinds.index(kind) for kind in bends]] * weight[:, None])
 
 
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:

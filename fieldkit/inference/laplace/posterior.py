@@ -228,20 +228,20 @@ def _noise(
 
 def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "scale"]:
     """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time."""
-    low, high = (np.array([getattr(term, end) for term in model.terms]) for end in ("low", "high"))
-    sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    near = np.minimum(mean - low, high - mean) < NEGLIGIBLE_TAIL_SDS * sd
-    total = np.full(len(mean), -bounds_log_mass(model))
-    for scale, i in np.argwhere(near).tolist():
-        term = model.terms[i]
-        total[scale] += log(max(_mass(term.low, term.high, float(mean[scale, i]), float(sd[scale, i])), 1e-12))
+    total = np.zeros(len(mean))
+    for i, term in enumerate(model.terms):
+        if isfinite(term.low) or isfinite(term.high):
+            total -= log(_mass(term.low, term.high, term.mean, term.sd))
+            middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
+            near = np.minimum(middle - term.low, term.high - middle) < NEGLIGIBLE_TAIL_SDS * sd
+            pairs = zip(middle[near].tolist(), sd[near].tolist(), strict=True)
+            total[near] += [log(max(_mass(term.low, term.high, m, s), 1e-12)) for m, s in pairs]
     return total
 
 
 def bounds_log_mass(model: Model) -> float:
     """Log prior mass inside the bounds of all terms together. [nat]"""
-    bounded = [term for term in model.terms if isfinite(term.low) or isfinite(term.high)]
-    return sum((log(_mass(term.low, term.high, term.mean, term.sd)) for term in bounded), 0.0)
+    return sum(log(_mass(term.low, term.high, term.mean, term.sd)) for term in model.terms)
 
 
 @lru_cache(maxsize=4096)
