@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Container, Iterator
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -129,3 +130,55 @@ def imported(file: Path, known: Container[str]) -> Iterator[str]:
         else:
             continue
         yield from (name for name in names if name in known)
+
+
+def test_commands_import_at_the_top_what_they_have_loaded_anyway() -> None:
+    """An import in a function buys nothing if a module of the command line has imported the same at its top."""
+    files = {
+        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
+        for file in (ROOT / "fieldkit").rglob("*.py")
+    }
+    commands = [name for name in files if name.startswith("fieldkit.cli.")]
+    assert len(commands) > 30
+    for command in commands:
+        loaded = at_start({command, "fieldkit.cli.main"}, files)
+        inner = {
+            f"{node.module}.{name.name}"
+            for function in ast.walk(ast.parse(files[command].read_text(encoding="utf-8")))
+            if isinstance(function, ast.FunctionDef)
+            for node in ast.walk(function)
+            if isinstance(node, ast.ImportFrom)
+            for name in node.names
+        }
+        assert not inner & loaded, command
+
+
+def at_start(first: set[str], files: dict[str, Path]) -> set[str]:
+    """The modules that are loaded when some are imported, and every name that these bind; not the names that a package
+    imports only when they are used."""
+    waiting, loaded, names = list(first), set[str](), set[str]()
+    while waiting:
+        module = waiting.pop()
+        if module in loaded:
+            continue
+        loaded.add(module)
+        for node in top_level(files[module]):
+            match node:
+                case ast.ImportFrom(module=str(source)):
+                    whole = {f"{source}.{name.name}" for name in node.names}
+                    names |= {f"{module}.{name.asname or name.name}" for name in node.names}
+                    waiting += [one for one in {source, *whole} if one in files]
+                case ast.Import():
+                    waiting += [name.name for name in node.names if name.name in files]
+                case ast.FunctionDef() | ast.ClassDef():
+                    names.add(f"{module}.{node.name}")
+                case ast.Assign() | ast.AnnAssign():
+                    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                    names |= {f"{module}.{target.id}" for target in targets if isinstance(target, ast.Name)}
+    return loaded | names
+
+
+@cache
+def top_level(file: Path) -> list[ast.stmt]:
+    """The statements of a module; those for type checkers are in a block of their own."""
+    return ast.parse(file.read_text(encoding="utf-8")).body

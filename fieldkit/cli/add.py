@@ -1,5 +1,7 @@
 """`fieldkit add`: enter a flight, by answering questions or with options."""
 
+import contextlib
+import sys
 from collections.abc import Collection
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
@@ -10,11 +12,13 @@ from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_colum
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label
+from fieldkit.quantities import measure, significant
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
-    from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
 
 app = typer.Typer()
@@ -62,9 +66,6 @@ app.command()(add)
 
 
 def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight":
-    from fieldkit.errors import BadValue
-    from fieldkit.flight import Flight
-
     weighed = {} if lift_off_mass is None else {LIFT_OFF: lift_off_mass}
     flight = Flight().with_changes(**read_settings(changes | weighed, MotorCheck()))
     if not flight.rocket:
@@ -77,8 +78,6 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":
     """A flight with the mass and diameter of its plan or of the rocket's last flight if none are given, and the names
     of what was filled in, which is printed."""
-    from fieldkit.flight import BY_NAME
-    from fieldkit.quantities import measure
     from fieldkit.services.manual_entry import with_build
 
     flight, filled = with_build(ledger, flight, given)
@@ -94,7 +93,6 @@ def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tu
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Print what looks mistyped; the flight is saved anyway."""
     from fieldkit.flight.plausibility import doubts
-    from fieldkit.quantities import significant
     from fieldkit.services.manual_entry import usual
 
     for phrase in doubts(flight, usual(ledger, flight), partial(significant, system=system())):
@@ -107,8 +105,6 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, Collectio
 
     Exits with 1 if the user stops halfway; the draft is retained.
     """
-    import sys
-
     from fieldkit.cli.prompts import Conversation, converse
     from fieldkit.importing.manual_entry import LIFT_OFF_MASS
     from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
@@ -150,8 +146,6 @@ def _resume_draft(conversation: "Conversation", draft: dict[str, str] | None, *,
 
 
 def _ask_in_terminal(prompt: str) -> str | None:
-    import contextlib
-
     with contextlib.suppress(ImportError):
         import readline  # noqa: F401  # arrow keys while typing
 
@@ -163,8 +157,6 @@ def _ask_in_terminal(prompt: str) -> str | None:
 
 
 def _read_from_pipe(_prompt: str) -> str | None:
-    import sys
-
     return sys.stdin.readline() or None
 
 
@@ -173,7 +165,6 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
 
     Raises BadValue for a flight that the ledger probably has already, unless it is to be added `again`.
     """
-    from fieldkit.errors import BadValue
     from fieldkit.services.manual_entry import enter, id_and_time, identical_flight
 
     if not again and (before := identical_flight(ledger, flight, filled)) is not None:

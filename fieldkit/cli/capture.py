@@ -1,8 +1,11 @@
 """`fieldkit capture`: download or record a logger on a serial port, and import it."""
 
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +14,7 @@ import typer
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.errors import BadValue, CaptureTrouble, PortTrouble
 from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import whole_number
 
@@ -128,7 +132,6 @@ def _capture_of(text: str) -> Path | None:
 
 def _unfinished() -> Path:
     from fieldkit.capture import unfinished
-    from fieldkit.errors import CaptureTrouble
     from fieldkit.paths import capture_folder
 
     found = unfinished(capture_folder())
@@ -140,7 +143,6 @@ def _unfinished() -> Path:
 def _port(names: Sequence[str], device: str | None) -> "Port":
     """The named port, or the only one. Raises PortTrouble that lists the ports."""
     from fieldkit.capture import Port, ports
-    from fieldkit.errors import PortTrouble
 
     here = ports()
     if names:
@@ -162,8 +164,6 @@ def _chooser(
     """The flights to read: those of the options, or those that the user types."""
 
     def choose(flights: "Sequence[Stored]") -> Sequence[int]:
-        from fieldkit.errors import BadValue
-
         numbers_found = [flight.number for flight in flights]
         if wanted:
             if missing := set(wanted) - set(numbers_found):
@@ -186,11 +186,8 @@ def _chooser(
 @contextmanager
 def _interrupt() -> "Iterator[Callable[[], bool]]":
     """Whether Ctrl-C was pressed: once ends the capture cleanly, twice immediately."""
-    import signal
-    from threading import Event, current_thread, main_thread
-
-    pressed = Event()
-    if current_thread() is not main_thread():
+    pressed = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
         yield pressed.is_set
         return
     before = signal.getsignal(signal.SIGINT)
@@ -242,8 +239,6 @@ def _received(
 
 
 def _document(end: "Ended", receipt: "Receipt | None") -> dict[str, object]:
-    from dataclasses import asdict
-
     counts = {"bytes": end.bytes, "samples": end.samples, "damaged": end.damaged}
     document: dict[str, object] = {"file": str(end.file), "device": end.device, **counts}
     document |= {"whole": end.whole, "ended": end.why, "unit": dict(end.about)}

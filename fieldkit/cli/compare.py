@@ -1,12 +1,14 @@
 """`fieldkit compare`: recordings of one flight compared."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import open_ledger
-from fieldkit.quantities import in_system
+from fieldkit.errors import NoFlights
+from fieldkit.quantities import ShownUnits, in_system
 
 if TYPE_CHECKING:
     from fieldkit.analysis.compare import Comparison
@@ -23,10 +25,7 @@ def compare(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Compare recordings of one flight: two devices, or a flight and a simulation; the first is the reference."""
-    from pathlib import Path
-
     from fieldkit.analysis.compare import compare as against
-    from fieldkit.errors import NoFlights
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.replay import recordings
 
@@ -52,7 +51,6 @@ def compare(
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
     """Print a table of figures, a column per recording, with their differences."""
     from fieldkit.analysis.labels import TITLES, figure_text
-    from fieldkit.quantities import ShownUnits
 
     chosen = system()
     headers = ["", *(recording.name for recording in found), *("difference" for _ in compared)]

@@ -3,6 +3,7 @@
 Completion changes nothing and reports no errors: without a ledger, or with a damaged one, it offers nothing.
 """
 
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,8 +39,6 @@ def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
 
 def motor_names(context: typer.Context, incomplete: str) -> list[str]:
     """Motors flown before, then those of the catalog, each with its delays."""
-    from math import isfinite
-
     from fieldkit.motors.names import with_delay
     from fieldkit.motors.own import known_motors
     from fieldkit.paths import motor_folder

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,6 +21,7 @@ from fieldkit.cli.planning import (
 )
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
+from fieldkit.units import FOOT, parse
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -51,8 +53,6 @@ def finals(
     **given: str | None,
 ) -> None:
     """Find the mass and parachute for each target that the finals may announce."""
-    from dataclasses import replace
-
     from fieldkit import files
     from fieldkit.paths import data_file
     from fieldkit.planning.check import strictest
@@ -67,7 +67,6 @@ def finals(
         finals_heading,
         finals_rows,
     )
-    from fieldkit.units import FOOT
 
     announced, between = read_window(window) if window else None, read_window(targets) if targets else None
     if card is not None:
@@ -118,7 +117,6 @@ def finals(
 def table_of(table: "Sequence[FinalsRow]", found: "Found") -> list[dict[str, Any]]:
     """The rows of the table of finals, with the unit in the key."""
     from fieldkit.planning.quantiles import named
-    from fieldkit.units import FOOT
 
     return [
         {
@@ -241,8 +239,6 @@ def _flown(flight: "Flight") -> str:
 
 def _fraction(text: str | None, default: float) -> float:
     """A fraction typed as `85%` or `0.85`. Raises BadValue, BadParameter."""
-    from fieldkit.units import parse
-
     if text is None:
         return default
     fraction = parse(text, "fraction", "fraction")

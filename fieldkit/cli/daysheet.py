@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +22,10 @@ from fieldkit.cli.planning import (
 from fieldkit.cli.screen import complain, progress, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.cli.targets import Force, settled
-from fieldkit.flight.recovery import RECOVERY_NAMES
+from fieldkit.errors import BadValue
+from fieldkit.flight import CONDITIONS as CONDITION_COLUMNS
+from fieldkit.flight import MOTOR_TEMPERATURE
+from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, recovery_header
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -45,8 +49,6 @@ def daysheet(
     **given: str | None,
 ) -> None:
     """Write a day sheet: forecast, landing, and safety of every planned flight, with room for results."""
-    import datetime
-
     from fieldkit import files
     from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.report.day_sheet import day_sheet
@@ -58,7 +60,7 @@ def daysheet(
         check_given_with_table(given, (*OF_THE_FIELD, *OF_THE_DAY))
     with plans_of_day(context, flights, given) as plans:
         planned = [planned_flight(one.rocket, one.flight, one.motor(), one.site, one.limits) for one in plans]
-    heading = title or f"Day sheet, {datetime.date.today().isoformat()}"
+    heading = title or f"Day sheet, {date.today().isoformat()}"
     files.write(out, day_sheet(heading, plans[0].site, planned, out.suffix.lower(), system()), force=force)
     complain(f"Wrote the day sheet of {counted(len(planned), 'flight')} to {out}")
 
@@ -71,7 +73,6 @@ app.command()(daysheet)
 def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> Iterator[list[PlanContext]]:
     """The plans of a table, each for its rocket; conditions, site and descent given on the command line fill gaps in a
     row. Without a table, the one plan that is given. The ledger is open. Raises DamagedLog, NoFlights, BadValue."""
-    from fieldkit.errors import BadValue
     from fieldkit.services.planning import rocket_of
 
     if table is None:
@@ -95,13 +96,11 @@ def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> It
 
 def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: Given) -> "Flight":
     """A row of a table of plans, completed with the day's conditions and from its rocket."""
-    from fieldkit.flight import CONDITIONS, MOTOR_TEMPERATURE
-    from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, recovery_header
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
 
-    names = ("site", *(column.name for column in CONDITIONS))
+    names = ("site", *(column.name for column in CONDITION_COLUMNS))
     day = read_changes(row, {name: text for name in names if (text := given.get(name)) is not None})
     open_ones = {name: value for name, value in day.items() if getattr(row, name) in (None, "")}
     extra = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}

@@ -7,6 +7,8 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.screen import print_table, say
+from fieldkit.errors import BadValue, unknown
+from fieldkit.plugins import plugin_folder
 
 app = typer.Typer()
 
@@ -27,8 +29,6 @@ def docs(
     from rich.console import Console
     from rich.markdown import Markdown
 
-    from fieldkit.errors import BadValue, unknown
-
     if not page:
         print_table(("page", ""), [(name, _title(name)) for name in page_names()])
         say()
@@ -41,8 +41,6 @@ def docs(
 
 
 def _text(name: str) -> str:
-    from fieldkit.plugins import plugin_folder
-
     return Path(plugin_folder("docs") / f"{name}.md").read_text(encoding="utf-8")
 
 

@@ -18,13 +18,14 @@ from fieldkit.cli.planning import (
     safety_of,
     way_down,
 )
-from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, remark, say, system
+from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, remark, say, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger
+from fieldkit.errors import BadValue, LedgerError
+from fieldkit.quantities import in_system
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from fieldkit.errors import LedgerError
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
@@ -57,7 +58,6 @@ def predict(
     **given: str | None,
 ) -> None:
     """Forecast the apogee of the next flight from the rocket's clean flights."""
-    from fieldkit.errors import LedgerError
     from fieldkit.services.forecast_record import forecast_record
 
     check = MotorCheck()
@@ -101,7 +101,6 @@ def _predicted(
     ledger: "Ledger", motors: "Catalogue", plans: "Sequence[Flight]", model: ModelVersion
 ) -> "tuple[list[Prediction], LedgerError | None]":
     """Saved forecasts; or unsaved ones and the reason, because a flyer with a full or read-only disk needs them too."""
-    from fieldkit.errors import LedgerError
     from fieldkit.services.forecasts import predict_plans
 
     with progress("fitting your other rockets") as on_progress:
@@ -129,8 +128,6 @@ def _plan(
     ledger: "Ledger", given: dict[str, str | None], motors: "Catalogue", check: "Callable[[str], str | None]"
 ) -> "Flight":
     """The flight described by the options; missing values are as last flown. Raises BadValue."""
-    from fieldkit.errors import BadValue
-
     if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
     if given.get("rocket"):
@@ -144,7 +141,6 @@ def _plan(
 def _print_one(prediction: "Prediction", printed_before: "Sequence[str]") -> None:
     """Print a forecast, and the flights left out of it that were not reported yet."""
     from fieldkit.presentation.forecast_text import in_words
-    from fieldkit.quantities import in_system
 
     for line in prediction.left_out:
         if line not in printed_before:
@@ -176,7 +172,6 @@ def _print_table(predictions: "list[Prediction]") -> None:
 
 def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:
     """Print the air and the safety checks of each planned flight, and who decides."""
-    from fieldkit.cli.screen import say_wrapped
     from fieldkit.planning.air import air_of
     from fieldkit.planning.check import ADVICE_NOTE
 

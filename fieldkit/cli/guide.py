@@ -1,5 +1,6 @@
 """What `fieldkit motors --fit` prints: every motor that fits a rocket, and how it would fly."""
 
+import math
 from typing import TYPE_CHECKING
 
 import typer
@@ -8,6 +9,7 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
+from fieldkit.errors import UnknownMotor
 from fieldkit.quantities import ShownUnits, counted
 
 if TYPE_CHECKING:
@@ -94,9 +96,6 @@ def _in_season(
 
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
-    import math
-
-    from fieldkit.errors import UnknownMotor
     from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
     from fieldkit.services.planning import shortlist
 

@@ -9,6 +9,8 @@ import typer
 from fieldkit.cli.completing import flight_ids
 from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, system
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.errors import NoFlights
+from fieldkit.quantities import in_system
 
 app = typer.Typer()
 
@@ -32,8 +34,6 @@ def infer(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""
-    from fieldkit.errors import NoFlights
-    from fieldkit.quantities import in_system
     from fieldkit.services.inferred import infer_flights
 
     with open_ledger(context) as ledger, progress("inferring") as on_progress:

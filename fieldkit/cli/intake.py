@@ -1,7 +1,10 @@
 """`fieldkit inspect`, `fieldkit import` and `fieldkit export`."""
 
+import json
 import os
+import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
@@ -11,7 +14,7 @@ import typer
 
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped, system
-from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.cli.session import MotorCheck, known_motors, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
 from fieldkit.quantities import counted, in_system
 
@@ -154,8 +157,6 @@ def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
 
 def _document(receipt: "Receipt") -> dict[str, object]:
     """The result of an import under the contract's keys."""
-    from dataclasses import asdict
-
     from fieldkit.presentation.import_view import receipts
 
     return {
@@ -189,7 +190,6 @@ def _forecast_lines(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
     """A line for each imported flight that had a forecast: forecast and flown."""
     if not ledger.predictions():
         return
-    from fieldkit.cli.session import known_motors
     from fieldkit.services.saved_forecasts import by_flight, in_words, list_forecasts
 
     forecasts = by_flight(list_forecasts(ledger, known_motors()))
@@ -210,9 +210,6 @@ def export(
     force: Force = False,
 ) -> None:
     """Write flights as a table or as JSON, to import again or open in a spreadsheet."""
-    import json
-    import sys
-
     from fieldkit.files import write
     from fieldkit.presentation.export import csv_table, document
     from fieldkit.services.forecasts import which_rocket

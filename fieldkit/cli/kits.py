@@ -6,6 +6,7 @@ import typer
 
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.screen import complain, print_json, print_table, system
+from fieldkit.flight import BY_NAME
 
 app = typer.Typer()
 
@@ -20,7 +21,6 @@ def kits(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List your kits, or save or delete one; plans use them with --kit."""
-    from fieldkit.flight import BY_NAME
     from fieldkit.planning.kits import KIT_KEYS, Kit
     from fieldkit.quantities import measure, unit_of
     from fieldkit.services.kits import delete_kit, named_kit, save_kit

@@ -1,5 +1,6 @@
 """`fieldkit landing`, `track`: where a plan lands and which rail angle is best; a GPS track as KML."""
 
+import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +12,7 @@ from fieldkit.cli.planning import about_plan, planning, print_plan
 from fieldkit.cli.screen import complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.errors import BadValue
 from fieldkit.flight.short_name import flight_label
 
 if TYPE_CHECKING:
@@ -44,7 +46,6 @@ def landing(
 ) -> None:
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit import files
-    from fieldkit.errors import BadValue
     from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.forecast_text import motor_in_words
     from fieldkit.presentation.kml import landing_kml, read_place
@@ -94,8 +95,6 @@ def landing(
 
 def _day(plan: "Flight") -> str:
     """The date of a plan, by default today, and its site."""
-    import datetime
-
     day = (plan.date_time or datetime.datetime.now()).date().isoformat()
     return f"  day       {day}, {plan.site or 'site not named'}"
 
@@ -118,7 +117,6 @@ def track(
 ) -> None:
     """Write the GPS track of a flight's log as KML."""
     from fieldkit import files
-    from fieldkit.errors import BadValue
     from fieldkit.presentation.kml import track_kml
     from fieldkit.services.replay import recording_of
 

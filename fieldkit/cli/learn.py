@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext
+from dataclasses import replace
 from datetime import datetime
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -72,9 +74,6 @@ def learn(
     The result, the hyperprior, is a JSON file called its card. Every forecast starts from it and is then updated by
     your own flights.
     """
-    from dataclasses import replace
-    from json import dumps
-
     from fieldkit.files import write
     from fieldkit.model.hyperprior import START, learned
     from fieldkit.parallel import workers

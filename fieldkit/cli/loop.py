@@ -7,9 +7,11 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, print_table, say_report, system
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say_report, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.errors import BadValue
+from fieldkit.quantities import ShownUnits
 
 app = typer.Typer()
 
@@ -54,7 +56,6 @@ def loop(
     if quick:
         _quick(context, rocket, refused={"--effect": effect, "--decline": decline, "--report": page}, json=json)
         return
-    from fieldkit.cli.screen import progress
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.presentation.loop_text import report
     from fieldkit.services import close_loop
@@ -83,7 +84,6 @@ def loop(
 
 def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, object], json: bool) -> None:
     """Print a quick look."""
-    from fieldkit.errors import BadValue
     from fieldkit.presentation.quick_look import quick_document, quick_lines
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.quick_look import look_quickly
@@ -108,7 +108,6 @@ def model(
     use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is the plain model.")] = None,
 ) -> None:
     """List the model versions of a rocket, or switch to one."""
-    from fieldkit.quantities import ShownUnits
     from fieldkit.services.forecasts import version_adds, which_rocket
 
     with open_ledger(context) as ledger:

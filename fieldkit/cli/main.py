@@ -20,8 +20,10 @@ from typer.core import TyperGroup
 from typer.main import get_group
 
 from fieldkit.cli.metavars import name_values
+from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
 from fieldkit.errors import FieldkitError, ImpossibleFlight
+from fieldkit.plugins import trained_digests
 
 GROUPS = {
     "tui": ("tui", "serve"),
@@ -111,7 +113,6 @@ app = typer.Typer(
 def _version(wanted: bool) -> None:
     if wanted:
         from fieldkit import __version__
-        from fieldkit.plugins import trained_digests
 
         typer.echo(f"fieldkit {__version__}")
         for name, digest in trained_digests().items():
@@ -170,8 +171,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         found = f"{error.filename or 'the output'}: found {error.strerror}, expected a file that can be read or written"
         if not error.filename:
             found += "; the command may have finished, check `fieldkit history`"
-    from fieldkit.cli.screen import complain
-
     complain(found)
     return 1
 
@@ -186,7 +185,6 @@ def _open_streams() -> None:
 
 def _in_user_units(reason: str) -> str:
     """Why a flight is impossible, with the figures [SI] of the engine in the user's units."""
-    from fieldkit.cli.screen import system
     from fieldkit.quantities import in_system
 
     return in_system(reason, system())

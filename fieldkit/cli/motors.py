@@ -11,7 +11,9 @@ from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import dashed, takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.quantities import counted
+from fieldkit.errors import UnknownMotor
+from fieldkit.quantities import SYSTEMS, counted, rounded
+from fieldkit.units import unit
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
@@ -159,8 +161,6 @@ def _check_needs_fit(fit: str | None, options: Mapping[str, object]) -> None:
 def _check_near(text: str, found: "list[Motor]", complaint: str | None, *, strict: bool) -> None:
     """Print a note that motors only resemble a text. Raises UnknownMotor if there are none, or if `strict`: a program
     or a shortlist would mistake them for the one named."""
-    from fieldkit.errors import UnknownMotor
-
     if strict or not found:
         raise UnknownMotor(complaint or f"found no motor for {text!r}, expected a name such as F24-4W")
     complain(f"note: found no motor {text!r}; these have the nearest names")
@@ -197,7 +197,6 @@ def _added(file: Path) -> "list[Motor]":
 def _compared(file: Path, json: bool) -> None:
     """Print the figures that differ from a table of tests, largest difference first."""
     from fieldkit.motors.comparison import compare_tests
-    from fieldkit.quantities import rounded
     from fieldkit.services.imports import read_file
 
     found = compare_tests(known_motors(), read_file(file), file.name)
@@ -273,8 +272,6 @@ def _counted(what: str, value: object) -> str:
 
 def _list(found: "list[Motor]") -> None:
     from fieldkit.motors.motor import delays_text
-    from fieldkit.quantities import SYSTEMS, rounded
-    from fieldkit.units import unit
 
     user = system()
     mass = unit("mass", SYSTEMS[user].get("g", "g"))

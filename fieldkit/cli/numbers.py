@@ -4,6 +4,9 @@ from math import isfinite
 
 import typer
 
+from fieldkit.errors import BadValue
+from fieldkit.units import parse
+
 
 def finite(value: float | None) -> float | None:
     """The number itself, in the unit of its option. Raises BadParameter for nan and infinity."""
@@ -21,9 +24,6 @@ def not_negative(value: float | None) -> float | None:
 
 def typed(option: str, text: str, quantity: str, default: str) -> float:
     """The SI value of a number typed for an option, with or without its unit. Raises BadValue that names the option."""
-    from fieldkit.errors import BadValue
-    from fieldkit.units import parse
-
     try:
         return parse(text, quantity, default)
     except BadValue as error:
@@ -35,8 +35,6 @@ def length(option: str, text: str | None, default: str = "m", *, signed: bool = 
 
     Raises BadValue that names the option, also for a length that is not above zero unless `signed`.
     """
-    from fieldkit.errors import BadValue
-
     value = None if text is None else typed(option, text, "length", default)
     if value is not None and value <= 0 and not signed:
         raise BadValue(f"{option}: found {text!r}, expected a length above zero")

@@ -1,5 +1,6 @@
 """`fieldkit ork`: an OpenRocket design as the configuration that a rocket starts with."""
 
+from dataclasses import asdict
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -8,6 +9,8 @@ import typer
 
 from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import open_ledger
+from fieldkit.errors import BadValue
+from fieldkit.quantities import written
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
@@ -26,7 +29,6 @@ def ork(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Read a rocket that has not flown from its OpenRocket design: mass without motor, diameter, length, Cd."""
-    from fieldkit.errors import BadValue
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 
@@ -52,8 +54,6 @@ def ork(
 
 
 def _lines(start: "Start", design: "Design") -> list[str]:
-    from fieldkit.quantities import written
-
     lines = []
     if start.dry_mass is not None:
         lines.append(f"  dry mass  {measured('dry_mass', start.dry_mass)}, from {design.mass_by}")
@@ -78,8 +78,6 @@ def _done(start: "Start") -> str:
 
 
 def _document(start: "Start", design: "Design", *, saved: bool) -> dict[str, object]:
-    from dataclasses import asdict
-
     return {
         "rocket": start.rocket,
         "config": start.config,

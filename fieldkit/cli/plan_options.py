@@ -11,9 +11,19 @@ import typer
 from fieldkit.cli.options import FIELD
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import LIFT_OFF, dry_mass
+from fieldkit.errors import UnknownMotor
+from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.recovery import (
+    RECOVERY_NAMES,
+    check_recovery,
+    rail_direction,
+    recovery_header,
+    recovery_of,
+    stability,
+)
+from fieldkit.quantities import in_system, significant
 
 if TYPE_CHECKING:
-    from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
     from fieldkit.planning.kits import Kit
@@ -36,15 +46,6 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 
     Raises BadValue, BadParameter.
     """
-    from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-    from fieldkit.flight.recovery import (
-        RECOVERY_NAMES,
-        check_recovery,
-        rail_direction,
-        recovery_header,
-        recovery_of,
-        stability,
-    )
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
     from fieldkit.planning.safety import motor_temperature
@@ -93,9 +94,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given) -> "Iterator[str]":
     """What looks mistyped in a plan: a name that is not known, a value that is unusual or impossible on the motor. The
     plan is forecast anyway."""
-    from fieldkit.errors import UnknownMotor
     from fieldkit.flight.plausibility import doubts, implausible
-    from fieldkit.quantities import in_system, significant
     from fieldkit.services.unknown_names import unknown_names
 
     yield from unknown_names(ledger, plan, given)

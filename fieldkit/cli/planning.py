@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,12 +12,11 @@ import typer
 from fieldkit.cli.numbers import length
 from fieldkit.cli.options import dashed
 from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
-from fieldkit.cli.screen import progress, say, say_wrapped, system
+from fieldkit.cli.screen import complain, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.errors import NoFlights, UnknownMotor
 
 if TYPE_CHECKING:
-    from datetime import datetime
-
     from fieldkit.flight import Flight
     from fieldkit.flight.site import Site
     from fieldkit.flight.start import Start
@@ -49,9 +49,6 @@ class PlanContext:
 
         Raises UnknownMotor.
         """
-        from fieldkit.cli.screen import complain
-        from fieldkit.errors import UnknownMotor
-
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
             raise UnknownMotor(f"{self.flight.rocket}: found no flights to take a motor from, expected --motor")
@@ -116,7 +113,6 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
 
     Raises NoFlights, BadValue.
     """
-    from fieldkit.errors import NoFlights
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.kits import kit_of_rocket
 
@@ -132,8 +128,6 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     """The site of a plan, with ceiling and size as given. Raises BadValue."""
-    from dataclasses import replace
-
     from fieldkit.services.sites import site_of
 
     known = site_of(ledger, plan.site)
@@ -155,12 +149,10 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
 def check_rules(text: str) -> None:
     """Raise BadValue if a text names an authority without a known set of rules."""
-    import datetime
-
     from fieldkit.planning.rules import governing, read_authorities
     from fieldkit.planning.safety import known_rules
 
-    governing(known_rules(), read_authorities(text), False, datetime.date.today())
+    governing(known_rules(), read_authorities(text), False, date.today())
 
 
 def season_rule(year: int) -> "Season":
@@ -171,11 +163,8 @@ def season_rule(year: int) -> "Season":
     return season(year, data_file("seasons"))
 
 
-def season_year(year: int | None, flown: "datetime | None" = None) -> int:
+def season_year(year: int | None, flown: datetime | None = None) -> int:
     """The year of a season, by default that of a flight's date, or of today; the default is printed."""
-    from datetime import datetime
-
-    from fieldkit.cli.screen import complain
     from fieldkit.paths import data_file
     from fieldkit.planning.contest import season_of
 

@@ -6,11 +6,11 @@ import typer
 
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
-    from fieldkit.quantities import ShownUnits
     from fieldkit.services.saved_forecasts import SavedForecast
 
 app = typer.Typer()
@@ -26,7 +26,6 @@ def predictions(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List saved forecasts: open, stale (with the reason), and flown."""
-    from fieldkit.quantities import ShownUnits
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.saved_forecasts import LISTED_STATES, list_forecasts, standing
 

@@ -17,6 +17,7 @@ from fieldkit.importing.manual_entry import (
     read_lift_off_mass,
 )
 from fieldkit.ledger import Ledger
+from fieldkit.motors import is_cluster
 from fieldkit.quantities import in_system, rounded, spelled
 from fieldkit.safe_text import printable
 from fieldkit.services import manual_entry
@@ -182,8 +183,6 @@ def _look_up(conversation: Conversation, text: str) -> None:
 
 
 def _several(motor: str) -> bool:
-    from fieldkit.motors import is_cluster
-
     return is_cluster(motor)
 
 

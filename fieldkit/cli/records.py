@@ -9,9 +9,11 @@ from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
-from fieldkit.errors import nearest, unknown
+from fieldkit.errors import FieldkitError, nearest, unknown
+from fieldkit.flight import BY_NAME, TAGS, read_tags
+from fieldkit.flight.limits import check_name
 from fieldkit.flight.short_name import flight_label
-from fieldkit.quantities import counted, in_system, with_sd
+from fieldkit.quantities import counted, in_system, measure, with_sd
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -77,9 +79,6 @@ def _mistyped(ledger: "Ledger", rocket: str | None, tag: str | None) -> "Iterato
 
 def _listed(one: "FlightSummary", system: str) -> tuple[str, ...]:
     """A flight as a row of the list, in the units of a system."""
-    from fieldkit.flight import BY_NAME
-    from fieldkit.quantities import measure
-
     day = one.day.isoformat() if one.day else ""
     apogee = measure(BY_NAME["apogee"], one.apogee, system)
     return one.id, day, one.rocket, one.config, one.motor, apogee, "; ".join(one.tags)
@@ -116,7 +115,6 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
     """The samples of a flight; None if they cannot be read again, and the card is printed without them."""
-    from fieldkit.errors import FieldkitError
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.replay import recording_of
 
@@ -129,8 +127,6 @@ def _recording(ledger: "Ledger", id: str) -> "Recording | None":
 
 def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
     """Whether a figure from a log is measured differently by this version, beyond rounding."""
-    from fieldkit.flight import BY_NAME
-
     figures = {name: figure.value for name, figure in recording.recorded.figures.items() if name in BY_NAME}
     read = flight.readouts()
     measured = {n: read[n] for n in figures if n in read and n in flight.sd and flight.source.get(n) != "typed"}
@@ -189,8 +185,6 @@ def edit(
 @app.command()
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Add tags to a flight; a flight tagged as an anomaly is not used in the model."""
-    from fieldkit.flight import TAGS, read_tags
-    from fieldkit.flight.limits import check_name
 
     named = [check_name(one) for one in read_tags(";".join(tags))]
     for own in named:
@@ -203,8 +197,6 @@ def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
 @app.command()
 def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Remove tags from a flight."""
-    from fieldkit.flight import read_tags
-
     with open_ledger(context) as ledger:
         _say_tags(flight, ledger.flight(flight).tags, ledger.untag(flight, *read_tags(";".join(tags))).tags)
 

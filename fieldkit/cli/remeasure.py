@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say, system
 from fieldkit.cli.session import open_ledger
+from fieldkit.errors import FieldkitError, UnusableLedger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -28,7 +29,6 @@ def remeasure(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Measure the logs of flights again; what you typed or edited is not changed. Can be undone."""
-    from fieldkit.errors import FieldkitError, UnusableLedger
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.ledger import Renewal
     from fieldkit.services.forecasts import which_rocket
@@ -84,7 +84,6 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
     """A readout with its uncertainty, `553.70 ± 0.70 m`, or a dash if there is none."""
     from fieldkit.analysis.labels import figure_text
-    from fieldkit.cli.screen import system
 
     return "-" if value is None else figure_text(name, value, flight.sd.get(name, 0.0), system())
 

@@ -8,6 +8,7 @@ import typer
 from fieldkit.cli.screen import progress, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.progress import part
 
 app = typer.Typer()
 
@@ -27,7 +28,6 @@ def report(
     """Write a report for the log book: a flight, a day, or a rocket with the loop's result."""
     from fieldkit.presentation.report.book import book
     from fieldkit.presentation.report.write import check_report, write_report
-    from fieldkit.progress import part
 
     check_report(out)
     force = settled(out, force)

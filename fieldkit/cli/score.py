@@ -10,6 +10,7 @@ from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
+from fieldkit.errors import LedgerError
 from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
@@ -45,7 +46,6 @@ def score(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Score saved forecasts, and forecasts of each flight from the earlier ones, against simpler methods."""
-    from fieldkit.errors import LedgerError
     from fieldkit.services.scores import score_forecasts
 
     if out is not None:

@@ -2,12 +2,17 @@
 
 import json
 import os
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from shutil import get_terminal_size
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from fieldkit import units
 from fieldkit.errors import shortened
+from fieldkit.flight import BY_NAME, COLUMNS
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import printable
 
@@ -27,16 +32,12 @@ def say_lines(text: str) -> None:
 
 def say_wrapped(text: str, hanging: str = "") -> None:
     """Print one line of a result, wrapped to the terminal, later lines indented by `hanging`."""
-    from shutil import get_terminal_size
-
     for line in _wrapped(text, min(get_terminal_size().columns, 100), hanging):
         say(line)
 
 
 def _wrapped(text: str, width: int, hanging: str = "") -> list[str]:
     """Lines of at most `width` characters [1], broken only at spaces: a name such as F24-4W and a path stay whole."""
-    from textwrap import wrap
-
     start = text[: len(text) - len(text.lstrip())]
     return wrap(
         text.strip(),
@@ -50,8 +51,6 @@ def _wrapped(text: str, width: int, hanging: str = "") -> list[str]:
 
 def say_report(lines: Iterable[str]) -> None:
     """Print lines of a report; overflow is wrapped below the last column."""
-    import re
-
     for line in lines:
         columns = list(re.finditer(r"\s{3,}", line.strip()))
         say_wrapped(line, " " * (columns[-1].end() if columns else 2)) if line else say()
@@ -105,8 +104,6 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 
 def print_card(flight: "Flight", id: str) -> None:
     """Print everything known about a flight, one line each, in the user's units."""
-    from fieldkit import units
-    from fieldkit.flight import COLUMNS
     from fieldkit.importing.manual_entry import answer_text
     from fieldkit.quantities import spelled, unit_of, with_sd
 
@@ -138,7 +135,6 @@ def system() -> str:
 
 def measured(name: str, value: float | None) -> str:
     """A value of a column [SI] in the user's units: `281.3 m` or `923 ft`."""
-    from fieldkit.flight import BY_NAME
     from fieldkit.quantities import measure
 
     return measure(BY_NAME[name], value, system())

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.quantities import counted
+from fieldkit.cli.screen import complain, remark, system
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.quantities import counted, in_system, measure
 
 if TYPE_CHECKING:
-    from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
 
@@ -25,7 +27,6 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
 
     Problems with its backups and remarks on its flights are printed, also if the command fails.
     """
-    from fieldkit.cli.screen import complain, remark
     from fieldkit.ledger import Ledger
 
     with Ledger.open(context.find_root().obj) as ledger:
@@ -42,7 +43,6 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
 
 def known_motors() -> "Catalogue":
     """The shipped motors and the user's own; a damaged file among those is reported."""
-    from fieldkit.cli.screen import complain
     from fieldkit.motors import own
     from fieldkit.paths import motor_folder
 
@@ -67,8 +67,6 @@ def read_settings(
 
     Raises BadValue.
     """
-    from fieldkit.errors import BadValue
-    from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.motors import is_cluster
 
@@ -87,10 +85,7 @@ def read_settings(
 
 def dry_mass(motors: "Catalogue", flight: "Flight", text: str) -> float | None:
     """The dry mass of a rocket weighed with its motor, as typed. Raises BadValue, UnknownMotor. [kg]"""
-    from fieldkit.cli.screen import system
-    from fieldkit.errors import BadValue
     from fieldkit.importing.manual_entry import read_lift_off_mass
-    from fieldkit.quantities import in_system
     from fieldkit.services.manual_entry import weighed
 
     try:
@@ -101,10 +96,6 @@ def dry_mass(motors: "Catalogue", flight: "Flight", text: str) -> float | None:
 
 def note_dry_mass(flight: "Flight") -> None:
     """Print the dry mass that followed from a typed lift-off mass."""
-    from fieldkit.cli.screen import complain, system
-    from fieldkit.flight import BY_NAME
-    from fieldkit.quantities import measure
-
     complain(f"note: dry mass {measure(BY_NAME['dry_mass'], flight.dry_mass, system())}, without {flight.motor}")
 
 

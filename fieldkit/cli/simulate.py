@@ -11,6 +11,10 @@ from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
 from fieldkit.cli.planning import own_limits
 from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
+from fieldkit.errors import BadValue
+from fieldkit.flight import COLUMNS, Flight
+from fieldkit.quantities import in_system
+from fieldkit.units import unit
 
 if TYPE_CHECKING:
     from fieldkit.motors.several import Booster
@@ -62,13 +66,10 @@ def simulate(
     **given: str | None,
 ) -> None:
     """Simulate one flight from motor, mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
-    from fieldkit.errors import BadValue
-    from fieldkit.flight import Flight
     from fieldkit.flight.site import Site
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
     from fieldkit.planning.safety import staged_lines
-    from fieldkit.quantities import in_system
     from fieldkit.services.manual_entry import dry_mass_under
     from fieldkit.services.usual_cd import usual_cd
 
@@ -151,9 +152,6 @@ def _boosters(masses: str | None, cds: str | None, cd: float) -> "tuple[Booster,
 
 def _figures(result: dict[str, float]) -> Iterator[tuple[str, str, float]]:
     """Title, column and value [SI] of each figure of a flight, by its header in the flight table."""
-    from fieldkit.flight import COLUMNS
-    from fieldkit.units import unit
-
     columns = {column.header: column for column in COLUMNS}
     for header, value in result.items():
         if (column := columns.get(header.removeprefix("true_"))) is None:

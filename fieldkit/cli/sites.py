@@ -9,6 +9,8 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.planning import check_rules
 from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
+from fieldkit.errors import BadValue, unknown
+from fieldkit.quantities import ShownUnits, in_system
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
@@ -36,9 +38,7 @@ def sites(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
-    from fieldkit.errors import BadValue
     from fieldkit.flight.site import SITE_LENGTHS
-    from fieldkit.quantities import ShownUnits, in_system
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 
@@ -80,8 +80,6 @@ def sites(
 
 def _named(known: "Sequence[Site]", name: str | None) -> "Sequence[Site]":
     """The site with a name, or all without one. Raises BadValue that suggests the nearest."""
-    from fieldkit.errors import BadValue, unknown
-
     found = [site for site in known if name in (None, site.name)]
     if name is not None and not found:
         raise BadValue(f"{unknown('site', name, (site.name for site in known))} --elevation 212m saves a new one")

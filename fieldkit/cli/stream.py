@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import repeat
+from shutil import get_terminal_size
 
 from fieldkit.safe_text import printable
 
@@ -41,8 +42,6 @@ def _widest(column: Sequence[str]) -> int:
 
 def _room() -> int:
     """Width of the terminal, 80 if there is none. [cell]"""
-    from shutil import get_terminal_size
-
     return get_terminal_size().columns
 
 

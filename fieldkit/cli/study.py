@@ -5,9 +5,11 @@ from typing import Annotated
 
 import typer
 
+from fieldkit.cli.screen import complain, progress, say_lines
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.studies import need_studies
 from fieldkit.cli.targets import Force, settled
+from fieldkit.progress import part
 
 app = typer.Typer()
 study = typer.Typer(no_args_is_help=True, help="Compute a page about the reference flights, or about your own.")
@@ -39,8 +41,6 @@ def rockets(
 ) -> None:
     """Search each rocket's history for effects, and measure how much they improve forecasts of later flights."""
     need_studies()
-    from fieldkit.cli.screen import progress
-    from fieldkit.progress import part
     from fieldkit.services.forecasts import flown
     from fieldkit.services.track_record import replayed
     from studies.histories import histories, page
@@ -63,7 +63,6 @@ def shortfall(
 ) -> None:
     """Break down why flights fall short of simulation: launch angle, impulse, mass, drag, device."""
     need_studies()
-    from fieldkit.cli.screen import progress
     from fieldkit.services.forecasts import flown
     from studies.shortfall import page
     from studies.shortfall import shortfall as trace
@@ -75,7 +74,6 @@ def shortfall(
 
 
 def _write_or_print(page: str, out: Path | None, force: bool) -> None:
-    from fieldkit.cli.screen import complain, say_lines
     from fieldkit.files import write
 
     if out is None:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from fieldkit.cli.screen import print_json, say
+from fieldkit.errors import BadValue
 
 app = typer.Typer()
 
@@ -59,7 +60,6 @@ def train(
     from rich.console import Console
     from rich.progress import Progress
 
-    from fieldkit.errors import BadValue
     from fieldkit.inference.training import trainer
 
     for option, value, known in (

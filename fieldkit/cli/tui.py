@@ -1,21 +1,19 @@
 """`fieldkit tui`, and `fieldkit` alone: the app. `fieldkit serve`: the same in a browser."""
 
+import os
+import sys
 from typing import Annotated
 
 import typer
 
 from fieldkit.cli.screen import complain
+from fieldkit.errors import FieldkitError
 
 app = typer.Typer()
 
 
 def open_app(ledger: str | None) -> None:
     """Open the app on a ledger until the user quits. Raises FieldkitError without a terminal."""
-    import os
-    import sys
-
-    from fieldkit.errors import FieldkitError
-
     served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
     if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise FieldkitError("the app needs a terminal; the commands do the same: fieldkit --help")
@@ -43,8 +41,6 @@ def serve(
 ) -> None:
     """Serve the app in a browser, on this computer or with --host on the network, by a link with a token."""
     import secrets
-
-    from fieldkit.errors import FieldkitError
 
     try:
         from fieldkit.tui.serve import GuardedServer, is_loopback

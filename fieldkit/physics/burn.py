@@ -22,6 +22,8 @@ MOST_PARTS = 64
 
 PARALLEL_DRAWS = 0.75
 """Minimum fraction of the draws that need another substep for it to be computed for all draws. [1]"""
+FEW_DRAWS = 500
+"""Up to this number of draws, a substep of all takes less time than the selection of those that need it. [1]"""
 
 NEWTON = 8
 """Iterations of Newton's method for the time at which the rail ends. [1]"""
@@ -200,7 +202,7 @@ def _advance(
     moving, rows = track, np.arange(len(track.time))
     for part in range(int(parts.max())):
         busy = parts > part
-        if busy.mean() < PARALLEL_DRAWS:
+        if len(rows) > FEW_DRAWS and busy.mean() < PARALLEL_DRAWS:
             _put_back(track, moving, rows)
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
@@ -282,16 +284,17 @@ def _turn_over(track: AscentState, dt: Array, height: Array, upward: Array) -> N
 def _leave_rail(track: AscentState, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
     """Update the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
     before, after = _speed(position), _speed(track.position)
-    leaves = (after >= setup.rail_length) & (before < setup.rail_length)
-    if not leaves.any():
+    leaves = np.flatnonzero((after >= setup.rail_length) & (before < setup.rail_length))
+    if not len(leaves):
         return
-    rise, lift0, lift1 = after - before, _speed(velocity) * dt, _speed(track.velocity) * dt
+    rail, dt = _some(setup.rail_length, leaves), _some(dt, leaves)
+    left, rise = rail - before[leaves], (after - before)[leaves]
+    lift0, lift1 = _speed(velocity[:, leaves]) * dt, _speed(track.velocity[:, leaves]) * dt
     square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
-    left = np.where(leaves, setup.rail_length - before, 0.0)
     place = np.ones(len(rise))
     for _ in range(NEWTON):
         slope = lift0 + place * (2 * square + 3 * place * cubic)
         miss = place * (lift0 + place * (square + place * cubic)) - left
-        place = np.clip(place - miss / np.where(leaves & (slope > 0), slope, np.inf), 0.0, 1.0)
-    speed = (lift0 + place * (2 * square + 3 * place * cubic)) / np.where(leaves, dt, 1.0)
-    track.rail_speed = np.where(leaves, speed, track.rail_speed)
+        place = np.minimum(np.maximum(place - miss / np.where(slope > 0, slope, np.inf), 0.0), 1.0)
+    track.rail_speed = track.rail_speed.copy()
+    track.rail_speed[leaves] = (lift0 + place * (2 * square + 3 * place * cubic)) / dt

@@ -17,6 +17,8 @@ from fieldkit.shapes import Array, Flags, Float, Integers
 
 CHUNK = 16384
 """Number of draws simulated together: few enough for their state to fit in the processor's cache."""
+FEW_DRAWS = 500
+"""Up to this number of draws, the forces of effects are computed for all: a separate group takes more time. [1]"""
 
 
 def fly(setup: Setup) -> FlightResult:
@@ -44,13 +46,14 @@ def apogees(setup: Setup) -> Float[Array, "*draw"]:
 def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
     """Rows that are simulated together, and their part of the setup.
 
-    Vertical flights are separated from others, flights with an effect's force from those without, and rows with the
-    same motor are grouped. Grouping affects only the speed of the computation, not the results.
+    Vertical flights are separated from others, many flights with an effect's force from those without, and rows with
+    the same motor are grouped. Grouping affects only the speed of the computation, not the results.
     """
     flat = setup.flat(setup.draw_shape)
     if flat.forces:
         flat = flat.with_changes(closed_coast=False)
-    group = planar(flat) + 2 * _forced(flat)
+    forced = _forced(flat) if flat.draws > FEW_DRAWS else np.zeros(1, bool)
+    group = planar(flat) + 2 * forced
     motors, rank = len(flat.burns.lengths), flat.burns.lengths.argsort().argsort()
     kind = np.broadcast_to(group * motors + rank[flat.motor], flat.draws).astype(np.min_scalar_type(4 * motors))
     order = np.argsort(kind, kind="stable")

@@ -80,8 +80,8 @@ async def test_the_fields_are_in_the_order_of_the_altimeter(file: Path) -> None:
 
 
 async def test_a_typo_in_the_third_field_gives_a_note_and_does_not_block(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", *typed("2.x"), "enter")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("923ft"), "enter", *typed("140mph"), "enter", *typed("2.x"), "enter")
         assert "✗ found" in shown(pilot)
         await press(pilot, *typed("7.9"), "ctrl+s")
         assert "✗ error Burn time: found" in words(pilot)
@@ -94,8 +94,8 @@ async def test_a_typo_in_the_third_field_gives_a_note_and_does_not_block(file: P
 
 
 async def test_contradictory_figures_are_noted_and_accepted(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("100m"), "enter", *typed("100"), "enter", *typed("2"), "enter", "enter")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("100m"), "enter", *typed("100"), "enter", *typed("2"), "enter", "enter")
         await press(pilot, *typed("2"))
         assert "top speed looks 155% high for " in words(pilot)
         await press(pilot, "enter", "enter", "enter", *typed("150m"))
@@ -105,12 +105,11 @@ async def test_contradictory_figures_are_noted_and_accepted(file: Path) -> None:
 
 
 async def test_every_key_is_saved_and_a_dead_battery_loses_nothing(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("923ft"), "enter", *typed("14"))
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("923ft"), "enter", *typed("14"))
         with Ledger.open(file) as ledger:
             assert ledger.draft(DRAFT) == {"apogee": "923ft", "top_speed": "14m/s"}
-    async with opened(file) as pilot:
-        await press(pilot, "a")
+    async with opened(file, page="add") as pilot:
         assert "Unfinished flight" in words(pilot)
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
@@ -126,8 +125,8 @@ async def test_every_key_is_saved_and_a_dead_battery_loses_nothing(file: Path) -
 
 
 async def test_enter_begins_the_next_flight_and_undo_corrects_the_last_one(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("932ft"), "enter", *typed("140"), "ctrl+s")
         assert "Saved flight 13" in words(pilot)
         assert "Enter to add the next flight" in shown(pilot)
         keys = words(pilot).partition("Saved flight 13. u to undo.")[2]
@@ -168,8 +167,7 @@ async def test_input_typed_before_the_ledger_is_read_is_added_to_the_draft(file:
 
 
 async def test_another_rocket_has_other_suggestions(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a")
+    async with opened(file, page="add") as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         screen.field("config").line.focus()
@@ -178,8 +176,8 @@ async def test_another_rocket_has_other_suggestions(file: Path) -> None:
 
 
 async def test_an_extra_digit_is_noted_from_earlier_flights_on_this_motor(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("1940"))
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("1940"))
         assert "apogee 1940 m is 9.9 times the usual 196.3 m of this rocket and motor" in text_of(pilot, "#says")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
@@ -195,8 +193,7 @@ async def test_an_extra_digit_is_noted_from_earlier_flights_on_this_motor(file: 
 
 
 async def test_an_unknown_motor_is_reported_with_similar_names(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a")
+    async with opened(file, page="add") as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         screen.field("motor").line.focus()
@@ -233,16 +230,16 @@ async def test_the_dry_mass_follows_from_the_mass_weighed_with_the_motor(tmp_pat
 
 
 async def test_an_empty_form_is_not_saved(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", "ctrl+s")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, "ctrl+s")
         assert "expected at least one; nothing was saved" in words(pilot)
     with Ledger.open(file) as ledger:
         assert len(ledger.flights()) == 12
 
 
 async def test_help_explains_a_field_and_a_question_mark_is_a_letter_in_the_notes(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", "question_mark")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, "question_mark")
         assert "Help: Add a flight" in shown(pilot)
         await press(pilot, "escape")
         screen = pilot.app.screen
@@ -253,8 +250,8 @@ async def test_help_explains_a_field_and_a_question_mark_is_a_letter_in_the_note
 
 
 async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("65ft"), "ctrl+s")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("65ft"), "ctrl+s")
         assert "The apogee is 19.8 m" in words(pilot)
         assert "Save it as it is?" in words(pilot)
         await press(pilot, "n")
@@ -270,8 +267,8 @@ async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(
 
 
 async def test_a_second_flight_like_one_of_today_is_questioned_before_it_is_saved(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("281m"), "ctrl+s", "_", "enter", *typed("281m"), "ctrl+s")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("281m"), "ctrl+s", "_", "enter", *typed("281m"), "ctrl+s")
         assert "has the same values" in words(pilot)
         await press(pilot, "n")
         with Ledger.open(file) as ledger:
@@ -315,8 +312,8 @@ async def test_saving_a_forecast_can_be_undone_separately(file: Path) -> None:
 
 
 async def test_a_unit_typed_in_one_field_does_not_change_numbers_typed_earlier(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("281"), *["enter"] * 7, *typed("900ft"), "enter", "ctrl+s", "_")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("281"), *["enter"] * 7, *typed("900ft"), "enter", "ctrl+s", "_")
         assert "Saved flight 13" in words(pilot)
     with Ledger.open(file) as ledger:
         flight = ledger.flight("13")
@@ -325,8 +322,7 @@ async def test_a_unit_typed_in_one_field_does_not_change_numbers_typed_earlier(f
 
 @pytest.mark.parametrize("rocket", ["Astra", "Zephyr"])
 async def test_an_unknown_mass_and_diameter_are_asked_for_before_the_flight_is_saved(file: Path, rocket: str) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a")
+    async with opened(file, page="add") as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         if rocket == "Zephyr":

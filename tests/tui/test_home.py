@@ -152,8 +152,8 @@ async def test_weather_entered_once_is_in_every_plan_and_flight_of_the_day(file:
 
 
 async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("650ft"))
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("650ft"))
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert screen.field("date_time").line.value == "today"
@@ -166,8 +166,7 @@ async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
 
 
 async def test_an_unknown_rocket_is_questioned_before_it_is_saved(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a")
+    async with opened(file, page="add") as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         screen.field("rocket").line.focus()
@@ -184,8 +183,7 @@ async def test_an_unknown_rocket_is_questioned_before_it_is_saved(file: Path) ->
 
 
 async def test_a_motor_can_be_picked_while_typing(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a")
+    async with opened(file, page="add") as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         screen.field("motor").line.focus()

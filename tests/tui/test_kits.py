@@ -42,8 +42,8 @@ async def test_a_plan_and_a_flight_use_the_figures_of_the_picked_kit(file: Path)
     own = file.parent / "home" / "kits.toml"
     own.parent.mkdir(exist_ok=True)
     own.write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n')
-    async with opened(file) as pilot:
-        await press(pilot, "4", "p", "down", "down", *typed("400g"), "ctrl+s")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "p", "down", "down", *typed("400g"), "ctrl+s")
         assert "400 g without motor" in words(pilot)
         await press(pilot, "p", "ctrl+u", *typed("big"), "_")
         assert "Big Bertha kit" in words(pilot)
@@ -57,7 +57,7 @@ async def test_a_damaged_file_of_kits_gives_a_notice_and_the_other_lists_are_sho
     own = file.parent / "home" / "kits.toml"
     own.parent.mkdir(exist_ok=True)
     own.write_text("[Alpha\n")
-    async with opened(file) as pilot:
-        await press(pilot, "6", "right")
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right")
         assert "kits.toml" in words(pilot)
         assert "Astra" in words(pilot)

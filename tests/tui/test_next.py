@@ -57,8 +57,8 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 async def test_a_file_is_shown_before_anything_is_stored(file: Path) -> None:
     table = "flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,1o4\n2,Comet,ZZ99,100\n3,Comet,C6-5,210\n"
     (file.parent / "field" / "season.csv").write_text(table)
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down")
         seen = words(pilot)
         assert "Flight table" in seen
         assert "1 flight, 0 duplicates, 2 rejected" in seen
@@ -78,8 +78,8 @@ async def test_a_file_is_shown_before_anything_is_stored(file: Path) -> None:
 
 async def test_an_unrecognized_file_is_reported_and_changes_nothing(file: Path) -> None:
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down")
         assert "no parser recognizes this file" in text_of(pilot, "#preview")
         await press(pilot, "enter", "enter")
         assert "✗ error photo.jpg: no parser recognizes this file" in words(pilot)
@@ -92,8 +92,8 @@ async def test_an_unrecognized_file_is_reported_and_changes_nothing(file: Path) 
 async def test_a_rocket_uses_its_design_until_it_has_flown(file: Path) -> None:
     (file.parent / "field" / "a.ork").write_text(design(rest=SIMULATION.format(status="uptodate")))
     (file.parent / "field" / "b.ork").write_text("<openrocket>")
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down")
         assert "OpenRocket design" in words(pilot)
         assert "starts Skylark" in words(pilot)
         assert "66 mm across" in words(pilot)
@@ -116,8 +116,8 @@ async def test_values_that_a_file_lacks_can_be_set_and_folders_browsed(file: Pat
     inner = file.parent / "field" / "logs"
     inner.mkdir()
     (inner / "flight.pf2").write_bytes(log.read_bytes())
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down", "enter", "down")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down", "enter", "down")
         assert "PerfectFlite" in words(pilot)
         await press(pilot, "e", *["down"] * 5, *typed("4o0"), "ctrl+s")
         assert "found the unit 'o0'" in words(pilot)
@@ -149,8 +149,8 @@ async def test_several_logs_of_one_flight_can_be_marked_and_read_together(file: 
     for name, scale in (("a.csv", 1.0), ("b.csv", 1.02)):
         rows = "".join(f"{n / 10:.1f},{scale * max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
         (folder / name).write_text("time (s),altitude (m)\n" + rows)
-    async with opened(file) as pilot:
-        await press(pilot, "3", "space", "down", "space", "down", "space")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "space", "down", "space", "down", "space")
         assert "recognized as 2 files together" in text_of(pilot, "#preview")
         assert "+ a.csv" in shown(pilot)
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
@@ -167,8 +167,8 @@ async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> Non
     rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
     for name in ("one.csv", "two.csv"):
         (file.parent / "field" / name).write_text("quux;frob\n" + rows)
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down")
         assert "is read with m, then time=its column; altitude=its column [m]" in text_of(pilot, "#preview")
         await press(pilot, "m", *typed("quux"), "down", *typed("frobb"))
         assert "found no column 'frobb'" in words(pilot)
@@ -176,8 +176,8 @@ async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> Non
         assert "would add 1 flight" in text_of(pilot, "#preview")
         await press(pilot, "e", *typed("Comet"), "ctrl+s", *SURE)
         assert "Imported 1" in words(pilot)
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down", "down")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down", "down")
         assert "would add 1 flight" in text_of(pilot, "#preview")
         await press(pilot, "M")
         assert "time=quux; altitude=frob" in words(pilot)
@@ -194,8 +194,8 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
         at = FLIGHT_COLUMNS.index(name)
         keys += [*["down"] * (at - place), *typed(column)]
         place = at
-    async with opened(file) as pilot:
-        await press(pilot, "3", "down", "m", "ctrl+t")
+    async with opened(file, page="import_files") as pilot:
+        await press(pilot, "down", "m", "ctrl+t")
         assert "found no table of numbers" in words(pilot)
         await press(pilot, "m", *keys, "backspace")
         assert "found no column 'how hig'" in words(pilot)
@@ -206,8 +206,8 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
 async def test_a_log_is_plotted_before_it_is_stored(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f},{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
     (file.parent / "field" / "one.csv").write_text("time (s),altitude (m)\n" + rows)
-    async with opened(file, (100, 40)) as pilot:
-        await press(pilot, "3", "down", "l")
+    async with opened(file, (100, 40), page="import_files") as pilot:
+        await press(pilot, "down", "l")
         seen = words(pilot)
         assert "apogee" in text_of(pilot, "#cursor")
         assert "height [m]" in seen
@@ -228,8 +228,7 @@ async def test_a_log_is_plotted_before_it_is_stored(file: Path) -> None:
 
 
 async def test_the_forecast_follows_the_cursor_through_motors_that_fit(file: Path) -> None:
-    async with opened(file, (100, 42)) as pilot:
-        await press(pilot, "4")
+    async with opened(file, (100, 42), page="next_flight") as pilot:
         assert "Astra B on AeroTech" in shown(pilot)
         card = text_of(pilot, "#title")
         assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in text_of(pilot, "#more")
@@ -244,8 +243,8 @@ async def test_the_forecast_follows_the_cursor_through_motors_that_fit(file: Pat
 
 
 async def test_motors_that_are_not_safe_and_sensible_are_last_with_the_reason(file: Path) -> None:
-    async with opened(file, (100, 60)) as pilot:
-        await press(pilot, "4", "p", *["down"] * 9, *typed("0.5m"), "ctrl+s", "slash", *typed("e12"), "enter", "_")
+    async with opened(file, (100, 60), page="next_flight") as pilot:
+        await press(pilot, "p", *["down"] * 9, *typed("0.5m"), "ctrl+s", "slash", *typed("e12"), "enter", "_")
         assert "rail exit speed" in text_of(pilot, "#more").partition("ejection")[0]
         table = pilot.app.screen.query_one(Table)
         marks = [table.cells(key)[0].startswith("✗") for key in table.keys]
@@ -271,8 +270,8 @@ async def test_without_a_target_the_motor_of_the_open_forecast_is_first_and_weak
 
 
 async def test_motors_are_sorted_by_their_distance_from_the_target(file: Path) -> None:
-    async with opened(file, (160, 40)) as pilot:
-        await press(pilot, "4", "g", *typed("800ft"), "enter")
+    async with opened(file, (160, 40), page="next_flight") as pilot:
+        await press(pilot, "g", *typed("800ft"), "enter")
         table = pilot.app.screen.query_one(Table)
         offs = [table.cells(key)[5] for key in table.keys if not table.cells(key)[0].startswith("✗")]
         assert len(offs) > 20
@@ -282,8 +281,8 @@ async def test_motors_are_sorted_by_their_distance_from_the_target(file: Path) -
 
 
 async def test_a_forecast_is_saved_and_its_flight_compared_with_it(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("f24"), "enter", "_", "enter")
         assert "Saved forecast: AeroTech F24W to" in words(pilot)
     with Ledger.open(file) as ledger:
         (_, prediction) = ledger.predictions("Astra")
@@ -292,21 +291,20 @@ async def test_a_forecast_is_saved_and_its_flight_compared_with_it(file: Path) -
 
 
 async def test_a_plan_is_changed_and_saved_and_a_typo_in_it_is_refused(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "p", "down", "down", *typed("4oo"), "ctrl+s")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "p", "down", "down", *typed("4oo"), "ctrl+s")
         assert "✗ found" in shown(pilot)
         await press(pilot, "ctrl+u", *typed("400g"), *["down"] * 6, *typed("20mph"), "ctrl+s")
         assert "Astra B · 400 g without motor" in words(pilot)
         assert "wind 8.9 m/s" in words(pilot)
-    async with opened(file) as pilot:
-        await press(pilot, "4")
+    async with opened(file, page="next_flight") as pilot:
         assert "400 g without motor" in words(pilot)
         assert "wind 8.9 m/s" in words(pilot)
 
 
 async def test_a_search_covers_the_whole_catalog_and_marks_motors_that_do_not_fit(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
         assert "Nothing to copy" in words(pilot)
         await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
@@ -321,8 +319,8 @@ async def test_a_search_covers_the_whole_catalog_and_marks_motors_that_do_not_fi
 
 
 async def test_a_cluster_is_found_forecast_and_saved_with_a_note_on_what_is_not_modeled(file: Path) -> None:
-    async with opened(file, (100, 40)) as pilot:
-        await press(pilot, "4", "slash", *typed("2 x Estes E12"), "enter", "_")
+    async with opened(file, (100, 40), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("2 x Estes E12"), "enter", "_")
         assert "on Estes 2 x E12" in text_of(pilot, "#title")
         assert "failed ignitions are not modeled" in text_of(pilot, "#more")
         await press(pilot, "enter")
@@ -370,8 +368,8 @@ async def test_the_loop_is_shown_and_earlier_versions_can_be_restored(file: Path
         certain = [{"probability": 1.0, "places": [wear]}]
         ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear], "averaged": certain})
     with patch("fieldkit.tui.loop.loop_page.look", lambda resources, rocket, on_progress: found):
-        async with opened(file) as pilot:
-            await press(pilot, "5", "A")
+        async with opened(file, page="loop") as pilot:
+            await press(pilot, "A")
             assert "Nothing to accept yet" in words(pilot)
             await press(pilot, "escape", "S")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
@@ -418,8 +416,8 @@ async def test_too_few_flights_for_the_loop_give_a_notice(tmp_path: Path, monkey
 
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
-    async with opened(tmp_path / "ledger.db") as pilot:
-        await press(pilot, "5", "D")
+    async with opened(tmp_path / "ledger.db", page="loop") as pilot:
+        await press(pilot, "D")
         assert "Nothing to decline yet" in words(pilot)
         await press(pilot, "S")
         assert "expected at least 4 to close the loop" in words(pilot)
@@ -432,8 +430,8 @@ async def test_too_few_flights_for_the_loop_give_a_notice(tmp_path: Path, monkey
 
 
 async def test_a_configuration_is_changed_in_all_its_flights_and_undone(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "6", "right", "enter", "ctrl+u", *typed("Comet"), "enter", "enter", *typed("450g"), "ctrl+s")
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right", "enter", "ctrl+u", *typed("Comet"), "enter", "enter", *typed("450g"), "ctrl+s")
         assert "4 flights. u to undo" in words(pilot)
         with Ledger.open(file) as ledger:
             assert {f.dry_mass for f in ledger.flights("Comet")} == {0.45}
@@ -443,8 +441,8 @@ async def test_a_configuration_is_changed_in_all_its_flights_and_undone(file: Pa
 
 
 async def test_settings_are_remembered(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "6", "left", "enter", "down", "enter")
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "left", "enter", "down", "enter")
         assert pilot.app.theme == "sun"
         await press(pilot, "1", "N")
     async with opened(file) as pilot:
@@ -457,8 +455,8 @@ async def test_settings_are_remembered(file: Path) -> None:
 
 async def test_a_damaged_motor_file_gives_a_notice(file: Path) -> None:
     (file.parent / "field" / "mine.eng").write_text("; nothing\n")
-    async with opened(file) as pilot:
-        await press(pilot, "6", "i", *typed("mine.eng"), "enter")
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "i", *typed("mine.eng"), "enter")
         assert "✗ error mine.eng" in words(pilot)
 
 
@@ -478,8 +476,7 @@ async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
     ]
     here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
     with patch("fieldkit.capture.ports", lambda: here), patch("fieldkit.capture.capture", lambda *a, **k: iter(events)):
-        async with opened(file) as pilot:
-            await press(pilot, "7")
+        async with opened(file, page="serial") as pilot:
             assert "0403:6015 FTDI chip" in words(pilot)
             await press(pilot, "enter")
             assert "Import its flights?" in words(pilot)
@@ -506,8 +503,8 @@ async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
 async def test_a_port_that_cannot_be_opened_gives_a_notice(file: Path) -> None:
     here = [capture.Port("/dev/nowhere", 0x0403, 0x6001, "", "")]
     with patch("fieldkit.capture.ports", lambda: here):
-        async with opened(file) as pilot:
-            await press(pilot, "7", "h", *typed("rrc3"), "enter")
+        async with opened(file, page="serial") as pilot:
+            await press(pilot, "h", *typed("rrc3"), "enter")
             assert "the download of the RRC3 is not public" in words(pilot)
             await press(pilot, "escape", "h", *typed("altos"), "enter", "enter")
             assert "/dev/nowhere" in words(pilot)
@@ -678,8 +675,8 @@ async def test_a_captured_flight_and_an_imported_log_are_paired_with_the_saved_f
         patch("fieldkit.capture.ports", lambda: here),
         patch("fieldkit.capture.capture", lambda *a, **k: iter([opens, end])),
     ):
-        async with opened(file) as pilot:
-            await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter", "_")
+        async with opened(file, page="next_flight") as pilot:
+            await press(pilot, "b", "slash", *typed("f24"), "enter", "_", "enter", "_")
             await press(pilot, "7", "enter", "y", "_", "ctrl+s", "_")
             assert "Imported 1" in words(pilot)
             await press(pilot, "u", "_", "3", "down", "_", "enter", "_")

@@ -94,8 +94,8 @@ async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file:
 
 
 async def test_a_flight_that_is_redone_leaves_no_draft_behind(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("200"), "ctrl+s", "_", "u", "_")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("200"), "ctrl+s", "_", "u", "_")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert screen.field("apogee").line.value == "200m"
@@ -225,13 +225,13 @@ async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file:
 
 async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None:
     yesterday = f"{date.today() - timedelta(days=1)}"
-    async with opened(file) as pilot:
-        await press(pilot, "a", *typed("200"))
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("200"))
     with Ledger.open(file) as ledger:
         assert ledger.draft(STARTED) == {"date_time": f"{date.today()}"}
         ledger.keep_draft(STARTED, {"date_time": yesterday})
-    async with opened(file) as pilot:
-        await press(pilot, "a", "ctrl+s", "_")
+    async with opened(file, page="add") as pilot:
+        await press(pilot, "ctrl+s", "_")
         assert "Saved flight 13" in words(pilot)
     with Ledger.open(file) as ledger:
         assert f"{ledger.flight('13').date_time:%Y-%m-%d}" == yesterday

@@ -40,8 +40,8 @@ async def front(pilot: Pilot[None], name: str) -> None:
 
 
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d")
         assert "Astra B on AeroTech F39T: coasts" in screen_text(pilot)
         assert "field size: unknown" in screen_text(pilot)
         await press(pilot, "right")
@@ -58,8 +58,8 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
 
 
 async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
         assert "flights of Astra, each forecast from the earlier ones" in screen_text(pilot)
         assert "last on motor, else scalar" in screen_text(pilot)
         assert "in the 90% interval" in screen_text(pilot)
@@ -68,8 +68,8 @@ async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(fil
 
 
 async def test_ballast_has_three_goals_and_the_parachute_is_part_of_the_plan(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
         assert "No target yet" in screen_text(pilot)
         await press(pilot, "j", "j")
         assert "per flight, with duration" in screen_text(pilot)
@@ -80,8 +80,8 @@ async def test_ballast_has_three_goals_and_the_parachute_is_part_of_the_plan(fil
 
 
 async def test_the_contest_day_its_cut_and_its_field_are_entered_where_they_are_used(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
         await press(pilot, *typed("640ft"), "enter", *typed("40-37"), "enter", "ctrl+s")  # to the typo
         assert "expected seconds" in words(pilot)
         await press(pilot, "ctrl+u", *typed("30-50"), "enter", *typed("60"), "enter", *typed("1,9,12"), "enter")
@@ -107,8 +107,8 @@ async def test_flights_timed_by_stopwatch_or_without_a_score_are_marked(file: Pa
         flown = ledger.flight("12")
         timed = flown.with_changes(flight_id="13", extra={"timer_1_s": "38.21"})
         ledger.add([timed, flown.with_changes(flight_id="14", extra={"eggs": "cracked"})])
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
         await front(pilot, "Contest")
         seen = screen_text(pilot)
         assert "fitted to 2 flights" in seen
@@ -119,8 +119,8 @@ async def test_flights_timed_by_stopwatch_or_without_a_score_are_marked(file: Pa
 
 
 async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
         await press(pilot, *["down"] * 7, *typed("50g"))
         await press(pilot, "ctrl+s")
         assert "expected more than the mass of 60.6 g" in words(pilot)
@@ -135,8 +135,8 @@ async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> 
 
 
 async def test_a_site_is_edited_in_place_with_the_fields_of_its_safety_checks(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "6", "right", "right", "enter", "ctrl+u", *typed("South field"), "enter", "down")
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right", "right", "enter", "ctrl+u", *typed("South field"), "enter", "down")
         await press(pilot, *typed("400 m"), "enter", *typed("-3"), "ctrl+s")
         assert "above zero" in words(pilot)
         await press(pilot, "ctrl+u", *typed("3000ft"), "ctrl+s", "_")
@@ -154,8 +154,8 @@ async def test_saved_forecasts_are_listed_and_stale_ones_have_a_reason(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fieldkit.services.manual_entry.LAPSES", timedelta.max)
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d")
         await front(pilot, "Saved")
         assert "flown: F39 B" in screen_text(pilot)
         await press(pilot, "escape", "enter", "_", "d")
@@ -186,8 +186,8 @@ async def test_a_report_is_written_to_the_flyers_file(
 
 
 async def test_safety_is_shown_on_the_next_page_at_any_size(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("f24"), "enter")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("f24"), "enter")
         seen = words(pilot)
         for name in ("rail exit speed", "ejection speed", "ground wind", "ceiling", "thrust to weight", "class"):
             assert name in seen
@@ -224,8 +224,8 @@ def test_unedited_lengths_of_a_site_keep_their_precision() -> None:
 
 
 async def test_a_mass_typed_for_one_configuration_is_not_used_for_another(file: Path) -> None:
-    async with opened(file) as pilot:
-        await press(pilot, "4", "p", "down", "down", "ctrl+u", *typed("450.4g"), "ctrl+s", "_")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "p", "down", "down", "ctrl+u", *typed("450.4g"), "ctrl+s", "_")
         with Ledger.open(file) as ledger:
             assert planned_mass(ledger) == pytest.approx(0.4504)
         await press(pilot, "p", *["down"] * 3, "ctrl+u", *typed("70mm"), "ctrl+s", "_")
@@ -240,8 +240,8 @@ async def test_a_flight_added_by_another_program_is_used_in_an_open_decision(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fieldkit.tui.app.LOOK_INTERVAL", 0.05)
-    async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
         before = screen_text(pilot)
         with Ledger.open(file) as ledger:
             flown = ledger.flight("12")

@@ -14,10 +14,12 @@ from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effect
 from fieldkit.inference.history.evidence import Trials, weigh_placed
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
+    PreparedFit,
     history_data,
     history_model,
     linear_fit,
     on_one_new_motor,
+    prepared_fit,
     robust,
 )
 from fieldkit.inference.history.moments import Moments, moments
@@ -26,7 +28,6 @@ from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.model.readout_data import Data
-from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.shapes import Array, Float
 
@@ -58,13 +59,13 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PreparedHistory:
-    """The part of a history that does not change while readouts are typed: the models with both hyperpriors, the
+    """The part of a history that does not change while readouts are typed: the fits with both hyperpriors, the
     candidates, also as directions, and the response of its flights."""
 
     history: History
     response: FlightResponse
-    selection: Model
-    forecast: Model
+    selection: PreparedFit
+    forecast: PreparedFit
     candidates: tuple[PlacedEffect, ...]
     placed: Placed
 
@@ -83,7 +84,8 @@ def prepared(history: History, response: FlightResponse, candidates_of: Candidat
     # an effect of a motor is equally probable for each new one
     one_motor = replace(model, found=on_one_new_motor(model.found, count))
     candidates = candidates_of(one_motor, history.used_in_fit)
-    return PreparedHistory(history, response, model, forecast, tuple(candidates), directions(candidates))
+    fits = prepared_fit(model, count), prepared_fit(forecast, count)
+    return PreparedHistory(history, response, *fits, tuple(candidates), directions(candidates))
 
 
 def summarize(

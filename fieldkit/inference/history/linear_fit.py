@@ -50,6 +50,17 @@ def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedFit:
+    """The part of a linear fit that does not depend on readouts: the model of all flights and of the `flown` ones, with
+    the terms that these or other rockets constrain, and the remaining terms (`fresh`)."""
+
+    model: Model
+    past: Model
+    fresh: tuple[Term, ...]
+    flown: int
+
+
 @dataclass(frozen=True, slots=True)
 class LinearFit:
     """A model of flown and planned flights, and the posterior given the flown ones.
@@ -116,14 +127,18 @@ def history_data(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperpr
     return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
 
 
+def prepared_fit(model: Model, flown: int) -> PreparedFit:
+    """The preparation of a linear fit to the first `flown` flights of a model."""
+    constrained, fresh = _constrained_part(model, flown)
+    return PreparedFit(constrained, constrained.part(slice(flown)), fresh, flown)
+
+
 def linear_fit(
-    model: Model, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
+    ready: PreparedFit, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
 ) -> LinearFit:
-    """The posterior given the first flights of a model, those in `data`, with the drag moved from `start` to its
-    posterior mean."""
-    flown = len(data.values)
-    model, fresh = _constrained_part(model, flown)
-    past = model.part(slice(flown))
+    """The posterior given the flown flights, those in `data`, with the drag moved from `start` to its posterior
+    mean."""
+    model, past, flown = ready.model, ready.past, ready.flown
     level = drag_term(past)
     offset = start
 
@@ -136,7 +151,7 @@ def linear_fit(
     for _ in range(rounds):
         offset = float(np.clip(fit.moments()[0][level] - REFERENCE_LOG_DRAG, -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
         moved, near, fit = solved()
-    return LinearFit(model, flown, offset, near, fit, moved, fresh)
+    return LinearFit(model, flown, offset, near, fit, moved, ready.fresh)
 
 
 def _constrained_part(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:

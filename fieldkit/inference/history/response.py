@@ -136,13 +136,16 @@ def slopes(
     terms: Sequence[Term], moved: Mapping[str, Float[Array, "flight readout"]]
 ) -> Float[Array, "flight readout term"]:
     """Derivatives of the readouts per unit of each term, from the result of `moved_at`."""
+    if not terms:
+        return np.empty((*moved[""].shape, 0))
     names = {id(effect): started(name, 0) for name, effect in effects().items()}
-    known = {**moved, **_OF_READOUTS}
-    found = np.empty((*moved[""].shape, len(terms)))
-    for number, term in enumerate(terms):
-        bends = term.bends if isinstance(term.bends, str) else names[id(term.bends)]
-        found[..., number] = known[bends] * term.weight[:, None]
-    return found
+    bends = [term.bends if isinstance(term.bends, str) else names[id(term.bends)] for term in terms]
+    kinds = list(dict.fromkeys(bends))
+    known = np.empty((*moved[""].shape, len(kinds)))
+    for place, kind in enumerate(kinds):
+        known[..., place] = moved[kind] if kind in moved else _OF_READOUTS[kind]
+    weight = np.array([term.weight for term in terms]).T
+    return np.asarray(known[..., [kinds.index(kind) for kind in bends]] * weight[:, None])
 
 
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:

@@ -122,7 +122,7 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
     names = tuple(network.card["effects"])
     estimate = answer(network.members(summary.features), len(names))
     base = summary.baseline
-    acting = {candidate.effect for candidate in summary.candidates}
+    acting = set(summary.trials.family)
     middle = np.stack(
         [base.cd + base.cd_sd * estimate.shift[:, 0], base.alpha + base.alpha_sd * estimate.shift[:, 1]], axis=-1
     )
@@ -133,6 +133,7 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
         parameter_moments(base.cd, base.cd_sd, base.alpha, base.alpha_sd, base.correlation),
         parameter_moments(middle[:, 0], sds[:, 0], middle[:, 1], sds[:, 1], correlation),
     )
+    readouts = _readouts(plans.mean, plans.sd)
     return [
         QuickAnswer(
             {name: float(estimate.inclusion[plan, i]) for i, name in enumerate(names) if name in acting},
@@ -143,7 +144,7 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
             (float(middle[plan, 0]), float(sds[plan, 0])),
             (float(middle[plan, 1]), float(sds[plan, 1])),
             float(correlation[plan]),
-            _readouts(plans.mean[plan], plans.sd[plan]),
+            readouts[plan],
             summary,
             network.name,
             plan,
@@ -152,16 +153,23 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
     ]
 
 
-def _readouts(mean: Float[Array, "readout"], sd: Float[Array, "readout"]) -> dict[str, tuple[float, float, float]]:
-    """Quantiles in SI of readouts that are normal in the form that is compared; a readout that the plan lacks is left
-    out."""
-    found = {}
-    for name, middle, spread in zip(FORECAST_READOUTS, mean, sd, strict=True):
-        ends = [middle + standard * spread for standard in (-NORMAL_95, 0.0, NORMAL_95)]
-        values = np.exp(ends) if IS_LOGARITHMIC[OBSERVED_READOUTS.index(name)] else ends
-        if np.isfinite(values).all():
-            found[name] = (float(values[0]), float(values[1]), float(values[2]))
-    return found
+def _readouts(
+    mean: Float[Array, "plan readout"], sd: Float[Array, "plan readout"]
+) -> list[dict[str, tuple[float, float, float]]]:
+    """For each plan, the quantiles in SI of readouts that are normal in the form that is compared; a readout that the
+    plan lacks is left out."""
+    logarithmic = [bool(IS_LOGARITHMIC[OBSERVED_READOUTS.index(name)]) for name in FORECAST_READOUTS]
+    ends = mean[..., None] + sd[..., None] * np.array([-NORMAL_95, 0.0, NORMAL_95])
+    ends[:, logarithmic] = np.exp(ends[:, logarithmic])
+    known = np.isfinite(ends).all(axis=-1).tolist()
+    return [
+        {
+            name: (low, middle, high)
+            for name, (low, middle, high), shown in zip(FORECAST_READOUTS, own, has, strict=True)
+            if shown
+        }
+        for own, has in zip(ends.tolist(), known, strict=True)
+    ]
 
 
 def untrained_effects(ensemble: "Ensemble") -> tuple[str, ...]:

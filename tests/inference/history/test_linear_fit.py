@@ -10,7 +10,14 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.history.evidence import conditional, weigh
-from fieldkit.inference.history.linear_fit import LinearFit, declared_terms, history_data, history_model, linear_fit
+from fieldkit.inference.history.linear_fit import (
+    LinearFit,
+    declared_terms,
+    history_data,
+    history_model,
+    linear_fit,
+    prepared_fit,
+)
 from fieldkit.inference.history.response import (
     DRAG_OFFSETS,
     REFERENCE_LOG_DRAG,
@@ -43,7 +50,8 @@ def response() -> FlightResponse:
 @pytest.fixture(scope="module")
 def linear(response: FlightResponse) -> LinearFit:
     model = history_model(WORN.flights, WORN.found, COUNT, WORN.selection, declared=False)
-    return linear_fit(model, history_data(WORN.flights[:COUNT], WORN.used_in_fit, WORN.selection), response)
+    data = history_data(WORN.flights[:COUNT], WORN.used_in_fit, WORN.selection)
+    return linear_fit(prepared_fit(model, COUNT), data, response)
 
 
 def test_between_simulated_drag_values_the_response_agrees_with_the_simulator(

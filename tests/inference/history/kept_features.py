@@ -1,0 +1,46 @@
+"""Features of a few histories in a file: `python -m tests.inference.history.kept_features` writes it again.
+
+A network must be trained again when they change, because it is used with the features it was trained on.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from fieldkit.inference.history.features import effect_names, feature_names, summarize
+from fieldkit.inference.network.history import response_of
+from fieldkit.model.hyperprior import certified
+from fieldkit.model.rocket_model import Model
+from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.quick_candidates import quick_candidates
+from tests.inference.history.histories import READOUTS, history
+
+FILE = Path(__file__).with_name("features.json")
+CASES = {
+    "one flight": {"count": 1, "recorded": ("apogee",)},
+    "six flights": {"count": 6, "seed": 1, "recorded": (*READOUTS, "burn_time", "apogee_to_eject", "duration")},
+    "ten flights with wear": {"count": 10, "seed": 2, "wear": 0.06},
+}
+
+
+def features(case: str, names: Sequence[str]) -> dict[str, float]:
+    """The features of a case, with only some effects as candidates."""
+
+    def candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
+        return [one for one in quick_candidates(model, used_in_fit) if not one.effect or one.effect in names]
+
+    flown = replace(history(**CASES[case]), forecast=certified())
+    row = summarize(flown, response_of(flown), candidates, names).features[0]
+    return dict(zip(feature_names(names), row.tolist(), strict=True))
+
+
+def write() -> None:
+    """Write the features of all cases, with all effects."""
+    names = effect_names()
+    kept = {case: {name: round(value, 9) for name, value in features(case, names).items()} for case in CASES}
+    FILE.write_text(json.dumps({"effects": names, "features": kept}, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write()
