@@ -9,6 +9,7 @@ from typing import Any
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES, Flight
 from fieldkit.ledger.records import FlightSummary
+from fieldkit.quantities import counted
 
 Row = dict[str, Any]
 """Column name to a JSON-compatible value."""
@@ -54,7 +55,7 @@ def check_keys(flight: Flight) -> None:
 def check_key(name: str, key: str) -> None:
     """Raise BadValue for a key, or the columns of one together, that not every kind of ledger can store."""
     if (size := len(key.encode(errors="replace"))) > MAX_KEY_SIZE:
-        raise BadValue(f"{name}: found {key[:20] + '…'!r} of {size} bytes, expected at most {MAX_KEY_SIZE}")
+        raise BadValue(f"{name}: found {key[:20] + '…'!r} of {counted(size, 'byte')}, expected at most {MAX_KEY_SIZE}")
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:

@@ -44,13 +44,16 @@ def air_at_pads(flights: Sequence[Flight]) -> Air:
 def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | None]:
     """Descent speeds near the ground computed from a flight: of its last device, and of a drogue above it. [m/s]
 
-    A duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it is preferred over
-    a descent speed; with two devices the descent speed is the main's, and the duration determines the drogue's.
+    The speeds under two devices that a log shows are used as they are, because each is the slope of its own part of the
+    descent. Otherwise a duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it
+    is preferred over a descent speed; with two devices the descent speed is the main's, and the duration determines the
+    drogue's.
     Raises BadValue for a recovery device that cannot be read.
     """
     duration, recovery = _timed(flight), recovery_of(flight)
-    if duration is None or flight.apogee is None or flight.dry_mass is None:
-        return flight.descent_speed, recovery.drogue_speed if measured_sd(flight, TWO_DEVICES[0]) else None
+    drogue_speed = recovery.drogue_speed if measured_sd(flight, TWO_DEVICES[0]) else None
+    if drogue_speed is not None or duration is None or flight.apogee is None or flight.dry_mass is None:
+        return flight.descent_speed, drogue_speed
     path = _path(flight, found, recovery)
     left, air = duration - path.rise - path.free, air_at_pads([flight])
     if left <= 0:

@@ -596,7 +596,7 @@ def test_a_unit_that_sends_but_never_answers_is_given_up(
 
 @pytest.mark.parametrize("device", ["pnut", "RRC3", "aim", "walkie-talkie"])
 def test_a_unit_that_cannot_be_captured_is_refused_with_an_alternative(tmp_path: Path, device: str) -> None:
-    with pytest.raises(PortTrouble, match=r"not public|expected one of altimulti"):
+    with pytest.raises(PortTrouble, match=r"not public|expected one of: altimulti"):
         list(capture(Port("/dev/null"), device, folder=tmp_path))
 
 

@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta, timezone
@@ -190,7 +191,7 @@ def test_two_flights_with_one_name_in_a_table_are_a_duplicate_or_a_conflict(ledg
 @pytest.mark.parametrize(
     ("change", "found"),
     [
-        ({"flight_id": ""}, "flight_id"),
+        ({"flight_id": ""}, "an? (empty )?id"),
         ({"apogee": float("nan")}, "apogee_m: found nan"),
         ({"wind": float("inf")}, "wind_mps: found inf"),
         ({"notes": "a\0b"}, "notes"),
@@ -202,7 +203,7 @@ def test_values_that_a_ledger_cannot_store_are_named_and_the_rest_is_imported(
 ) -> None:
     added = ledger.add([FIRST.with_changes(**change), SECOND])
     assert added.new == ("2",)
-    assert found in added.conflicts[0].error
+    assert re.search(found, added.conflicts[0].error)
     with pytest.raises((LedgerError, BadValue), match=found.split(":")[0]):
         ledger.edit("2", **change)
     assert ledger.flight("2") == SECOND

@@ -201,7 +201,7 @@ def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(prediction: Predi
 
     assert verdicts("70F", 5) == ["ok", "ok"]
     assert verdicts("100F", 31) == ["caution", "unsafe"]
-    with pytest.raises(BadValue, match=MOTOR_TEMPERATURE):
+    with pytest.raises(BadValue, match="motor temperature"):
         lines_of(prediction, extra={MOTOR_TEMPERATURE: "warm"})
 
 

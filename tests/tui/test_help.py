@@ -4,6 +4,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
+from sys import modules
 from typing import Any
 
 import pytest
@@ -53,7 +54,8 @@ def screens() -> set[type[Screen[Any]]]:
     """Every screen that the app defines."""
     for module in walk_packages(tui.__path__, f"{tui.__name__}."):
         import_module(module.name)
-    return {one for one in _below(Screen) if one.__module__.startswith(f"{tui.__name__}.")} - BASES
+    own = {name for name in modules if name.startswith(f"{tui.__name__}.")}
+    return {one for one in _below(Screen) if one.__module__ in own} - BASES
 
 
 def _below(screen: type[Screen[Any]]) -> set[type[Screen[Any]]]:

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain, islice, pairwise
 
 from fieldkit.errors import DamagedLog, nearest
+from fieldkit.quantities import counted
 
 BLOCK = 1 << 19
 """Size of the part of a log that is decoded at a time, and the longest line; the first part is a small fraction of it,
@@ -44,7 +45,7 @@ def decode_whole(log: bytes) -> str:
 def check_count(lines: int) -> None:
     """Raise DamagedLog for more lines, or flights, than are read in one piece."""
     if lines > MAX_TABLE_LINES:
-        raise _too_large(f"{lines:,} lines", f"{MAX_TABLE_LINES:,}")
+        raise _too_large(counted(lines, "line"), f"{MAX_TABLE_LINES:,}")
 
 
 def _too_large(found: str, most: str) -> DamagedLog:

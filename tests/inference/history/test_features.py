@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.inference.history.kept_features import CASES, FILE, features
+from tests.inference.history.stored_features import CASES, FILE, features
 
 CHECK_SHAPES = False
 

@@ -1,4 +1,4 @@
-"""Features of a few histories in a file: `python -m tests.inference.history.kept_features` writes it again.
+"""Features of a few histories in a file: `python -m tests.inference.history.stored_features` writes it again.
 
 A network must be trained again when they change, because it is used with the features it was trained on.
 """
