@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from fieldkit.services.imports import Gathered, Receipt
 
 app = typer.Typer()
+MAX_LISTED = 100
+"""Maximum number of rejected rows, and of notes, that are printed. [1]"""
 
 MAX_COMPARED_FLIGHTS = 6
 """Maximum number of imported flights that are compared with their forecasts, one line each. [1]"""
@@ -147,12 +149,15 @@ def _fail_for(unusable: int) -> None:
 
 
 def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
-    """Print rejected rows and notes, one line each."""
-    for row in rejected:
+    """Print rejected rows and notes, one line each, up to `MAX_LISTED` of them."""
+    for row in rejected[:MAX_LISTED]:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
-    for note in notes:
+    for note in notes[:MAX_LISTED]:
         complain(f"note: {in_system(note, system())}")
+    for found, what in ((rejected, "rejected row"), (notes, "note")):
+        if more := len(found[MAX_LISTED:]):
+            complain(f"{counted(more, f'more {what}')}; --json lists them all")
 
 
 def _document(receipt: "Receipt") -> dict[str, object]:

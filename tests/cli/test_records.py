@@ -483,3 +483,14 @@ def test_output_that_cannot_be_written_is_one_clear_line() -> None:
     assert done.returncode == 1
     assert done.stderr.endswith("the command may have finished, check `fieldkit history`\n")
     assert "Traceback" not in done.stderr
+
+
+def test_of_many_rejected_rows_the_first_are_named_and_the_rest_counted(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "bad.csv"
+    rows = "".join(f"{number},Astra,F24-4W,300,x{number}\n" for number in range(150))
+    table.write_text(f"flight_id,rocket,motor,dry_mass_g,apogee_m\n{rows}")
+    outcome = run("import", table)
+    lines = outcome.err.splitlines()
+    assert sum("found 'x" in line for line in lines) == 100
+    assert "50 more rejected rows; --json lists them all" in lines
+    assert len(run("import", table, "--json").document["rejected"]) == 150

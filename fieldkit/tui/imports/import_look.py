@@ -192,7 +192,7 @@ def left_out(look: Look) -> Hanging:
         place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
         lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))
     if len(rejected) > MAX_LISTED:
-        lines.append(Content(f"and {len(rejected) - MAX_LISTED} more; fieldkit import --dry-run lists all"))
+        lines.append(Content(f"and {len(rejected) - MAX_LISTED} more; fieldkit import --dry-run --json lists all"))
     return Hanging(tuple((2, line) for line in lines))
 
 
