@@ -1,9 +1,8 @@
 """The hyperprior: how much rockets, motors, days and single flights vary, and how each device biases each readout.
 
 Every quantity of the model (drag, thrust, mass, burn, delay, and a discrepancy for each readout) is a mean plus random
-effects for the flyer's whole fleet, the rocket, its configuration, the motor type, the rocket on that motor, the day
-and the single flight. All are log ratios [1] except the time to ejection [s]. Their standard deviations are stated here
-and nowhere else.
+effects for the flyer's fleet, the rocket, its configuration, the motor type and its lot, the rocket on that motor, the
+day and the single flight: log ratios [1] or times to ejection [s]. Their deviations are stated here and nowhere else.
 
 `learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified` is
 the same model if motors, masses and devices match their documents. The search for effects uses it, so that an effect,
@@ -36,7 +35,7 @@ QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
 seconds."""
 FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """Readouts that each device defines in its own way; readouts measured in a sensor's samples have no such rule."""
-LEVELS = ("fleet", "rocket", "config", "motor", "rocket_motor", "day", "flight", "logged")
+LEVELS = ("fleet", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged")
 """Groups of flights that share a random effect, widest first. `logged` is for a rocket's readouts measured in a
 sensor's samples, to which the bias of a device does not apply."""
 CARD = "hyperprior.json"
@@ -179,6 +178,7 @@ START = Hyperprior(
             "drag.flight": 0.03,
             "thrust.fleet": 0.02,
             "thrust.motor": 0.05,
+            "thrust.lot": 0.025,
             "thrust.flight": 0.025,
             "mass.fleet": 0.05,
             "mass.rocket": 0.05,
@@ -219,18 +219,18 @@ START = Hyperprior(
 )
 """The starting point of the fit, which stays near it without information: round figures chosen before looking at any
 flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by
-that much; NFPA 1125 allows 10%), burn times within 5% and delays within 10%. Masses are within 5%, because altimeter,
-recovery system and wadding are not always weighed; that adds mass, so the mean is learned. All devices of one kind
-share a bias of 5%, that of peak acceleration also by motor type, because devices smooth short spikes. Single flights
-scatter by 6%. The biases of devices have mean zero, because each manufacturer aims at the truth: the open flights come
-from one device, which does not show their mean. The variation of noise among devices (`reading`) is a judgment for the
-same reason. Readouts measured in samples differ from simulated ones by a bias for each rocket; no device bias applies
-to them. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is missing). Two
-altimeters on one open flight differ by 13 and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035
-for drag, cos 15 = 0.97 for impulse)."""
+that much; NFPA 1125 allows 10%), their lots within 2.5% of the type if flights record them, burn times within 5% and
+delays within 10%. Masses are within 5%, because altimeter, recovery system and wadding are not always weighed; that
+adds mass, so the mean is learned. All devices of one kind share a bias of 5%, that of peak acceleration also by motor
+type, because devices smooth short spikes. Single flights scatter by 6%. The biases of devices have mean zero, because
+each manufacturer aims at the truth: the open flights come from one device, which does not show their mean. The
+variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
+from simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the
+standard deviation of the analysis (`ratio` is used if it is missing). Two altimeters on one open flight differ by 13
+and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for impulse)."""
 
-_LOGGED = {key: sd for key, sd in START.sds.items() if key.endswith(".logged")}
-"""Values that cards of older versions lack. They are judgments, because no open flight has a readout of both kinds."""
+_JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot"))}
+"""Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""
 
 
 def certified() -> Hyperprior:
@@ -270,7 +270,7 @@ def read_card(text: str, name: str) -> Hyperprior:
             kind="learned",
             means=MappingProxyType({key: float(x) for key, x in card["means"].items()}),
             mean_sds=MappingProxyType({key: float(x) for key, x in card.get("mean_sds", {}).items()}),
-            sds=MappingProxyType(_LOGGED | {key: float(x) for key, x in card["sds"].items()}),
+            sds=MappingProxyType({key: float(x) for key, x in (_JUDGED_SDS | card["sds"]).items()}),
             fixed=tuple(float(one["fixed"]) for one in noise),
             ratio=tuple(float(one["ratio"]) for one in noise),
             unknown_area=float(card["unknown_area"]),

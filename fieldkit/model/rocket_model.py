@@ -219,15 +219,16 @@ def _quantity_terms(
         mean = 0.0
     if sd := hyperprior.sd(quantity, "rocket"):
         yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
-    for level in ("config", "motor", "rocket_motor", "day"):
+    for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):
             continue
         group = groups(flights, found, "motor" if level == "rocket_motor" else level)
-        for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
+        kinds = _shared_days(group, flown) if level == "day" else list(dict.fromkeys(group))
+        for kind in _named(kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
-            joint = "on" if level in ("rocket_motor", "day") else "of"
-            name = config_term(quantity, kind) if level == "config" else f"{quantity} {joint} {kind}"
-            yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
+            varies = level in ("rocket_motor", "day")
+            name = config_term(quantity, kind) if level == "config" else f"{quantity} {'on' if varies else 'of'} {kind}"
+            yield Term(name, quantity, 0.0, sd, weight, scaled_by="scatter" if varies else "")
 
 
 def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
@@ -250,6 +251,11 @@ def _shared_days(days: Sequence[str], flown: int) -> list[str]:
     return [day for day in dict.fromkeys(days[:flown]) if day and days.count(day) > 1]
 
 
+def _named(groups: Sequence[str]) -> list[str]:
+    """The groups that have a name, each once."""
+    return [group for group in dict.fromkeys(groups) if group]
+
+
 def fleet_term(quantity: str) -> str:
     """The name of the term for one quantity of a flyer's whole fleet."""
     return f"{quantity} of the fleet"
@@ -261,8 +267,8 @@ def config_term(quantity: str, config: str) -> str:
 
 
 def shared_names(model: Model) -> list[str]:
-    """The terms that other rockets of the same ledger also have: for the fleet and for motor types."""
-    motors = dict.fromkeys(model.groups("motor"))
+    """The terms that other rockets of the same ledger also have: for the fleet, for motor types and their lots."""
+    motors = dict.fromkeys([*model.groups("motor"), *_named(model.groups("lot"))])
     known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
     known |= {fleet_term(quantity) for quantity in QUANTITIES}
     return [name for name in model.names if name in known]

@@ -11,6 +11,9 @@ LOT_WORDS = ({"lot"}, {"batch"})
 """What the header of a column of lots says, besides `FURTHER_WORDS`."""
 FURTHER_WORDS = {"motor", "number", "no", "id"}
 
+OF_A_LOT = " lot "
+"""What separates a motor type from its lot in the name of a group."""
+
 
 def names_a_lot(header: str) -> bool:
     """Whether a column of a flyer's table has the lots of the motors, by its header: `motor_lot`, `Batch no.`."""
@@ -30,6 +33,6 @@ def lots(flights: Sequence[Flight], found: Sequence[Found]) -> list[str]:
             (text.strip() for header, text in flight.extra.items() if text.strip() and names_a_lot(header)), ""
         )
         if recorded:
-            last[kind] = f"{kind} lot {recorded}"
+            last[kind] = f"{kind}{OF_A_LOT}{recorded}"
         result.append(last.get(kind, ""))
     return result

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import Model, base_model
+from fieldkit.forecast.predict import predict
+from fieldkit.model.hyperprior import START, learned
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
+from fieldkit.model.rocket_model import Model, base_model, shared_names
 from fieldkit.motors.lots import lots, names_a_lot
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms, place_weight
 from fieldkit.selection.diagnose import diagnose
@@ -77,3 +79,32 @@ def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
     lot = next(trial for one in diagnosis.ranking for trial in one.trials if trial.candidate.place == WEAK_LOT)
     mean, sd = lot.strength()
     assert abs(mean + 0.12) < 3 * sd
+
+
+def test_flights_that_record_lots_share_their_thrust_and_others_are_as_before() -> None:
+    plain, several = base_model(with_lots("box").flights, with_lots().found, learned()), with_lots()
+    known = base_model(several.flights, several.found, learned())
+    lots_of_f24 = [f"thrust of AeroTech F24W lot {n}" for n in (1, 2)]
+    assert set(lots_of_f24) <= set(known.names) - set(plain.names)
+    assert set(plain.names) <= set(known.names)
+    assert set(lots_of_f24) <= set(shared_names(known))
+    term = known.terms[known.names.index(lots_of_f24[1])]
+    assert term.sd == START.sds["thrust.lot"]
+    flown = [row for row, flight in enumerate(several.flights) if flight.motor == "F24" and row >= 8]
+    assert np.flatnonzero(term.weight).tolist() == flown
+
+
+def test_a_lot_is_forecast_from_its_own_flights_and_a_new_one_from_the_type() -> None:
+    """The forecast of the lot that flew low is lower, and that of an unknown lot in between and wider."""
+    truth = with_lots()
+    (term,) = effect_terms(WEAK_LOT, truth)
+    flights = measured(truth.with_terms(replace(term, mean=-0.12))).flights
+    past = list(zip(flights, truth.found, strict=True))
+    plan = next(flight for flight in flights if flight.motor == "F24").with_changes(
+        flight_id="next", **dict.fromkeys(OBSERVED_READOUTS)
+    )
+    found = past[0][1]
+    plans = [(plan.with_changes(extra={"motor_lot": lot}), found) for lot in ("1", "2", "3")]
+    first, second, new = (np.log(one.apogee) for one in predict(past, plans, draws=800, seed=1))
+    assert np.median(second) < np.median(new) < np.median(first)
+    assert new.std() > max(first.std(), second.std())

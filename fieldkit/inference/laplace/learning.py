@@ -23,6 +23,7 @@ from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, base_model, fleet_term, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
+from fieldkit.motors.lots import OF_A_LOT
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
 
@@ -241,7 +242,8 @@ def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, me
             sums.add(f"{quantity}.fleet", float((mean - hyperprior.mean(quantity)) ** 2 + variance), 1.0)
             means.add(quantity, float(mean), 1.0)
         else:
-            sums.add(f"{quantity}.motor", float(mean**2 + variance), 1.0)
+            level = "lot" if OF_A_LOT in name else "motor"
+            sums.add(f"{quantity}.{level}", float(mean**2 + variance), 1.0)
 
 
 def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) -> Hyperprior:
