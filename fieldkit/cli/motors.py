@@ -162,8 +162,8 @@ def _check_near(text: str, found: "list[Motor]", complaint: str | None, *, stric
     """Print a note that motors only resemble a text. Raises UnknownMotor if there are none, or if `strict`: a program
     or a shortlist would mistake them for the one named."""
     if strict or not found:
-        raise UnknownMotor(complaint or f"found no motor for {text!r}, expected a name such as F24-4W")
-    complain(f"note: found no motor {text!r}; these have the nearest names")
+        raise UnknownMotor(complaint or f"no motor {text!r}, expected a name such as F24-4W")
+    complain(f"note: no motor {text!r}; these have the nearest names")
 
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:

@@ -240,7 +240,7 @@ def _unknown(listings: Listings, text: str, name: Name) -> str:
     last = name if name.core else parse(text.split()[-1]) if text.split() else name
     near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(listings, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
-    return f"{text.strip()!r}: found no such motor; " + (f"did you mean {offer}?" if near else f"expected {offer}")
+    return f"no motor {text.strip()!r}" + (f"; did you mean {offer}?" if near else f", expected {offer}")
 
 
 def _doubtful_delay(name: Name, listing: Listing, text: str) -> str:

@@ -352,7 +352,7 @@ def test_a_script_uses_the_mass_and_diameter_of_the_last_flight(add: Add, file: 
     ("options", "found"),
     [
         (["--apogee", "100"], "rocket: found nothing"),
-        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "motor: 'ZZ99': found no such motor"),
+        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "motor: no motor 'ZZ99'"),
         (["--rocket", "Astra", "--apogee", "1oo"], "apogee: found"),
         (["--rocket", "Astra"], "no readout"),
     ],
@@ -415,7 +415,7 @@ def test_questions_resume_at_the_first_unreadable_value_of_a_draft(add: Add, fil
         ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B", "motor": "ZZ99", "apogee": "300m"})
     status, _, err = add(["F24-4W", ""], "--resume")
     assert status == 0
-    assert "Motor: 'ZZ99': found no such motor" in err
+    assert "Motor: no motor 'ZZ99'" in err
     (flight,) = flights_in(file)
     assert (flight.motor, flight.apogee) == ("F24-4W", 300.0)
 

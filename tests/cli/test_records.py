@@ -351,7 +351,7 @@ def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
         ("apogee=900000ft", "apogee: found 900000 ft, expected 0.3281 to 656168 ft, such as 734ft"),
         ("temperature=200F", "temperature: found 200 °F, expected -130 to 158 °F, such as"),
         ("apogge_m=3", "no column 'apogge_m'; did you mean apogee_m"),
-        ("motor=ZZ99", "motor: 'ZZ99': found no such motor"),
+        ("motor=ZZ99", "motor: no motor 'ZZ99'"),
         ("date_time=soon", "date: found 'soon', expected a date"),
         ("flight_id=2", "flight 2 of Astra is already in the ledger"),
         ("flight_id=", "found an empty id of a flight"),

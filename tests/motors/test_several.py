@@ -149,7 +149,7 @@ def test_a_booster_that_is_not_dropped_costs_height() -> None:
         ("D12-0/C6-0/B6-4", "60g/40g"),
         ("D12-0/C6-7", "--booster-mass"),
         ("30 x C6-5", "30 motors"),
-        ("2 x Zonk", "no such motor"),
+        ("2 x Zonk", "no motor 'Zonk', expected"),
     ],
 )
 def test_an_impossible_combination_of_motors_is_reported(text: str, named: str) -> None:

@@ -140,7 +140,7 @@ ROCKET = Flight(rocket="Kestrel", motor="F24-4W", dry_mass=0.322, diameter=0.066
 OTHERS = {
     "no dry mass": (ROCKET.with_changes(apogee=250.0, dry_mass=None), "no dry mass"),
     "no readout": (ROCKET, "no readout"),
-    "no such motor": (ROCKET.with_changes(apogee=250.0, motor="ZZ99"), "found no such motor"),
+    "unknown motor": (ROCKET.with_changes(apogee=250.0, motor="ZZ99"), "no motor 'ZZ99'"),
 }
 
 

@@ -198,7 +198,7 @@ async def test_an_unknown_motor_is_reported_with_similar_names(file: Path) -> No
         assert isinstance(screen, AddScreen)
         screen.field("motor").line.focus()
         await press(pilot, *typed("F2555"), "enter")
-        assert "found no such motor; did" in words(pilot)
+        assert "no motor 'F2555'; did" in words(pilot)
 
 
 async def test_a_flight_without_a_dry_mass_is_saved_with_a_note(tmp_path: Path) -> None:

@@ -63,7 +63,7 @@ async def test_a_file_is_shown_before_anything_is_stored(file: Path) -> None:
         assert "Flight table" in seen
         assert "1 flight, 0 duplicates, 2 rejected" in seen
         assert "✗ row 2, apogee_m: found '1o4'" in seen
-        assert "✗ row 3, motor: 'ZZ99': found no such motor" in seen
+        assert "✗ row 3, motor: no motor 'ZZ99'" in seen
         assert "3 · Comet · C6-5 Apogee 210.0 m" in text_of(pilot, "#more")
         with Ledger.open(file) as ledger:
             assert len(ledger.flights()) == 12
