@@ -10,6 +10,7 @@ from types import MappingProxyType
 from fieldkit import units
 from fieldkit.flight import Column
 from fieldkit.units import spelled as spelled
+from fieldkit.units import with_unit as with_unit
 
 SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
@@ -66,7 +67,8 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
     if digits is not None and (shown == unit or places <= DECIMALS[unit]):
         places = digits if shown == unit else min(digits, places)
     scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
-    return f"{round(scale.from_si(value), places) + 0.0:.{places}f} {spelled(shown)}"  # zero is never negative
+    number = round(scale.from_si(value), places) + 0.0  # zero is never negative
+    return with_unit(f"{number:.{places}f}", shown)
 
 
 _NOTE_FIGURE = re.compile(r"(?<![\w.,'])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
@@ -221,14 +223,14 @@ def strength_in_words(mean: float, sd: float, unit: str, system: str) -> str:
 def significant(column: Column, value: float, system: str) -> str:
     """A value [SI] with its unit and four significant digits: `922.9 ft`."""
     unit = unit_of(column, system)
-    return f"{rounded(units.unit(column.quantity, unit).from_si(value))} {spelled(unit)}"
+    return with_unit(rounded(units.unit(column.quantity, unit).from_si(value)), unit)
 
 
 def measure(column: Column, value: float | None, system: str) -> str:
     """A value [SI] with its unit: `923 ft`; empty if there is none."""
     if value is None:
         return ""
-    return f"{number(column, value, system)} {spelled(unit_of(column, system))}"
+    return with_unit(number(column, value, system), unit_of(column, system))
 
 
 def in_own_unit(column: Column, value: float, unit: str, system: str) -> str:

@@ -252,6 +252,12 @@ def spelled(unit: str) -> str:
     )
 
 
+def with_unit(number: str, unit: str) -> str:
+    """A number and its unit as they are printed: `5 m/s`, without a space `5°` and `5%`; the number without a unit."""
+    shown = spelled(unit)
+    return f"{number}{shown}" if shown in {"°", "%"} else f"{number} {shown}".rstrip()
+
+
 def parse_difference(text: str, quantity: str, default: str) -> float:
     """As `parse`, for a difference such as a standard deviation: the offset of its unit is ignored. Raises BadValue."""
     number, scale = _typed(text, quantity, default)

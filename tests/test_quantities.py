@@ -1,11 +1,27 @@
 """Figures in the units that a flyer chose."""
 
+import math
+
 import pytest
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import ShownUnits, density, in_system, measure, rounded, significant, with_sd
+from fieldkit.quantities import ShownUnits, density, in_system, measure, rounded, significant, with_sd, with_unit
 
 pytestmark = pytest.mark.fast
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("rail_angle", math.radians(5), "5°"),
+        ("humidity", 0.8, "80%"),
+        ("temperature", 294.15, "21 °C"),
+        ("apogee", 281.3, "281.3 m"),
+    ],
+)
+def test_degrees_and_percent_follow_their_number_without_a_space(name: str, value: float, shown: str) -> None:
+    assert measure(BY_NAME[name], value, "SI") == significant(BY_NAME[name], value, "SI") == shown
+    assert with_unit("7", "") == "7"
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME, MEASURED
-from fieldkit.quantities import spelled, unit_of, with_sd
+from fieldkit.quantities import unit_of, with_sd, with_unit
 
 TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in MEASURED} | {"time_to_apogee": "Time to apogee"})
 """Titles of the figures, in the order of the readouts."""
@@ -28,6 +28,11 @@ def sensor_of(source: str) -> str:
     return "+".join(dict.fromkeys(sensor for word, sensor in _SENSORS.items() if word in source)) or "device"
 
 
+def event_title(name: str) -> str:
+    """The name of an event for display: `lift-off` for `liftoff`, which is its name in JSON."""
+    return "lift-off" if name == "liftoff" else name.replace("_", " ")
+
+
 def column_header(name: str) -> str:
     """Column name of a figure with its unit, such as `apogee_m`."""
     return BY_NAME[name].header if name in BY_NAME else f"{name}_s"
@@ -44,4 +49,4 @@ def figure_text(name: str, value: float, sd: float, system: str = "SI") -> str:
     column = BY_NAME.get(name)
     unit = unit_of(column, system) if column else "s"
     scale = units.unit(column.quantity if column else "time", unit)
-    return f"{with_sd(scale.from_si(value), scale.difference_from_si(sd))} {spelled(unit)}"
+    return with_unit(with_sd(scale.from_si(value), scale.difference_from_si(sd)), unit)

@@ -135,12 +135,14 @@ def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
 
 def _print_events(recording: "Recording") -> None:
     """Print events on the log's clock, and the source of each figure."""
-    from fieldkit.analysis.labels import TITLES, figure_text
+    from fieldkit.analysis.labels import TITLES, event_title, figure_text
 
     recorded = recording.recorded
     if recorded.events:
         say()
-        rows = [(name, f"{with_sd(one.time, one.sd)} s", one.source) for name, one in recorded.events.items()]
+        rows = [
+            (event_title(name), f"{with_sd(one.time, one.sd)} s", one.source) for name, one in recorded.events.items()
+        ]
         print_table(("event", "on the log's clock", "by"), rows)
     if recorded.figures:
         say()

@@ -105,7 +105,7 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 def print_card(flight: "Flight", id: str) -> None:
     """Print everything known about a flight, one line each, in the user's units."""
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import spelled, unit_of, with_sd
+    from fieldkit.quantities import unit_of, with_sd, with_unit
 
     chosen = system()
 
@@ -118,7 +118,7 @@ def print_card(flight: "Flight", id: str) -> None:
         number, unit = flight.number(column.name), unit_of(column, chosen)
         scale = units.unit(column.quantity, unit)
         sd = scale.difference_from_si(flight.sd.get(column.name, 0.0))
-        lines.append((column.title, "" if number is None else f"{with_sd(scale.from_si(number), sd)} {spelled(unit)}"))
+        lines.append((column.title, "" if number is None else with_unit(with_sd(scale.from_si(number), sd), unit)))
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)

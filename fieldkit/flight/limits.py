@@ -49,8 +49,8 @@ def check(column: Column, value: float, unit: str = "") -> float:
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
         shown = units.unit(column.quantity, unit or column.unit)
         least, most = (rounded(shown.from_si(own.to_si(bound))) for bound in (low, high))
-        ending = f" {units.spelled(unit or column.unit)}".rstrip()
-        raise BadValue(f"found {rounded(shown.from_si(value))}{ending}, expected {least} to {most}{ending}")
+        typed = units.with_unit(rounded(shown.from_si(value)), unit or column.unit)
+        raise BadValue(f"found {typed}, expected {least} to {units.with_unit(most, unit or column.unit)}")
     return value
 
 

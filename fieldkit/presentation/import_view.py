@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
+from fieldkit.analysis.labels import event_title
 from fieldkit.flight import BY_NAME, FIGURES_BY_NAME
 from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of, with_sd
@@ -198,4 +199,4 @@ def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:
 def _event_lines(flight: FlightView, shown: ShownUnits) -> Iterator[str]:
     for event in flight.events:
         height = "" if event.altitude is None else shown.length(event.altitude, 1)
-        yield f"    {event.name:12} T{event.time:+9.2f} s {height:>12}   {event.sensor}"
+        yield f"    {event_title(event.name):12} T{event.time:+9.2f} s {height:>12}   {event.sensor}"

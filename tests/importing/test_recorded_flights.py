@@ -83,7 +83,8 @@ def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path)
     assert shown["recording"]["stated"] == {"apogee_m": 465.0}
     _, card, _ = run("show", id)
     assert "±" in card
-    assert "liftoff" in card
+    assert "lift-off" in card
+    assert "liftoff" not in card
     _, out, _ = run("import", path, "--json")
     assert json.loads(out)["duplicates"] == 1
 

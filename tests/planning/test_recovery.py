@@ -411,7 +411,7 @@ def test_the_range_card_has_the_conditions_of_its_forecast(tmp_path: Path, capsy
     card_text = card.read_text(encoding="utf-8")
     for prediction in ("rail 1.5 m", "away from the wind", "kg/m³ at the pad"):
         assert prediction in words
-    for prediction in ("rail 1.5 m", "at 5 ° away", "kg/m³ at the pad"):
+    for prediction in ("rail 1.5 m", "at 5° away", "kg/m³ at the pad"):
         assert prediction in card_text
     assert ", Moor" in card_text
     assert "as if every motor" in card_text

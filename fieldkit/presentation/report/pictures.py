@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fieldkit.analysis.labels import event_title
 from fieldkit.presentation.report.card import Card, CardForecast
 from fieldkit.presentation.report.style import (
     AFTER_COLOR,
@@ -104,8 +105,8 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
         step = step + 1 if time - last < 0.09 * span else 0
         last = time
         tall.annotate(
-            f" {name} {time:.2f} s", (time, 0.98 - 0.08 * step), xycoords=("data", "axes fraction"), va="top",
-            fontsize=7.5, color=INK_COLOR,
+            f" {event_title(name)} {time:.2f} s", (time, 0.98 - 0.08 * step), xycoords=("data", "axes fraction"),
+            va="top", fontsize=7.5, color=INK_COLOR,
         )  # fmt: skip
     tall.margins(y=0.22)
 

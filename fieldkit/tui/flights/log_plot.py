@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
+from fieldkit.analysis.labels import event_title
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import spelled, unit_of
 
@@ -108,7 +109,7 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     for time in inside.values():
         plt.plot([time, time], [low, high], marker="│", color=ink.mark)
     ends = {f"T+{last:.0f} s": last}
-    named = sorted((time, name) for name, time in {**inside, **ends}.items())
+    named = sorted((time, event_title(name)) for name, time in {**inside, **ends}.items())
     seconds = [(time, f"{time:g}") for time in round_ticks(first, last, ink.width // 12)]
     labels = spaced([*named, *seconds], first, last, ink.width)
     plt.xticks(list(labels), list(labels.values()))

@@ -11,6 +11,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit import units
+from fieldkit.analysis.labels import event_title
 from fieldkit.analysis.whole_flight import FlightCurve
 from fieldkit.flight import BY_NAME, LOG_FIGURES
 from fieldkit.ledger import Ledger
@@ -111,7 +112,7 @@ def _events(one: FlightView, system: str) -> Hanging:
     rows = []
     for event in one.events:
         at = "" if event.altitude is None else f"  {measure(BY_NAME['apogee'], event.altitude, system)}"
-        rows.append((event.name.replace("_", " "), f"T{event.time:+.2f} s{at}  {event.sensor}"))
+        rows.append((event_title(event.name), f"T{event.time:+.2f} s{at}  {event.sensor}"))
     return cards.lines("Events", rows)
 
 

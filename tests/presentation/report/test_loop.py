@@ -266,7 +266,7 @@ def test_the_pattern_of_the_residuals_is_described(diagnosis: Diagnosis) -> None
     [
         ("temperature_c", 288.15, "temperature above 15 °C"),
         ("pressure_hpa", 101_300.0, "pressure above 1013 hPa"),
-        ("rail_angle_deg", math.radians(5), "rail angle above 5 °"),
+        ("rail_angle_deg", math.radians(5), "rail angle above 5°"),
         ("expected_top_speed_mps", 100.0, "expected top speed above 100 m/s"),
         ("flight_number", 12.0, "the flight number above 12"),
     ],
