@@ -7,13 +7,16 @@ from unittest.mock import patch
 import pytest
 from textual.widgets import Input
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
+from fieldkit.motors.catalogue import catalogue
 from fieldkit.services import close_loop
 from fieldkit.services.manual_entry import STARTED
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
+from fieldkit.tui.next import contest_form
 from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, hurry, looked_at, opened, press, shown, text_of, typed, words
@@ -198,6 +201,13 @@ async def test_the_form_of_a_contest_day_is_one_change(file: Path) -> None:
         await press(pilot, "u", "_")
     with Ledger.open(file) as ledger:
         assert [ledger.draft(name) for name in ("contest", "sites", "plan")] == [None, None, None]
+
+
+def test_a_lift_off_mass_below_the_motors_is_reported_in_the_flyers_units() -> None:
+    motor = catalogue().resolve("F24-4W").motor
+    for system, message in (("US", r"mass of 0.71 oz, .* 2.22 oz"), ("SI", r"mass of 20.0 g, .* 62.9 g")):
+        with pytest.raises(BadValue, match=message):
+            contest_form.read(motor, system, "lift_off_mass", "20g", "oz")
 
 
 async def test_a_model_in_use_is_not_said_to_be_declined(file: Path) -> None:

@@ -3,11 +3,12 @@
 from dataclasses import replace
 from typing import Any
 
+from fieldkit.errors import BadValue
 from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, read_lift_off_mass
 from fieldkit.motors import Motor
 from fieldkit.planning.contest_day import Day, read_part
-from fieldkit.quantities import measure, unit_of
+from fieldkit.quantities import in_system, measure, unit_of
 from fieldkit.services.manual_entry import dry_mass_under
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets import cards
@@ -30,12 +31,16 @@ def questions(site: Site) -> tuple[Question, ...]:
     return (*DAY, *(site_form.ROOM if site.name else ()), WEIGHED)
 
 
-def read(motor: Motor, name: str, text: str, unit: str) -> object:
-    """An answer as typed; a lift-off mass as the dry mass under a motor [kg]. Raises BadValue."""
+def read(motor: Motor, system: str, name: str, text: str, unit: str) -> object:
+    """An answer as typed; a lift-off mass as the dry mass under a motor [kg]. Raises BadValue, with masses in the units
+    of a system."""
     if name != WEIGHED.name:
         return read_part(name, text, unit)
     mass = read_lift_off_mass(text, unit)
-    return None if mass is None else dry_mass_under(mass, motor)
+    try:
+        return None if mass is None else dry_mass_under(mass, motor)
+    except BadValue as error:
+        raise BadValue(in_system(str(error), system)) from error
 
 
 def texts(day: Day, site: Site, system: str) -> dict[str, str]:

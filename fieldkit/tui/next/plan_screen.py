@@ -69,8 +69,8 @@ class PlanScreen(PageScreen):
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
             (
                 "score",
-                "Each flight forecast from the earlier ones, compared with simpler methods, and the quantile of each "
-                "flight in its forecast.",
+                "Each flight forecast from the earlier ones, compared with simpler methods, and the place of each "
+                "flight in its forecast: a tenth of the flights should be in each row.",
             ),
         ),
         (
@@ -227,7 +227,7 @@ class PlanScreen(PageScreen):
         (day, site), system = known, self.resources.settings.units
         title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
-        read = partial(contest_form.read, self._decision.motor)
+        read = partial(contest_form.read, self._decision.motor, system)
         form = Form(title, contest_form.questions(site), texts, units, read)
         self.app.push_screen(form, partial(self._have_day, season, known))
 
