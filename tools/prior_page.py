@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, certified, learned
 from tools.markdown import WRITTEN_BY
 
@@ -160,7 +161,7 @@ the 90% interval."""
                     row["interval_score"],
                 )
                 cells = " | ".join(f"{100 * figure:.1f}" for figure in figures)
-                yield f"| {row['name']} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
+                yield f"| {LABELS.get(row['name'], row['name'])} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
 
 
 def _step_tables(steps: Mapping[str, Any]) -> Iterator[str]:

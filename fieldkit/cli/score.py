@@ -75,13 +75,13 @@ def score(
 def _print_scores(found: "LedgerScores") -> None:
     """Print saved forecasts, later flights and first flights, each if there are any, and the next forecast's
     weights."""
-    from fieldkit.presentation.score_text import next_lines, titles
+    from fieldkit.presentation.score_text import LEGEND, next_lines, titles
 
     for report, title in titles(found):
         say_wrapped(title)
         _print(report, placed=report is not found.first)
         say()
-    for line in next_lines(found):
+    for line in (*next_lines(found), LEGEND):
         say_wrapped(line)
 
 
@@ -90,6 +90,7 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
     flights."""
     from fieldkit.presentation.score_text import (
         DIFFERENCE_HEADERS,
+        DIFFERENCE_LEGEND,
         HEADERS,
         against_the_bar,
         difference_rows,
@@ -97,14 +98,18 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
         verdict_lines,
         way_rows,
     )
+    from fieldkit.scoring.bootstrap import MIN_FLIGHTS_FOR_VERDICT
 
     print_table(HEADERS, way_rows(found), numbers=HEADERS[1:])
-    say_wrapped(f"all in percent of the flown apogee; fieldkit's CRPS is {ShownUnits(system()).length(found.crps, 1)}")
-    say()
-    print_table(DIFFERENCE_HEADERS, difference_rows(found), numbers=DIFFERENCE_HEADERS[1:])
-    say_wrapped("90% bootstrap intervals in percent of the flown apogee; *: clearly different")
-    for line in (*verdict_lines(found), *against_the_bar(found)):
-        say_wrapped(line, "  ")
+    say_wrapped(f"fieldkit's CRPS is {ShownUnits(system()).length(found.crps, 1)}")
+    if any(one.flights >= MIN_FLIGHTS_FOR_VERDICT for one in found.against):
+        say()
+        print_table(DIFFERENCE_HEADERS, difference_rows(found), numbers=DIFFERENCE_HEADERS[1:])
+        say_wrapped(DIFFERENCE_LEGEND)
+        for line in (*verdict_lines(found), *against_the_bar(found)):
+            say_wrapped(line, "  ")
+    else:
+        say_wrapped(f"Too few flights to compare the methods: at least {MIN_FLIGHTS_FOR_VERDICT} are needed.")
     if not placed:
         return
     say()

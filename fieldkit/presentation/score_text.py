@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fieldkit.forecast.evaluation.rivals import BAR, LABELS
+from fieldkit.forecast.evaluation.rivals import BAR, LABELS, MIXED
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -14,8 +14,15 @@ if TYPE_CHECKING:
 
 MAX_BAR_LENGTH = 30
 """Longest bar. [character]"""
-HEADERS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
-DIFFERENCE_HEADERS = ("fieldkit's advantage", "error", "CRPS", "interval score")
+HEADERS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "in 90%")
+DIFFERENCE_HEADERS = ("fieldkit is better by", "mean error", "CRPS", "interval")
+LEGEND = (
+    "In percent of the flown apogee. n: flights; median, mean: absolute errors; bias: median error, + if forecasts are "
+    "too high; CRPS, interval: scores of the whole forecast and of its 90% interval, lower is better; in 90%: flights "
+    "in that interval."
+)
+"""The columns of `HEADERS`."""
+DIFFERENCE_LEGEND = "90% bootstrap intervals; +: fieldkit's score is lower, *: clearly different"
 
 
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
@@ -63,6 +70,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
             f"{way.coverage90:.0%}",
         )
         for way in found.ways
+        if way.name != LABELS[MIXED] or not _mixes_nothing(found)
     ]
 
 
@@ -71,8 +79,18 @@ def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     interval, in percent of the flown apogee, with a star if the difference is clear."""
     return [
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
-        for one in found.against
+        for one in compared(found)
     ]
+
+
+def compared(found: "ScoreReport") -> list["Against"]:
+    """The rivals to show: all, but the mixture with them only if it differs from the model's own forecasts."""
+    return [one for one in found.against if one.rival != MIXED or not _mixes_nothing(found)]
+
+
+def _mixes_nothing(found: "ScoreReport") -> bool:
+    """Whether the mixture gave every flight the model's own forecast."""
+    return all(one.crps.interval == (0.0, 0.0) for one in found.against if one.rival == MIXED)
 
 
 def verdict_lines(found: "ScoreReport") -> Iterator[str]:
@@ -82,7 +100,7 @@ def verdict_lines(found: "ScoreReport") -> Iterator[str]:
         ("worse", "WORSE than"),
         ("unclear", "Not clearly different from"),
     ):
-        named = [LABELS[one.rival] for one in found.against if one.verdict == verdict]
+        named = [LABELS[one.rival] for one in compared(found) if one.verdict == verdict]
         if named:
             yield f"{words}: {'; '.join(named)}."
 
@@ -116,7 +134,10 @@ def histogram(found: "Calibration") -> Iterator[str]:
     """PITs as bars that should have equal lengths, and the fraction of flights in each interval."""
     low, high = found.expected
     count = sum(found.counts)
-    yield f"quantile of each flight in its forecast (should be uniform; {low:.0f} to {high:.0f} per bin by chance)"
+    yield (
+        "Flights by place in their forecast, from 0% (lower than all its draws) to 100%: a tenth in each row, "
+        f"{low:.0f} to {high:.0f} by chance"
+    )
     longest = max(*found.counts, 1)
     for place, number in enumerate(found.counts):
         bar = "█" * round(MAX_BAR_LENGTH * number / longest)
@@ -126,6 +147,6 @@ def histogram(found: "Calibration") -> Iterator[str]:
         least, most = one.expected
         verdict = "as expected" if one.honest else "too narrow" if one.held < one.level else "too wide"
         yield (
-            f"  {one.level:.0%} interval: covered {one.held:.0%} of {count}, by chance {least:.0%} to {most:.0%}: "
-            f"{verdict}"
+            f"  {one.level:.0%} interval: contains {one.held:.0%} of {counted(count, 'flight')}, {least:.0%} to "
+            f"{most:.0%} by chance: {verdict}"
         )

@@ -67,15 +67,17 @@ RIVALS: Mapping[str, Rival] = {
     "flight_before": flight_before,
     "fleet_ratio": fleet_ratio,
 }
+MIXED = "stacked"
+"""The mixture of the model with some rivals, weighted by their forecasts of earlier flights."""
 LABELS: Mapping[str, str] = {
     "uncalibrated": "uncalibrated",
     "scalar": "scalar correction",
     "last_on_motor": "last on motor, else scalar",
     "flight_before": "flight before",
     "fleet_ratio": "fleet ratio",
-    "stacked": "stacked",
+    MIXED: "mixed with rivals",
 }
-"""Names of the rivals in tables; `stacked` is the mixture with some of them."""
+"""Names of the rivals in tables."""
 BAR = "scalar"
 """The main rival, which anyone can compute: a simulation times the mean ratio of the flights so far."""
 

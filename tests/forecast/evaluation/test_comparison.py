@@ -13,9 +13,16 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, against, judged_report, tally
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
+from fieldkit.forecast.evaluation.rivals import LABELS, MIXED
 from fieldkit.ledger import Ledger
 from fieldkit.presentation.report.score import check_picture, write_picture
-from fieldkit.presentation.score_text import against_the_bar, verdict_lines
+from fieldkit.presentation.score_text import (
+    DIFFERENCE_HEADERS,
+    against_the_bar,
+    difference_rows,
+    verdict_lines,
+    way_rows,
+)
 from fieldkit.services.scores import LedgerScores
 
 CHECK_SHAPES = False
@@ -103,6 +110,17 @@ def test_if_the_scalar_correction_is_better_it_is_reported() -> None:
     assert {one.verdict for one in few.against} == {"unclear"}
 
 
+def test_the_mixture_is_shown_only_if_it_differs() -> None:
+    rows = season(20)
+    same = judged_report([replace(row, rivals={**row.rivals, MIXED: row.draws}) for row in rows])
+    other = judged_report([replace(row, rivals={**row.rivals, MIXED: row.draws * 1.01}) for row in rows])
+    shown = [
+        LABELS[MIXED] in "".join(map(str, (way_rows(one), difference_rows(one), *verdict_lines(one))))
+        for one in (same, other)
+    ]
+    assert shown == [False, True]
+
+
 def test_a_rival_with_a_spread_is_scored_by_it() -> None:
     rows = season(20)
     same = [replace(row, rivals={"scalar": row.draws}) for row in rows]
@@ -150,6 +168,8 @@ def test_a_whole_ledger_or_one_rocket_can_be_scored(
     out = capsys.readouterr().out
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert "First flights of a rocket: 2" in out
+    assert out.count("Too few flights to compare the methods: at least 5 are needed.") == 2
+    assert DIFFERENCE_HEADERS[0] not in out
 
 
 def test_another_hyperprior_can_be_scored_and_nothing_is_saved(
