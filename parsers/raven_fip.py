@@ -1,7 +1,7 @@
 """Featherweight Raven, exported by its interface program: `Time@<channel>,<channel>,bILBA` for every channel.
 
 Each channel has its own clock and length. A channel that has ended leaves two empty cells instead of three, so rows
-have different widths. The digits of `bILBA` are flags: I, liftoff, burnout (the integrated speed begins to fall),
+have different widths. The digits of `bILBA` are flags: I, lift-off, burnout (the integrated speed begins to fall),
 apogee (it has reached zero), as confirmed by real flights. Channels with brackets in their names were computed
 later by the program. Hand-edited copies (`Time-...`, `Time (s)`, two channels) are also read, and so are those
 that a spreadsheet saved with semicolons.

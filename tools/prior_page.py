@@ -161,7 +161,8 @@ the 90% interval."""
                     row["interval_score"],
                 )
                 cells = " | ".join(f"{100 * figure:.1f}" for figure in figures)
-                yield f"| {LABELS.get(row['name'], row['name'])} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
+                name = LABELS.get(row["name"], row["name"])
+                yield f"| {name} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
 
 
 def _step_tables(steps: Mapping[str, Any]) -> Iterator[str]:

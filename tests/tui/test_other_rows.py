@@ -90,7 +90,7 @@ async def test_an_unknown_motor_is_refused_in_the_form_and_no_edit_is_lost(file:
     async with opened(file) as pilot:
         await press(pilot, "enter", "e", *["down"] * 2, "ctrl+u")
         await hurry(pilot, *"F24W999", "ctrl+s")
-        assert "✗ 'F24W999': found" in words(pilot)
+        assert "✗ no motor 'F24W999'" in words(pilot)
         assert pilot.app.focused is pilot.app.screen.query_one("#in-motor")
         await press(pilot, "ctrl+u", *typed("F24-4W"), "ctrl+s", "_")
         assert "Saved flight 12: motor" in words(pilot)
