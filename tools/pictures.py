@@ -104,7 +104,7 @@ def app_pages() -> None:
             with Ledger.open(file) as ledger:
                 bring_in(ledger, [ROOT / "fieldkit" / "data" / "reference_flights.csv"], lambda name: None)
                 if name == "app_flight":
-                    known = {"rocket": "Comet", "motor": "F24-4W", "dry_mass": 0.3, "diameter": 0.066}
+                    known = {"rocket": "Comet", "motor": "F24-4W", "dry_mass": 0.3, "diameter": 0.098}
                     (logged,) = bring_in(ledger, [LOG], lambda name: None, defaults=known).ids
                     ledger.edit(logged, flight_id="13")
             path = ROOT / "docs" / f"{name}.svg"
