@@ -15,7 +15,7 @@ TEXT_COLUMNS = ("flight_id", "date_time", "rocket", "config", "motor", "site", "
 
 
 def read_date(text: str) -> datetime | None:
-    """Parse local liftoff time, None for an empty text. Raises BadValue.
+    """Parse local lift-off time, None for an empty text. Raises BadValue.
 
     An offset from UTC is dropped, because local time at the field is meant.
     """

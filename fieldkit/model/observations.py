@@ -21,8 +21,8 @@ CD_RANGE = (0.2, 1.5)
 ALPHA_RANGE, ALPHA_SD = (0.6, 1.4), 0.13
 """The prior of alpha: normal around 1 with this standard deviation, between these ends. [1]
 
-Certified motors are within 7% of their impulse (NFPA 1125); alpha also absorbs the effect on thrust of a scale or a
-launch rod that is further off than assumed.
+The impulse of single certified motors has a standard deviation of at most 6.7% (NFPA 1125); alpha also absorbs the
+effect on thrust of a scale or a launch rod that is further off than assumed.
 """
 MIN_PRIOR_DIAMETER, MAX_PRIOR_DIAMETER = 0.013, 0.1
 """Bounds of the diameter's prior; the motor's diameter replaces the lower one if it is larger. [m]"""

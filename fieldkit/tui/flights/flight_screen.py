@@ -10,6 +10,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.analysis.labels import event_title
 from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.start import Start
@@ -208,7 +209,7 @@ class FlightScreen(PageScreen):
                 self.ask(partial(rocket_of, self.resources.ledger, self._flight), self._have_rocket, "rocket")
             return
         events = sorted(log.events.items(), key=lambda one: one[1])
-        marks = printable(", ".join(f"{name} T{time:+.2f} s" for name, time in events))
+        marks = printable(", ".join(f"{event_title(name)} T{time:+.2f} s" for name, time in events))
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}  l for a cursor\n{marks}"))
         self._text.append(f"Log  {marks}")
 

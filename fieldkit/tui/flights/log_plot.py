@@ -36,7 +36,7 @@ class Drawn:
         return min((first for first, _ in ends), default=0.0), max((last for _, last in ends), default=0.0)
 
     def from_liftoff(self) -> "Drawn":
-        """A copy with time from liftoff, from shortly before liftoff to landing; unchanged if liftoff is unknown.
+        """A copy with time from lift-off, from shortly before lift-off to landing; unchanged if lift-off is unknown.
         [s]"""
         start = self.events.get("liftoff")
         if start is None:
@@ -56,7 +56,7 @@ class Drawn:
 
 
 DRAWN_MARGIN = 1.0
-"""Time to draw before liftoff and after landing. [s]"""
+"""Time to draw before lift-off and after landing. [s]"""
 TRACES = ("altitude", "speed", "acceleration")
 """Channels to draw, from top to bottom."""
 POINTS = 400

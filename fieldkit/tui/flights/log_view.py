@@ -203,7 +203,8 @@ class LogView(HelpedModal[None]):
             plot.show(_with_cursor(trace, curve.events, span, self._moment))
             parts.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
         step = (span[1] - span[0]) / STEPS
-        parts += [name for name, moment in curve.events.items() if abs(moment - self._moment) < STEPS_TO_EVENT * step]
+        near = STEPS_TO_EVENT * step
+        parts += [event_title(name) for name, moment in curve.events.items() if abs(moment - self._moment) < near]
         self.query_one("#cursor", Static).update(Content(printable("  ".join(parts))).stylize("bold"))
 
     def action_step(self, by: int) -> None:
