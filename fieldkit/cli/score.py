@@ -95,21 +95,21 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
         against_the_bar,
         difference_rows,
         histogram,
+        too_few,
         verdict_lines,
         way_rows,
     )
-    from fieldkit.scoring.bootstrap import MIN_FLIGHTS_FOR_VERDICT
 
     print_table(HEADERS, way_rows(found), numbers=HEADERS[1:])
     say_wrapped(f"fieldkit's CRPS is {ShownUnits(system()).length(found.crps, 1)}")
-    if any(one.flights >= MIN_FLIGHTS_FOR_VERDICT for one in found.against):
+    if few := too_few(found):
+        say_wrapped(few)
+    else:
         say()
         print_table(DIFFERENCE_HEADERS, difference_rows(found), numbers=DIFFERENCE_HEADERS[1:])
         say_wrapped(DIFFERENCE_LEGEND)
         for line in (*verdict_lines(found), *against_the_bar(found)):
             say_wrapped(line, "  ")
-    else:
-        say_wrapped(f"Too few flights to compare the methods: at least {MIN_FLIGHTS_FOR_VERDICT} are needed.")
     if not placed:
         return
     say()

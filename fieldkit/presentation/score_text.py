@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.forecast.evaluation.rivals import BAR, LABELS, MIXED
 from fieldkit.quantities import counted
+from fieldkit.scoring.bootstrap import MIN_FLIGHTS_FOR_VERDICT
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import Against, ScoreReport
@@ -81,6 +82,13 @@ def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
         (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
         for one in compared(found)
     ]
+
+
+def too_few(found: "ScoreReport") -> str:
+    """That no rival can be compared because there are too few flights; empty if one can."""
+    if any(one.flights >= MIN_FLIGHTS_FOR_VERDICT for one in found.against):
+        return ""
+    return f"Too few flights to compare the methods: at least {MIN_FLIGHTS_FOR_VERDICT} are needed."
 
 
 def compared(found: "ScoreReport") -> list["Against"]:

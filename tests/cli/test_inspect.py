@@ -188,8 +188,9 @@ def test_the_json_has_the_whole_flight_as_plotted(run: Run) -> None:
     assert curve["time_s"][-1] > events["apogee"] + 5
     status, out, _ = run("inspect", PNUT)
     assert status == 0
-    for what in ("height", "speed", "accel", "events", "from lift-off"):
+    for what in ("height", "speed", "accel", "events", "from lift-off", "lift-off     T"):
         assert what in out
+    assert "liftoff" not in out
 
 
 def test_inspect_lists_the_columns_of_a_table_that_are_only_stored(run: Run, tmp_path: Path) -> None:

@@ -45,14 +45,14 @@ def test_a_saved_prediction_is_scored_with_what_was_known_then(
     assert main([*arguments, "--out", str(picture)]) == 0
     out = capsys.readouterr().out
     assert "Saved forecasts, made before the flight: 1" in out
-    assert "Not clearly different from the scalar correction" in " ".join(out.split())
+    assert "Too few flights to compare the methods" in out
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert picture.read_bytes().startswith(b"<?xml")
     assert main([*arguments, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["kept"]["stale"] == 1
     assert {"flights", "errors", "coverage90", "corrected", "evaluation", "rivals", "calibration"} <= document.keys()
-    assert document["flights"][0]["pit"] == pytest.approx(document["flights"][0]["pit"])
+    assert 0 <= document["flights"][0]["pit"] <= 1
 
 
 def test_scores_since_a_day_leave_out_earlier_forecasts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -212,8 +212,9 @@ async def test_a_log_is_plotted_with_its_events(tmp_path: Path) -> None:
         await press(pilot, "enter")
         seen = words(pilot)
         assert "PerfectFlite" in seen
-        for what in ("altitude [m]", "speed [m/s]", "acceleration [g]", "burnout", "apogee"):
+        for what in ("altitude [m]", "speed [m/s]", "acceleration [g]", "lift-off", "burnout", "apogee"):
             assert what in seen
+        assert "liftoff" not in seen
         await press(pilot, "l", "end")
         assert "T+" in text_of(pilot, "#cursor")
         assert "speed" in text_of(pilot, "#cursor")

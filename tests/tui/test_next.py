@@ -220,6 +220,7 @@ async def test_a_log_is_plotted_before_it_is_stored(file: Path) -> None:
         facts = text_of(pilot, "#facts")
         for what in ("altitude (m)", "1 flight, 0 rejected", "Apogee", "baro", "format", "140 used"):
             assert what in facts
+        assert "liftoff" not in facts
         await press(pilot, "escape")
         assert "would add 1 flight" in text_of(pilot, "#preview")
 
