@@ -9,8 +9,8 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import Column
-from fieldkit.units import spelled as spelled
-from fieldkit.units import with_unit as with_unit
+from fieldkit.spelled_units import spelled as spelled
+from fieldkit.spelled_units import with_unit as with_unit
 
 SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import Column, Flight
+from fieldkit.spelled_units import with_unit
 
 _EDGE: Mapping[str, tuple[float, float]] = {
     "dry_mass": (0.1, 1e6),
@@ -49,8 +50,8 @@ def check(column: Column, value: float, unit: str = "") -> float:
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
         shown = units.unit(column.quantity, unit or column.unit)
         least, most = (rounded(shown.from_si(own.to_si(bound))) for bound in (low, high))
-        typed = units.with_unit(rounded(shown.from_si(value)), unit or column.unit)
-        raise BadValue(f"found {typed}, expected {least} to {units.with_unit(most, unit or column.unit)}")
+        typed = with_unit(rounded(shown.from_si(value)), unit or column.unit)
+        raise BadValue(f"found {typed}, expected {least} to {with_unit(most, unit or column.unit)}")
     return value
 
 

@@ -13,6 +13,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight.columns import Column
 from fieldkit.flight.flight import Flight
 from fieldkit.flight.limits import rounded
+from fieldkit.spelled_units import with_unit
 
 Device = Literal["parachute", "streamer"]
 DEVICES: tuple[Device, ...] = ("parachute", "streamer")
@@ -115,7 +116,7 @@ def check_recovery(flight: Flight, names: Iterable[str] = tuple(LIMITS)) -> None
             text, unit = _typed(flight, name)
             scale = units.unit(RECOVERY_COLUMNS[name][0], unit)
             least, most = (rounded(scale.from_si(one)) for one in (low, high))
-            raise BadValue(f"{_label(name)}: found {text}, expected {least} to {units.with_unit(most, unit)}")
+            raise BadValue(f"{_label(name)}: found {text}, expected {least} to {with_unit(most, unit)}")
 
 
 def _typed(flight: Flight, name: str) -> tuple[str, str]:
@@ -124,7 +125,7 @@ def _typed(flight: Flight, name: str) -> tuple[str, str]:
     header = recovery_column(flight, name) or name
     text = flight.extra.get(header, "").strip()
     own = units.typed_unit(text, header[len(name) :].removeprefix("_") or unit)
-    return text if text.endswith(own) else units.with_unit(text, own), own
+    return text if text.endswith(own) else with_unit(text, own), own
 
 
 def _label(name: str) -> str:

@@ -16,7 +16,7 @@ from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
-from fieldkit.motors.lots import lots
+from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.setups import recorded, typical_diameters
 from fieldkit.shapes import Array, Float
@@ -153,10 +153,9 @@ def has_logs(flights: Sequence[Flight]) -> bool:
 
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
     """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
-    if per == "motor":
-        return [f"{item.motor.maker} {item.motor.designation}" for item in found]
-    if per == "lot":
-        return lots(flights, found)
+    if per in ("motor", "lot"):
+        motors = [f"{item.motor.maker} {item.motor.designation}" for item in found]
+        return motors if per == "motor" else lots(motors, [recorded_lot(flight) for flight in flights])
     if per == "day":
         return [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
     return [str(getattr(flight, per)) for flight in flights]

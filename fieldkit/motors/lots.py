@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 from fieldkit.flight import Flight
 from fieldkit.motors.catalogue import split_lot
-from fieldkit.motors.search import Found
 
 LOT_WORDS = ({"lot"}, {"batch"})
 """What the header of a column of lots says, besides `FURTHER_WORDS`."""
@@ -20,19 +19,21 @@ def names_a_lot(header: str) -> bool:
     return set(re.findall(r"[a-z]+", header.casefold())) - FURTHER_WORDS in LOT_WORDS
 
 
-def lots(flights: Sequence[Flight], found: Sequence[Found]) -> list[str]:
-    """The lot of each flight's motor, `Estes D12 lot 2`, for flights in the order flown; empty if unknown.
+def recorded_lot(flight: Flight) -> str:
+    """The lot of a flight's motor as recorded, empty if it is not."""
+    columns = (text.strip() for header, text in flight.extra.items() if names_a_lot(header))
+    return split_lot(flight.motor)[1] or next(filter(None, columns), "")
+
+
+def lots(motors: Sequence[str], recorded: Sequence[str]) -> list[str]:
+    """The lot of each flight's motor, `Estes D12 lot 2`, by motor types and lots in the order flown; empty if unknown.
 
     A flight without a lot has that of the flight before on the same motor type: a flyer records the lot of a new pack.
     """
     last: dict[str, str] = {}
     result = []
-    for flight, item in zip(flights, found, strict=True):
-        kind = f"{item.motor.maker} {item.motor.designation}"
-        recorded = split_lot(flight.motor)[1] or next(
-            (text.strip() for header, text in flight.extra.items() if text.strip() and names_a_lot(header)), ""
-        )
-        if recorded:
-            last[kind] = f"{kind}{OF_A_LOT}{recorded}"
-        result.append(last.get(kind, ""))
+    for motor, lot in zip(motors, recorded, strict=True):
+        if lot:
+            last[motor] = f"{motor}{OF_A_LOT}{lot}"
+        result.append(last.get(motor, ""))
     return result

@@ -9,7 +9,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import START, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, base_model, shared_names
-from fieldkit.motors.lots import lots, names_a_lot
+from fieldkit.motors.lots import lots, names_a_lot, recorded_lot
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms, place_weight
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import known_patterns
@@ -48,7 +48,7 @@ def test_a_lot_is_read_from_the_name_or_a_column_and_lasts_until_the_next() -> N
     flights = list(model.flights)
     flights[0] = flights[0].with_changes(motor="F24 lot 0412")
     flights[6] = flights[6].with_changes(extra={"batch": " 77 "})
-    found = lots(flights, model.found)
+    found = lots(model.groups("motor"), [recorded_lot(flight) for flight in flights])
     kinds = model.groups("motor")
     assert found[0] == f"{kinds[0]} lot 0412" == found[3]
     assert found[6] == f"{kinds[0]} lot 77" == found[9]
