@@ -183,6 +183,8 @@ def _zero_moved(series: Series) -> bool:
     if series.altitude is None or level is None:
         return False
     both = np.flatnonzero(np.isfinite(level) & np.isfinite(series.altitude))
+    if both.size < 2 * MIN_SAMPLES:
+        return False
     level, zero = level[both], level[both] - series.altitude[both]
     ground, own = np.median(level[:MIN_SAMPLES]), np.median(zero[:MIN_SAMPLES])
     again = np.abs(level - ground) < _SAME_LEVEL
