@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.analysis.moved_zero import zero_moved
 from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median, running_median_over, stretches
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
@@ -45,9 +46,6 @@ _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
 _REPEAT_TIME, _BOOST_ACCELERATION, _FIX_NOISE = 2.0, 600.0, 20.0
 """Shortest time for which a lost receiver repeats its last height [s], the acceleration of the hardest boosts
 [m/s^2], and how far two heights of a receiver in the open differ [m]."""
-_SAME_LEVEL, _ZERO_MOVED = 20.0, 5.0
-"""Pressure heights this close are the same level; if two altitudes at the same level differ by more than this, their
-zero has moved. [m]"""
 _WINDOW, _MIN_SIZE, _MAX_SIZE = 0.5, 5, 61
 """Length of the running median that reveals spikes [s], and its limits in samples. [1]"""
 
@@ -106,7 +104,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
             values = getattr(series, name)
             if values is None or np.isfinite(values).sum() < MIN_SAMPLES:
                 continue
-            if name == "altitude" and _zero_moved(series):
+            if name == "altitude" and zero_moved(series):
                 continue
             values = _without_stale(series.time, values) if name == "gps_altitude_msl" else values
             time, values = _thinned(*_usable(series.time, _without_fill(values)), name == "pressure")
@@ -171,25 +169,6 @@ def at_its_end(push: Push, begin: float, end: float) -> Flags | None:
     if not is_clipped(push, begin, end):
         return None
     return np.asarray((push.felt >= push.felt[inside].max()) & (push.time > begin - 1) & (push.time < end + 0.5))
-
-
-def _zero_moved(series: Series) -> bool:
-    """Whether a logger moved the zero of its altitudes during the log, as its own pressures show.
-
-    Equal pressures then have one altitude at the beginning and another one later. A logger that corrects for the
-    temperature has altitudes on another scale, which changes little near the ground.
-    """
-    level = pressure_height(series.pressure) if series.pressure is not None else series.altitude_msl
-    if series.altitude is None or level is None:
-        return False
-    both = np.flatnonzero(np.isfinite(level) & np.isfinite(series.altitude))
-    if both.size < 2 * MIN_SAMPLES:
-        return False
-    level, zero = level[both], level[both] - series.altitude[both]
-    ground, own = np.median(level[:MIN_SAMPLES]), np.median(zero[:MIN_SAMPLES])
-    again = np.abs(level - ground) < _SAME_LEVEL
-    again[: both.size // 2] = False
-    return bool(again.sum() >= MIN_SAMPLES and abs(np.median(zero[again]) - own) > _ZERO_MOVED)
 
 
 def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:

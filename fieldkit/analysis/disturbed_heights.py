@@ -87,8 +87,8 @@ def _reverses(track: Heights, there: tuple[int, float], back: tuple[int, float])
 def lasting_step(track: Heights, begin: float, end: float) -> tuple[float, float] | None:
     """Time [s] and size [m] of the largest upward step between two times that no later step reverses; None without one.
 
-    The pressure in the bay changed, as when an airframe separates or a vent opens: the heights before and after the
-    step are not of one climb. Near the speed of sound shocks cause steps, so those of fast climbs do not count.
+    Derivation: by Bernoulli's equation, a bay that opens in flight shows a pressure that is lower by a fraction of the
+    dynamic pressure. So the heights before and after the step are not of one climb. Near the speed of sound shocks cause steps, so those of fast climbs do not count.
     """
     jumps = list(_jumps(track))
     lasting = [
