@@ -88,7 +88,8 @@ def lasting_step(track: Heights, begin: float, end: float) -> tuple[float, float
     """Time [s] and size [m] of the largest upward step between two times that no later step reverses; None without one.
 
     Derivation: by Bernoulli's equation, a bay that opens in flight shows a pressure that is lower by a fraction of the
-    dynamic pressure. So the heights before and after the step are not of one climb. Near the speed of sound shocks cause steps, so those of fast climbs do not count.
+    dynamic pressure. So the heights before and after the step are not of one climb. Near the speed of sound shocks
+    cause steps, so those of fast climbs do not count.
     """
     jumps = list(_jumps(track))
     lasting = [
