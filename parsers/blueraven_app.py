@@ -3,7 +3,8 @@
 Several flag columns have the same name; the first one is used. The velocity and the altitude that the logger integrated
 drift after landing and are separate from the barometer's. `..._fired` flags keep their own names, because they come
 more than a second after the times that the summary states. One file may contain the same flight twice. No public
-document names the columns of the high rate: columns named acceleration are used if they read one g before launch.
+document names the columns of the high rate: columns named acceleration are used if they read one g before launch or, in
+a log without the pad, after landing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,9 +17,9 @@ from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
-from fieldkit.importing.tables.pad_state import marks, scale_at_rest, upright
+from fieldkit.importing.tables.pad_state import along_thrust, marks, scale_at_rest, upright
 from fieldkit.importing.tables.text import decode, lines_of
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS, Unit
 
 CLOCK = "flight_time_(s)"
@@ -44,7 +45,10 @@ FLAGS = {
 }
 AXES = ("axis 0", "axis 1", "axis 2")
 SCALES = (STANDARD_GRAVITY, 1.0, STANDARD_GRAVITY / 1000)
-"""Possible units of acceleration: g, m/s^2 or thousandths of a g. On the pad only one of them gives one g."""
+"""Possible units of acceleration: g, m/s^2 or thousandths of a g. At rest only one of them gives one g."""
+REST_TIME, REST_ROWS, REST_SPREAD = 2.0, 20, 0.1
+"""End of a log that shows whether the rocket rests after landing [s], its fewest rows [1], and the largest range of an
+acceleration at rest, as a fraction of it [1]."""
 
 
 def _is_low(names: Sequence[str]) -> bool:
@@ -88,13 +92,23 @@ def _high(table: LogTable, head: Header, log: bytes, notes: list[Found]) -> Read
     time = table.values["time"]
     axes: Float[Array, "axis row"] = np.array([table.values[name] for name in AXES])
     total: Float[Array, "row"] = np.sqrt((axes**2).sum(axis=0))
-    scale = scale_at_rest(total[time < 0], SCALES)
+    before = time < 0
+    rest = before if before.any() else _at_rest_last(time, total)
+    scale = scale_at_rest(total[rest], SCALES)
     series = Series(time=time)
     if scale is None:
-        notes.append(Note("holds accelerations that are not one g before launch, in whatever unit; left out"))
+        notes.append(Note("holds accelerations that are not one g at rest, in whatever unit; left out"))
     else:
-        series = Series(time=time, felt=upright(axes * scale, time < 0), felt_total=total * scale)
+        felt = upright(axes * scale, before) if before.any() else along_thrust(time, axes * scale)
+        series = Series(time=time, felt=felt, felt_total=total * scale)
     return replace(_reading(series, table, head, log), part="high")
+
+
+def _at_rest_last(time: Float[Array, "row"], total: Float[Array, "row"]) -> Flags:
+    """The last seconds of a log that lacks the pad, if the rocket rests in them; none if it moves."""
+    last = time > time[-1] - REST_TIME
+    level, spread = float(np.median(total[last])), float(np.ptp(total[last]))
+    return last & bool(last.sum() >= REST_ROWS and spread < REST_SPREAD * level)
 
 
 def _reading(series: Series, table: LogTable, head: Header, log: bytes) -> Reading:

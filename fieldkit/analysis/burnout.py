@@ -26,7 +26,8 @@ _ENDS_FOR, _LASTS_FOR, _LATEST_END = 0.3, 0.1, 0.7
 """Shortest time without thrust that is a coast, and with thrust that is a boost [s]; latest end of a boost, as a
 fraction of the climb [1]."""
 _REACH = 0.4
-"""Smallest difference of burnout from the fastest climb of the heights that is tried. [s]"""
+"""Smallest difference of burnout from the fastest climb of the heights that is tried, if their samples are no farther
+apart. [s]"""
 _PEAK_DELAY = 2.5
 """Delay of the fastest climb of lagged heights, in lags: ln((a + d) / d) for a thrust a ten times the drag d. [1]"""
 
@@ -92,7 +93,7 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     lift = lag.lift.time if lag.lift is not None else marks.lift
     marks = replace(marks, lift=lift, released=marks.released - lag.lag)
     begin = lift if lift is not None else start.samples.grid.start
-    reach = max(_REACH, 0.25 * (marks.burnout - begin))
+    reach = max(_REACH, 0.25 * (marks.burnout - begin), _spacing(start.samples, marks.burnout))
     first = max(begin + 0.1, marks.burnout - reach - _PEAK_DELAY * lag.lag)
     every = np.linspace(first, max(min(marks.burnout + reach, marks.released - 0.1), first + 0.1), _BURNOUTS)
     evidence = np.empty(_BURNOUTS)
@@ -109,6 +110,13 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     if start.transonic and lag.lift is not None:
         sd = float(np.hypot(sd, lag.lift.sd))
     return Burnout(replace(marks, burnout=mean), sd, lag.lag, total)
+
+
+def _spacing(samples: Samples, moment: float) -> float:
+    """Time between heights around a moment, to which they show when the climb was fastest. [s]"""
+    time = samples.time[samples.is_own]
+    after = int(np.clip(np.searchsorted(time, moment), 1, time.size - 1))
+    return float(time[after] - time[after - 1])
 
 
 def guess_for(start: FitStart, marks: Marks, lag: float) -> Guess:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.analysis.moved_zero import zero_moved
 from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median, running_median_over, stretches
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
@@ -102,6 +103,8 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
         for series in clocks:
             values = getattr(series, name)
             if values is None or np.isfinite(values).sum() < MIN_SAMPLES:
+                continue
+            if name == "altitude" and zero_moved(series):
                 continue
             values = _without_stale(series.time, values) if name == "gps_altitude_msl" else values
             time, values = _thinned(*_usable(series.time, _without_fill(values)), name == "pressure")

@@ -66,9 +66,9 @@ def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float
 def ejection(
     stated: Mapping[str, float], shocks: Event | None, track: Heights, apogee: Event, landed: Event | None
 ) -> Event | None:
-    """When the first charge fired: as the logger marked it, as it was felt, or when the fall was braked in the air."""
+    """When the first charge fired in the air: as the logger marked it, as it was felt, or when the fall was braked."""
     for name in _CHARGES:
-        if name in stated:
+        if name in stated and (landed is None or stated[name] < landed.time):
             return Event(float(stated[name]), 0.1, f"{name} event of the logger")
     if shocks and (landed is None or shocks.time < landed.time - 3 * landed.sd):
         return shocks

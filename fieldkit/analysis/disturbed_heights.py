@@ -28,6 +28,8 @@ _SPEED_OF_SOUND = 335.0
 _FAST = 0.4 * _SPEED_OF_SOUND
 """Mean speed from before an apparent fall to after it above which the rocket was near the speed of sound. The mean over
 such a climb is lower than the speed of sound. [m/s]"""
+_AROUND = 0.5
+"""Time before and after a step over which the climb rate shows whether the rocket was near the speed of sound. [s]"""
 _MARGIN = 0.15
 """How long before and after an apparent fall shocks disturb the pressure. [s]"""
 _ABOVE = 12.0
@@ -71,10 +73,42 @@ def _steps(track: Heights) -> Flags:
 def _cancels(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
     """Whether a later step reverses an earlier one. Disturbances by shocks in a fast climb do not count."""
     before, after = there[0], back[0] + 1
-    lasts = track.time[after] - track.time[before]
-    climbs = track.height[after] - track.height[before] > _FAST * lasts
+    climbs = track.height[after] - track.height[before] > _FAST * (track.time[after] - track.time[before])
+    return _reverses(track, there, back) and not climbs
+
+
+def _reverses(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
+    """Whether a later step is about as large as an earlier one, and opposite. Its height is in m."""
+    lasts = track.time[back[0] + 1] - track.time[there[0]]
     opposite = abs(there[1] + back[1]) < _BACK * max(abs(there[1]), abs(back[1]))
-    return bool(lasts < _LASTS and there[1] * back[1] < 0 and opposite and not climbs)
+    return bool(lasts < _LASTS and there[1] * back[1] < 0 and opposite)
+
+
+def lasting_step(track: Heights, begin: float, end: float) -> tuple[float, float] | None:
+    """Time [s] and size [m] of the largest upward step between two times that no later step reverses; None without one.
+
+    Derivation: by Bernoulli's equation, a bay that opens in flight shows a pressure that is lower by a fraction of the
+    dynamic pressure. So the heights before and after the step are not of one climb. Near the speed of sound shocks
+    cause steps, so those of fast climbs do not count.
+    """
+    jumps = list(_jumps(track))
+    lasting = [
+        (float(track.time[place]), size)
+        for n, (place, size) in enumerate(jumps)
+        if begin <= track.time[place] <= end
+        and size > 0
+        and not any(_reverses(track, (place, size), later) for later in jumps[n + 1 :])
+        and not _is_fast_around(track, place)
+    ]
+    return max(lasting, key=lambda one: one[1], default=None)
+
+
+def _is_fast_around(track: Heights, place: int) -> bool:
+    """Whether the heights climb near the speed of sound shortly before or after a step."""
+    time, height = track.time, track.height
+    before, after = max(place - _MAX_STEP_GAP, 0), min(place + 1 + _MAX_STEP_GAP, time.size - 1)
+    ends = np.interp((time[before] - _AROUND, time[after] + _AROUND), time, height)
+    return bool(max(height[before] - ends[0], ends[1] - height[after]) > _FAST * _AROUND)
 
 
 def _jumps(track: Heights) -> Iterator[tuple[int, float]]:

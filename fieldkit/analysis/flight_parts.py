@@ -10,6 +10,7 @@ from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, MIN_SAMPLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.descent_stages import descent_stages
+from fieldkit.analysis.disturbed_heights import lasting_step
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.hard_boost import hidden_lead
@@ -24,6 +25,7 @@ from fieldkit.analysis.notes import (
     NO_LANDING,
     NO_LIFTOFF,
     NO_PAD,
+    STEP_NOTE,
     UNSEEN_TOP_NOTE,
 )
 from fieldkit.analysis.peak import peak_push
@@ -36,6 +38,8 @@ from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
+_STEP_REACH = 0.5
+"""How long after the top speed of a curve a step of the heights may be that causes that speed. [s]"""
 _BLIND_PART = 0.75
 """Largest spacing of samples that still show a boost, as a fraction of its duration. [1]"""
 
@@ -149,6 +153,9 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
     times = felt.time if felt else log.every
     if found is not None and ((lost is not None and not felt) or _is_unseen(times, begin, found[0].time)):
         found, notes = None, (NO_BOOST,)
+    step = lasting_step(log.track, begin, found[0].time + _STEP_REACH) if found is not None and not felt else None
+    if step is not None:
+        found, notes = None, (STEP_NOTE.format(step[1]),)
     if lift is None:
         notes += (NO_LIFTOFF,)
     if found is None or lift is None or found[0].time >= end - 0.2:

@@ -30,6 +30,12 @@ _TRANSONIC_SPEED = 270.0
 """Speed above which shocks disturb the pressure, about Mach 0.8. [m/s]"""
 _BRAKING_TIME = 1.5
 """Time after top speed over which the deceleration is measured. [s]"""
+FADE, FADE_SD = 0.12, 0.10
+"""Impulse of a motor after its thrust has fallen for good to a fraction x of its mean, as a fraction of x² times the
+total: mean and standard deviation over the catalog, each impulse class weighted equally (a test recomputes them). A
+linear decrease over a fifth of the burn has 0.1. [1]"""
+_MOST_FADE, _FADE_TIME = 0.8, 0.3
+"""Largest x, and time after top speed over which the deceleration is measured. [1], [s]"""
 _BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
 """Relative error of a burn time from heights only, and from a barometer disturbed by shocks. [1]"""
 _MIN_FELT_FRACTION = 0.9
@@ -154,7 +160,10 @@ def boost_event(
     else:
         is_barometric, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
         fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR
-        late = float(np.linalg.norm([late, 0.03 + fraction * (time[place] - begin), ascent.burnout_sd]))
+        burn = float(time[place]) - begin
+        faded, level = _faded(ascent, value, float(time[place]), begin)
+        fades = FADE_SD * burn * max(1 - 2 * level, 0.0)
+        late = float(np.linalg.norm([late, 0.03 + fraction * burn, ascent.burnout_sd, fades]))
         late = late if ascent.ended is None else ascent.ended.sd
         blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
@@ -168,12 +177,33 @@ def boost_event(
             * value
         )
         off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
-        value, source = value + off, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
-        spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
+        value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
+        spread = float(
+            np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late, faded * FADE_SD / FADE])
+        )
         late = float(np.hypot(late, blurred))
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)
+
+
+def _faded(ascent: Ascent, speed: float, moment: float, begin: float) -> tuple[float, float]:
+    """What a curve through heights misses because its thrust ends at once, while that of motors fades: by how much it
+    is faster at burnout than the rocket [m/s], and the thrust then as a fraction of its mean [1].
+
+    Derivation: the curve at burnout is the coast after it, extrapolated back to the time when thrust equals weight and
+    drag. Thrust that fades from its mean to zero within t has t x²/2 of impulse left when it is the fraction x of its
+    mean: the coast is faster by that. A curve of the same impulse would end (1/2 - x) t earlier. Thrust per mass is the
+    mean acceleration plus gravity plus a third of the drag at burnout, the mean of v² in an even boost.
+    """
+    burn = moment - begin
+    later = float(np.interp(moment + _FADE_TIME, ascent.time, ascent.speed))
+    slows = max((speed - later) / _FADE_TIME, GRAVITY)
+    if burn <= 0:
+        return 0.0, 0.0
+    thrust = speed / burn + GRAVITY + (slows - GRAVITY) / 3
+    level = min(slows / thrust, _MOST_FADE)
+    return FADE * level**2 * thrust * burn, level
 
 
 def _blind(time: Float[Array, "time"], moment: float) -> float:

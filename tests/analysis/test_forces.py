@@ -6,8 +6,9 @@ import pytest
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.flight_parts import _doubted
-from fieldkit.analysis.forces import boost_event, forces
+from fieldkit.analysis.forces import FADE, FADE_SD, boost_event, forces
 from fieldkit.analysis.records import Figure, MeasuredClimb
+from fieldkit.motors import catalogue
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 
 pytestmark = pytest.mark.fast
@@ -52,7 +53,8 @@ def test_burnout_from_pressure_is_less_certain_if_thrust_fades() -> None:
         found = boost_event(ascent, None, 0.0, 5.9, "barometric altitude")
         assert found is not None
         sds.append(found[0].sd)
-    assert sds[0] == pytest.approx(np.hypot(0.05, 0.05), rel=0.1)
+    level = 40 / (150 + GRAVITY + (40 - GRAVITY) / 3)  # of the thrust at which the speed is highest
+    assert sds[0] == pytest.approx(np.linalg.norm([0.05, 0.05, FADE_SD * (1 - 2 * level)]), rel=0.1)
     assert sds[1] > 2 * sds[0]
 
 
@@ -105,3 +107,39 @@ def test_a_top_speed_far_from_that_of_an_uncompared_accelerometer_is_uncertain(t
     speed = _doubted(Figure(300.0, 6.0, ""), Push(time, felt, False, ""), 0.0, 5.0)
     assert speed.value == 300.0
     assert max(least, 6.0) <= speed.sd < max(1.6 * least, 7.0)
+
+
+def test_the_fading_of_thrust_agrees_with_the_catalog() -> None:
+    levels, step = np.array([0.3, 0.4, 0.5, 0.6]), 0.005
+    rows, classes = [], []
+    for motor in catalogue().motors:
+        thrust = np.interp(np.arange(0.0, motor.burnout, step), motor.time, motor.thrust)
+        left = np.cumsum(thrust[::-1])[::-1] / thrust.sum()
+        last = [np.flatnonzero(thrust >= level * thrust.mean())[-1] for level in levels]
+        rows.append((np.append(left, 0.0)[np.array(last) + 1] / levels**2).mean())
+        classes.append(motor.impulse_class)
+    weight = 1 / np.array([classes.count(one) for one in classes])
+    mean = np.average(rows, weights=weight)
+    assert mean == pytest.approx(FADE, abs=0.01)
+    assert np.sqrt(np.average((rows - mean) ** 2, weights=weight)) == pytest.approx(FADE_SD, abs=0.02)
+
+
+@pytest.mark.parametrize("drag", [0.002, 0.004, 0.006])
+def test_a_coast_extrapolated_to_burnout_is_corrected_for_thrust_that_fades(drag: float) -> None:
+    step, fades, ends = 0.002, 2 * FADE, 1.0
+    time = np.arange(0, 4, step)
+    speed = np.zeros(time.size)
+    for place, thrust in enumerate(200.0 * np.clip((ends + fades / 2 - time[:-1]) / fades, 0, 1)):
+        speed[place + 1] = speed[place] + step * (thrust - GRAVITY - drag * speed[place] ** 2)
+    right, top = float(speed.max()), int(np.argmax(speed))
+    curve = speed.copy()
+    for place in range(round((ends + fades) / step), top, -1):
+        curve[place - 1] = curve[place] + step * (GRAVITY + drag * curve[place] ** 2)
+    curve[:top] = curve[top] * time[:top] / time[top]
+    net, height = np.gradient(curve, step), np.cumsum(curve) * step
+    draws = (np.tile(one, (2, 1)) for one in (height, curve, net))
+    ascent = Ascent(time, height, curve, net, *draws, noise=0.4, burnout_sd=0.05, fused=False)
+    found = boost_event(ascent, None, 0.0, 3.0, "GPS altitude")
+    assert found is not None
+    assert found[1].value == pytest.approx(right, abs=0.25 * (curve.max() - right))
+    assert found[0].time == pytest.approx(time[top], abs=0.01)

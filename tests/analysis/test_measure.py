@@ -130,6 +130,13 @@ def test_a_rocket_that_comes_in_ballistic_has_no_ejection() -> None:
     assert recorded.figures["descent_speed"].value > 35
 
 
+def test_a_charge_that_a_logger_fires_after_landing_is_not_the_ejection() -> None:
+    truth = fly(SMALL)
+    recorded = measure(log(truth, Logger(), np.random.default_rng(2)), {"drogue": 100.0 + float(truth.time[-1]) + 4})
+    ejected = recorded.events.get("ejection")
+    assert ejected is None or ejected.time < recorded.events["landing"].time
+
+
 @pytest.mark.parametrize("rate", [10, 100])
 def test_an_ejection_at_high_speed_changes_only_the_curve_after_it(rate: int) -> None:
     """A short delay deploys the parachute at 50 m/s: the rocket stops within half a second."""

@@ -7,7 +7,7 @@ from fieldkit.analysis import measure
 from fieldkit.analysis.peak import BEYOND_MEAN, BEYOND_WINDOW
 from fieldkit.motors import catalogue
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from tests.analysis.recordings import SMALL, Logger, fly, log
+from tests.analysis.recordings import LARGE, Logger, fly, log
 
 STEP, PEAK = 0.01, 0.05
 """Time step of the curves, and the time over which a peak is taken. [s]"""
@@ -47,7 +47,7 @@ def test_peak_ratios_agree_with_the_catalog() -> None:
 
 def test_the_peak_of_a_log_that_begins_after_ignition_may_have_come_before_it() -> None:
     """So it is that of motors with this mean, whose thrust is the mean acceleration plus gravity and drag."""
-    figures = measure(log(fly(SMALL), Logger(rate=50.0, noise=0.05, late=0.2), np.random.default_rng(2))).figures
+    figures = measure(log(fly(LARGE), Logger(rate=50.0, noise=0.05, late=0.2), np.random.default_rng(2))).figures
     mean, peak = figures["avg_accel"], figures["peak_accel"]
     assert peak.value > mean.value + (BEYOND_MEAN[0] - 1) * (mean.value + GRAVITY)
     assert peak.sd > BEYOND_MEAN[1] * (mean.value + GRAVITY)

@@ -85,9 +85,23 @@ def test_apogee_is_at_the_vertex_of_the_samples(name: str) -> None:
     assert recorded.events["apogee"].time == pytest.approx(FLIGHTS[name], abs=0.2)
 
 
-def test_a_failed_flight_has_no_apogee() -> None:
-    _, recorded = flown("altos_csv__2012-08-31-serial-334-flight-003.csv")
-    assert not recorded.figures
+def test_a_flight_whose_logger_moved_its_zero_has_the_apogee_of_its_pressures() -> None:
+    """The motor threw the rocket, and the pressure at its failure moved the zero of the heights by 72 m."""
+    reading, recorded = flown("altos_csv__2012-08-31-serial-334-flight-003.csv")
+    (series,) = reading.clocks
+    assert series.altitude_msl is not None
+    level = np.median(series.altitude_msl[:12])
+    medians = np.median(np.lib.stride_tricks.sliding_window_view(series.altitude_msl[series.time > 1], 11), axis=1)
+    assert abs(np.median(series.altitude_msl[-100:]) - level) < 6
+    assert recorded.figures["apogee"].value == pytest.approx(medians.max() - level, abs=3)
+    assert recorded.figures["top_speed"].value < 45
+
+
+def test_a_jump_of_the_pressure_in_the_boost_is_not_a_top_speed() -> None:
+    """The heights rise by 83 m within a fifth of a second, and then at 7 m/s."""
+    _, recorded = flown("perfectflite__pnut_tarc2023_f7.pf2")
+    assert "top_speed" not in recorded.figures
+    assert recorded.figures["apogee"].value == pytest.approx(179.2, abs=1.5)
 
 
 def test_the_spike_of_a_rocket_that_broke_up_is_not_the_apogee() -> None:

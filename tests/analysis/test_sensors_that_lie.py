@@ -20,7 +20,7 @@ from fieldkit.analysis.whole_flight import flight_curve
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
 from fieldkit.importing.recognize import open_log
-from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from tests.analysis.recordings import FAST, LARGE, SMALL, Logger, Rocket, Truth, fly, log
 
 SOUND = 335.0
@@ -120,6 +120,55 @@ def test_a_step_near_the_end_of_a_log_leaves_the_flight_complete() -> None:
     recorded = measure((replace(series, altitude=series.altitude + 3000.0 * wrong),))
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
     assert "apogee" in recorded.events
+
+
+@pytest.mark.parametrize("moved", [-70.0, 40.0])
+def test_a_zero_that_a_logger_moves_in_flight_changes_no_figure(moved: float) -> None:
+    """Its pressures show the same flight."""
+    truth = flown(SMALL)
+    (series,) = recording(truth, wait=0.8)
+    later = series.time > 0.3
+    log_of_both = replace(series, altitude=series.altitude + moved * later, pressure=height_pressure(series.altitude))
+    recorded = measure((log_of_both,))
+    assert recorded.figures["apogee"].source == "pressure"
+    assert not misses(recorded, truth, "apogee", "top_speed", "time_to_apogee", "duration")
+
+
+def test_altitudes_corrected_for_temperature_are_not_a_moved_zero() -> None:
+    (series,) = recording(flown(LARGE))
+    warm = replace(series, altitude=1.08 * series.altitude, pressure=height_pressure(series.altitude))
+    track = heights((warm,))
+    assert track is not None
+    assert track.source == "barometric altitude"
+
+
+@pytest.mark.parametrize("part", [0.2, 0.3])
+def test_a_bay_that_opens_in_the_boost_gives_no_boost_figures(part: float) -> None:
+    """Its pressure then falls by a fraction of the dynamic pressure, and a sensor shows that as a jump of tens of
+    meters."""
+    truth = flown(SMALL)
+    (series,) = recording(truth)
+    speed = np.interp(series.time, truth.time, truth.speed, left=0, right=0)
+    opened = (series.time > 0.9 * truth.burnout) & (series.time < truth.apogee_time)
+    recorded = measure((replace(series, altitude=series.altitude + opened * part * speed**2 / (2 * GRAVITY)),))
+    assert not {"top_speed", "burn_time", "avg_accel", "peak_accel"} & recorded.figures.keys()
+    assert any("jump" in note for note in recorded.notes)
+    assert not misses(recorded, truth, "apogee", "duration")
+
+
+def test_the_boost_of_a_receiver_with_a_fix_per_second_is_as_uncertain_as_its_samples() -> None:
+    """They show the fastest climb only to a second, so burnout may be that far from it."""
+    truth = fly(replace(SMALL, burn=1.5, thrust=40.0))
+    random = np.random.default_rng(4)
+    burns = []
+    for phase in np.linspace(0, 0.8, 5):
+        time = np.arange(-3.0 + phase, truth.time[-1] + 8)
+        height = np.interp(time, truth.time, truth.height, left=0.0, right=0.0) + truth.elevation
+        recorded = measure((Series(time, gps_altitude_msl=height + random.normal(0, 0.3, time.size)),))
+        if "burn_time" in recorded.figures:
+            assert not misses(recorded, truth, "burn_time", "coast_to_apogee", "top_speed", sds=1.0)
+            burns.append(recorded.figures["burn_time"].value)
+    assert len(burns) >= 3
 
 
 def test_motion_of_a_rocket_is_not_taken_for_a_step() -> None:

@@ -139,6 +139,24 @@ def test_a_high_rate_acceleration_is_one_g_on_the_pad_in_any_unit(scale: float) 
     assert high.felt[-1] == pytest.approx(9 * STANDARD_GRAVITY, rel=1e-3)
 
 
+@pytest.mark.parametrize("scale", [1.0, STANDARD_GRAVITY, 1000.0])
+@pytest.mark.parametrize("lands", [True, False])
+def test_a_high_rate_acceleration_without_the_pad_is_one_g_after_landing(scale: float, lands: bool) -> None:
+    """The nose is along the second axis, and the rocket lies on its side in the end."""
+    rows = []
+    for t in np.arange(0.02, 20 if lands else 12, 0.02):
+        nose, side = (8.0, 0.0) if t < 2 else (-0.5, 0.1) if t < 8 else (0.6 * np.sin(9 * t), 0.7)
+        nose, side = (0.1, 0.995) if t > 15 else (nose, side)
+        rows.append(f"2026,5,2,11:04:05.0,{t:.3f},0,0,0,0,0,{scale * nose:.4f},{scale * side:.4f}")
+    header = "Year,Month,Day,Time,Flight_Time_(s),Sync,Gyro_X,Gyro_Y,Gyro_Z,Accel_X,Accel_Y,Accel_Z"
+    flight, *notes = parsers()["blueraven_app"].read("\n".join([header, *rows, ""]).encode())
+    assert isinstance(flight, Reading)
+    felt = flight.clocks[0].felt
+    assert (felt is None) == bool(notes) == (not lands)
+    if felt is not None:
+        assert felt[:90] == pytest.approx(8 * STANDARD_GRAVITY, rel=1e-2)
+
+
 def test_a_high_rate_acceleration_of_unknown_unit_is_left_out() -> None:
     rows = [f"2026,5,2,11:04:05.0,{t:.3f},0,0,0,0,{3.3:.3f},0,0" for t in np.arange(-1, 1, 0.01)]
     header = "Year,Month,Day,Time,Flight_Time_(s),Sync,Gyro_X,Gyro_Y,Gyro_Z,Accel_X,Accel_Y,Accel_Z"
