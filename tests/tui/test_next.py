@@ -16,6 +16,7 @@ from fieldkit import capture
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP
 from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS
 from fieldkit.ledger import Ledger, models
+from fieldkit.physics.effect import effects
 from fieldkit.planning.motor_guide import guide
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
@@ -743,3 +744,12 @@ async def test_enter_on_a_motor_still_to_be_forecast_saves_it_when_its_forecast_
         assert "Astra B on AeroTech F39" in words(pilot), "also on the page that came to the front meanwhile"
     with Ledger.open(file) as ledger:
         assert ledger.history()[-1].command == "forecast"
+
+
+async def test_the_loop_shows_flown_apogees_and_the_effects_it_would_try_before_a_search(file: Path) -> None:
+    async with opened(file, (160, 60), page="loop") as pilot:
+        seen = words(pilot)
+        assert "Flown apogee, flight by flight" in seen
+        assert shown(pilot).count("●") >= 5
+        for effect in effects().values():
+            assert effect.form_of or effect.title in text_of(pilot, "#marks"), effect.title
