@@ -726,7 +726,7 @@ def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them()
 async def test_enter_on_a_motor_still_to_be_forecast_saves_it_when_its_forecast_is_there(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The flyer who pressed f and Enter was told to press Enter again, and overlooked it."""
+    """A notice asked for a second Enter, and was overlooked."""
 
     def slow(*args: object) -> object:
         time.sleep(0.3)

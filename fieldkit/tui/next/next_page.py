@@ -272,9 +272,7 @@ class NextScreen(PageScreen):
         one = self._motors.known.get(motor)
         if one is None or self._motors.plan is not shown:
             if self._motors.plan is not None:
-                self.show_notice(
-                    "Nothing saved: no forecast of this motor for the new plan yet; Enter again to save it"
-                )
+                self.show_notice("Nothing saved: the plan has changed; Enter again saves the new forecast")
             return
 
         def work() -> "list[Prediction]":
