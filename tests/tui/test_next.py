@@ -14,13 +14,13 @@ from textual.widgets import Input, Static
 
 from fieldkit import capture
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP
-from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS
 from fieldkit.ledger import Ledger, models
 from fieldkit.physics.effect import effects
 from fieldkit.planning.motor_guide import guide
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.imports.mapping_form import FIRST_FIELDS
 from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.page import PageScreen, pages
@@ -196,7 +196,7 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
     (file.parent / "field" / "one.csv").write_text("which;what;how high\nComet;C6-5;210\nComet;C6-5;215\n")
     keys, place = list[str](), 0
     for name, column in {"rocket": "which", "motor": "what", "apogee": "how high"}.items():
-        at = FLIGHT_COLUMNS.index(name)
+        at = FIRST_FIELDS.index(name)
         keys += [*["down"] * (at - place), *typed(column)]
         place = at
     async with opened(file, page="import_files") as pilot:
