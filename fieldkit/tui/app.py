@@ -246,19 +246,19 @@ class FieldkitApp(Surviving):
 
     def action_undo(self) -> None:
         """Undo the last change, no matter who made it."""
-        self._journal("undo", "Undone")
+        self._journal("undo", "Undone", ". U to redo")
 
     def action_redo(self) -> None:
         """Redo what was undone last."""
-        self._journal("redo", "Redone")
+        self._journal("redo", "Redone", ". u to undo")
 
-    def _journal(self, method: str, done: str) -> None:
+    def _journal(self, method: str, done: str, back: str) -> None:
         page = self.screen
         if isinstance(page, PageScreen):
-            page.change(lambda: getattr(self.resources.ledger, method)(), partial(self._journalled, done))
+            page.change(lambda: getattr(self.resources.ledger, method)(), partial(self._journalled, done, back))
 
-    def _journalled(self, done: str, change: Any) -> None:
-        self.show_notice(f"{done}: {change.command} {change.what}")
+    def _journalled(self, done: str, back: str, change: Any) -> None:
+        self.show_notice(f"{done}: {change.command} {change.what}{back}")
         self.changed()
 
     async def open_flight(self, id: str) -> None:

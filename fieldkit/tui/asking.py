@@ -109,9 +109,13 @@ class AskingScreen(Screen[None]):
 
     async def settled(self, *groups: str) -> None:
         """Wait until the queries of some groups are answered: keys typed ahead depend on the answers."""
-        nodes = (self, self.app)  # changes are made by the app
-        while any(one.group in groups and one.node in nodes and not one.is_finished for one in self.workers):
+        while self.is_asking(*groups):
             await asyncio.sleep(WAIT)
+
+    def is_asking(self, *groups: str) -> bool:
+        """Whether queries of some groups are not answered yet."""
+        nodes = (self, self.app)  # changes are made by the app
+        return any(one.group in groups and one.node in nodes and not one.is_finished for one in self.workers)
 
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
         """Change the ledger in a worker of the app, whose result is shown even if this screen has closed; changes are

@@ -32,13 +32,9 @@ class Choosing(InOrder):
         """Held while the ledger is changed."""
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Show a notice; errors stay until they are dismissed, successes until the next notice."""
-        self.notices = [notice for notice in self.notices if notice.error]
+        """Show a notice over earlier ones; errors stay until they are dismissed, successes until the next notice."""
         notice = Notice(text, error)
-        if not error:
-            self.notices.insert(0, notice)
-        elif notice not in self.notices:
-            self.notices.append(notice)
+        self.notices = [notice, *(one for one in self.notices if one.error and one != notice)]
         self._show_notices()
 
     def withdraw(self, text: str) -> None:

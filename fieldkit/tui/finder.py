@@ -11,6 +11,7 @@ from textual.command import Hit, Provider
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
+from fieldkit.tui.home.first_steps import Step
 from fieldkit.tui.host import Host
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.widgets import cards
@@ -87,16 +88,21 @@ class Finder(Provider):
         yield Entry("Setting: target", "The target apogee for comparing motors", host.ask_target)
         yield Entry("Setting: rail", "Length and angle of your usual rail", self._ask_rail)
         yield Entry("Setting: units", "SI, US or mixed; the next one", host.action_next_units)
+        yield Entry("Load the demo rocket", Step.DEMO.value[1], self._load_demo)
         yield Entry("Setting: theme", "Colors: field, sun, night, terminal; the next one", host.action_next_theme)
 
     def _help(self) -> Iterator[Entry]:
-        """Every field explained on a page, and every equivalent command."""
+        """Every field explained on a page or beside the decisions, and every equivalent command."""
+        from fieldkit.tui.next.plan_screen import PlanScreen
+
         commands: set[str] = set()
-        for page in pages().values():
-            for name, text in page.screen.ABOUT.fields:
-                topic = replace(page.screen.ABOUT, about=f"{name}: {text}")
-                yield Entry(f"Help: {name} ({page.title})", text, partial(self._show_help, page.title, topic))
-            for command in page.screen.ABOUT.twin:
+        topics = [(page.title, page.screen.ABOUT) for page in pages().values()]
+        topics.append(("Next, then d", PlanScreen.ABOUT))
+        for title, about in topics:
+            for name, text in about.fields:
+                topic = replace(about, about=f"{name}: {text}")
+                yield Entry(f"Help: {name} ({title})", text, partial(self._show_help, title, topic))
+            for command in about.twin:
                 if command not in commands:
                     commands.add(command)
                     yield Entry(f"Command: {command}", "Copies it", partial(self._copy, command))
@@ -114,6 +120,12 @@ class Finder(Provider):
             (f"fieldkit motors {name} --json",),
         )
         self.app.push_screen(HelpScreen(name, about, (), "Catalog data"))
+
+    async def _load_demo(self) -> None:
+        from fieldkit.tui.home.first_run import take
+
+        if isinstance(page := self.app.screen, PageScreen):
+            await take(page, Step.DEMO)
 
     def _ask_rail(self) -> None:
         from fieldkit.tui.setup.setup_forms import ask_rail

@@ -176,9 +176,11 @@ class PageScreen(AskingScreen):
             show()
 
     def changed_for_others(self) -> None:
-        """Note a change of the ledger that only other pages have to show."""
+        """Note a change of the ledger that only other pages have to show; one may be in front by now."""
         self.field_app.count_change()
         self._seen = (self.field_app.revision, self.field_app.look)
+        if isinstance(self.app.screen, PageScreen):
+            self.app.screen.refresh_if_changed()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Enter leaves a line only while an input has the focus, in which N is a letter."""

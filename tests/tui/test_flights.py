@@ -405,3 +405,18 @@ async def test_a_log_read_while_the_page_closes_is_discarded(file: Path) -> None
         await page.query(Table).remove()
         page._have_log("12", "no log")
         assert not pilot.app.errors
+
+
+async def test_the_latest_error_is_shown_before_older_ones_and_undo_names_the_key_for_redo(file: Path) -> None:
+    """An error of minutes ago hid why the flight just typed could not be saved."""
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "u")
+        assert "U to redo" in words(pilot)
+        await press(pilot, "U")
+        assert "Redone: " in words(pilot)
+        assert "u to undo" in words(pilot)
+        await press(pilot, "U", "2", *typed("9.9.9"), "ctrl+s")
+        assert "✗ error Apogee: found '9.9.9'" in words(pilot)
+        assert "(1 more)" in words(pilot)
+        await press(pilot, "escape")
+        assert "✗ error nothing left to redo" in words(pilot)

@@ -209,6 +209,17 @@ async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(fi
         assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
         await press(pilot, "escape", "ctrl+p", *typed("help: top speed (next)"), "_", "enter", "_")
         assert "Top speed, at about" in words(pilot)
+        await press(pilot, "escape", "ctrl+p", *typed("help: ballast"), "_", "enter", "_")
+        assert "best chance of an apogee" in words(pilot)
+
+
+async def test_the_demo_rocket_can_be_loaded_from_the_palette_after_the_first_steps(empty: Path) -> None:
+    """Once a rocket was described, nothing in the app loaded the demo rocket."""
+    with Ledger.open(empty) as ledger:
+        ledger.add([Flight(rocket="Bird", motor="C6-5", apogee=120.0)])
+    async with opened(empty, page="home") as pilot:
+        await press(pilot, "ctrl+p", *typed("demo rocket"), "_", "enter", "_")
+        assert "Loaded 12 flights of the demo rocket" in words(pilot)
 
 
 async def test_settings_of_two_open_apps_do_not_overwrite_each_other(file: Path) -> None:

@@ -3,6 +3,9 @@
 from pathlib import Path
 
 import pytest
+from textual.content import Content
+from textual.pilot import Pilot
+from textual.widgets import Static
 
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
@@ -53,3 +56,28 @@ async def test_a_column_that_names_its_unit_is_offered_no_other(file: Path) -> N
         await press(pilot, "m", "ctrl+u", "t", "i", "down", "enter")
         assert pilot.app.focused is not None
         assert pilot.app.focused.id == "in-altitude"
+
+
+async def test_the_form_shows_the_table_and_which_columns_are_not_used_yet(file: Path) -> None:
+    rows = "Nr;Rakete;Treibsatz;Hoehe\n1;Bird;C6-5;120\n2;Bird;D12-5;240\n"
+    (file.parent / "mine.csv").write_text(rows)
+    async with opened(file, page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "mine.csv")
+        await press(pilot)
+        await press(pilot, "m")
+        seen = shown(pilot)
+        for text in ("Nr  Rakete  Treibsatz  Hoehe", "1   Bird    C6-5       120", "2   Bird    D12-5      240"):
+            assert text in seen
+        for title in ("Rocket", "Motor", "Apogee"):
+            assert title in seen, "without scrolling"
+        muted = {part for part in text_parts(pilot) if part.strip() in ("Nr", "Rakete", "Treibsatz", "Hoehe")}
+        assert [part.strip() for part in muted] == ["Rakete"]
+        await press(pilot, "down", *typed("treib"), "down", "enter")
+        assert "Treibsatz" in {part.strip() for part in text_parts(pilot)}
+
+
+def text_parts(pilot: Pilot[None]) -> list[str]:
+    """The muted parts of the table above the form."""
+    content = pilot.app.screen.query_one("#table", Static).content
+    assert isinstance(content, Content)
+    return [content.plain[span.start : span.end] for span in content.spans if span.style == "$text-muted"]

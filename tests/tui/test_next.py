@@ -1,21 +1,26 @@
 """The next flight, importing, the loop, the setup and capturing, using only keys, with some errors."""
 
+import asyncio
 import re
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import cast
 from unittest.mock import Mock, patch
 
 import pytest
+from textual.events import Key
 from textual.widgets import Input, Static
 
 from fieldkit import capture
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP
-from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS
 from fieldkit.ledger import Ledger, models
+from fieldkit.physics.effect import effects
+from fieldkit.planning.motor_guide import guide
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.imports.mapping_form import FIRST_FIELDS
 from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.page import PageScreen, pages
@@ -191,7 +196,7 @@ async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None
     (file.parent / "field" / "one.csv").write_text("which;what;how high\nComet;C6-5;210\nComet;C6-5;215\n")
     keys, place = list[str](), 0
     for name, column in {"rocket": "which", "motor": "what", "apogee": "how high"}.items():
-        at = FLIGHT_COLUMNS.index(name)
+        at = FIRST_FIELDS.index(name)
         keys += [*["down"] * (at - place), *typed(column)]
         place = at
     async with opened(file, page="import_files") as pilot:
@@ -716,3 +721,35 @@ def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them()
     assert motors.ordered(None) == [flown, other]
     motors.put(plan, [Mock(motor=other, fits=True, weak=False)])
     assert motors.ordered(None) == [other, flown]
+
+
+async def test_enter_on_a_motor_still_to_be_forecast_saves_it_when_its_forecast_is_there(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A notice asked for a second Enter, and was overlooked."""
+
+    def slow(*args: object) -> object:
+        time.sleep(0.3)
+        return guide(*args)  # type: ignore[arg-type]  # as passed
+
+    monkeypatch.setattr("fieldkit.planning.motor_guide.guide", slow)
+    monkeypatch.setattr("fieldkit.services.manual_entry.LAPSES", timedelta.max)  # made at a frozen time in the past
+    async with opened(file, page="home") as pilot:
+        pilot.app.post_message(Key("f", "f"))
+        for _ in range(500):
+            if pilot.app.screen.query("#motors") and pilot.app.screen.query_one(Table).current is not None:
+                break
+            await asyncio.sleep(0.01)
+        await hurry(pilot, "enter", "0")
+        assert "Astra B on AeroTech F39" in words(pilot), "also on the page that came to the front meanwhile"
+    with Ledger.open(file) as ledger:
+        assert ledger.history()[-1].command == "forecast"
+
+
+async def test_the_loop_shows_flown_apogees_and_the_effects_it_would_try_before_a_search(file: Path) -> None:
+    async with opened(file, (160, 60), page="loop") as pilot:
+        seen = words(pilot)
+        assert "Flown apogee, flight by flight" in seen
+        assert shown(pilot).count("●") >= 5
+        for effect in effects().values():
+            assert effect.form_of or effect.title in text_of(pilot, "#marks"), effect.title

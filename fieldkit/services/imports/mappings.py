@@ -47,10 +47,10 @@ class TableColumns:
 
     def cells(self, column: str) -> tuple[str, ...]:
         """The cells of a column in the first rows; a unit in brackets may follow its name."""
-        place = self._place(column)
+        place = self.place(column)
         return () if place is None else tuple(row[place] for row in self.rows if place < len(row))
 
-    def _place(self, column: str) -> int | None:
+    def place(self, column: str) -> int | None:
         """The index of a column, None if the table has no such column."""
         bare = column.partition(" [")[0].strip()
         folded = [name.casefold() for name in self.names]
@@ -64,7 +64,7 @@ class TableColumns:
     def units(self, channel: str, column: str) -> tuple[str, ...]:
         """The units that a column can have in a channel; none if its name, its cells or the text states one, or if the
         channel has no unit."""
-        place, known = self._place(column), UNITS.get(_quantity(channel, self.of), {})
+        place, known = self.place(column), UNITS.get(_quantity(channel, self.of), {})
         if place is None or " [" in column or heading(self.names[place]).unit:
             return ()
         if any(name.endswith(f"_{unit}") for name in (self.names[place],) for unit in known):
@@ -81,7 +81,7 @@ class TableColumns:
         if not text:
             return ""
         read_choice([f"{channel}={text}"])
-        if self._place(text) is None:
+        if self.place(text) is None:
             raise BadValue(no_column(text, self.names))
         return text
 

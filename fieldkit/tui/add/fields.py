@@ -128,12 +128,17 @@ class Form(HelpedModal[dict[str, object] | None]):
         """The questions, and what the current one means."""
         with Vertical() as frame:
             frame.border_title = Content(printable(self._title))
+            yield from self.above()
             with VerticalScroll(can_focus=False):
                 for question in self._questions:
                     yield Field(question, text=self._texts.get(question.name, ""))
             yield Static("", id="help")
             yield KeyBar()
         yield self._picker
+
+    def above(self) -> Iterable[Widget]:
+        """What is shown above the questions."""
+        return ()
 
     def on_mount(self) -> None:
         """Read the answers to offer."""

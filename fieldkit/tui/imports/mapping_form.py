@@ -1,12 +1,14 @@
 """The form that maps the columns of a table, and the list of saved mappings."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
@@ -14,6 +16,7 @@ from fieldkit.importing import ColumnChoice
 from fieldkit.importing.manual_entry import Question
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.importing.tables.mapping import FLIGHT_COLUMNS, LIFTOFF_MASS, MOTOR_MASS
+from fieldkit.safe_text import printable
 from fieldkit.services.imports.mappings import TableColumns, columns_of, edit, forget, in_words, list_mappings
 from fieldkit.services.pickers import OfferedAnswer, Source, among
 from fieldkit.tui.add.fields import Field, Form
@@ -34,6 +37,10 @@ _ABOUT = {
     MOTOR_MASS: "Mass of the loaded motor.",
 }
 _HOW = "Choose its column with ↓, then its unit if the name lacks one."
+FIRST_FIELDS = ("rocket", "motor", "apogee", "dry_mass", "date_time")
+"""The fields of a flight that are asked first, because a forecast needs them."""
+MAX_CELL = 16
+"""Maximum width of a column in the preview of a table. [cell]"""
 OTHER_ROWS = "rows"
 """The answer that reopens the form for the other kind of rows."""
 
@@ -45,13 +52,16 @@ class MappingForm(Form):
     ABOUT = MAPPING_ABOUT
     DEFAULT_CSS = """
     MappingForm Field > Input, MappingForm Field > Input:focus { width: 26; }
+    MappingForm VerticalScroll { max-height: 40vh; }
+    MappingForm > Vertical { max-width: 120; }
+    MappingForm #table { height: auto; margin-bottom: 1; text-wrap: nowrap; text-overflow: ellipsis; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+t", "other_rows", "Samples/flights", key_display="^T", priority=True)
     ]
 
     def __init__(self, columns: TableColumns) -> None:
-        names = FLIGHT_COLUMNS if columns.of == "flights" else tuple(QUANTITIES)
+        names = tuple(dict.fromkeys([*FIRST_FIELDS, *FLIGHT_COLUMNS]) if columns.of == "flights" else QUANTITIES)
         questions = [Question(name, _title(name), f"{_about(name)} {_HOW}") for name in names]
         texts = {name: column for name, column in columns.read_as.items() if name in names}
         super().__init__(
@@ -59,6 +69,16 @@ class MappingForm(Form):
         )
         self._columns = columns
         self._picker.sources = {name: _offered(columns, name) for name in names}
+
+    def above(self) -> Iterable[Widget]:
+        """The first rows of the table."""
+        yield Static("", id="table")
+
+    def on_descendant_focus(self) -> None:
+        """Explain the current field, and show which columns are not used yet."""
+        super().on_descendant_focus()
+        used = {self._columns.place(field.answer) for field in self.query(Field) if field.answer}
+        self.query_one("#table", Static).update(_first_rows(self._columns, used))
 
     async def action_go_on(self) -> None:
         """Move to the next line; a chosen column without a unit first offers its units."""
@@ -78,6 +98,24 @@ class MappingForm(Form):
     def action_other_rows(self) -> None:
         """Reopen the form for samples instead of flights, or for flights instead of samples."""
         self.dismiss({OTHER_ROWS: True})
+
+
+def _first_rows(columns: TableColumns, used: set[int | None]) -> Content:
+    """The names of the columns, bold where none of the fields has one yet, above the first rows."""
+    lines = [columns.names, *columns.rows]
+    widths = [
+        min(MAX_CELL, max(len(printable(line[place])) for line in lines if place < len(line)))
+        for place in range(len(columns.names))
+    ]
+    parts: list[str | tuple[str, str]] = []
+    for number, line in enumerate(lines):
+        parts.append("\n" if number else "")
+        for place, (cell, width) in enumerate(zip(line, widths, strict=False)):
+            text = printable(cell)
+            shown = text if len(text) <= width else f"{text[: width - 1]}…"
+            style = "$text-muted" if place in used else "b" if number == 0 else ""
+            parts.append((f"{shown:{width}}  ", style))
+    return Content.assemble(*parts)
 
 
 def _offered(columns: TableColumns, name: str) -> Source:

@@ -26,6 +26,8 @@ class Standing:
     rockets: tuple[str, ...]
     versions: "tuple[Version, ...]"
     flights: tuple[Flight, ...]
+    tried: tuple[tuple[str, str], ...] = ()
+    """The title of each effect that a search tries, and what it explains."""
 
     @property
     def plain(self) -> bool:
@@ -41,6 +43,7 @@ class Standing:
 def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
     """The state of a rocket, or of the one flown last if none is given or it no longer exists; None if nothing has
     flown."""
+    from fieldkit.physics.effect import effects
     from fieldkit.services.forecasts import which_rocket
 
     ledger = resources.ledger
@@ -48,7 +51,8 @@ def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
     if not rockets:
         return None
     name = which_rocket(ledger, rocket if rocket in rockets else None)
-    return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
+    tried = tuple((effect.title, effect.explains) for effect in effects().values() if not effect.form_of)
+    return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)), tried)
 
 
 def look(resources: "Resources", rocket: str, on_progress: ReportProgress) -> "Findings":

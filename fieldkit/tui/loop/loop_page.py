@@ -113,7 +113,7 @@ class LoopScreen(PageScreen):
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · forecasts with {model}{more}")))
         self.panels.show_versions(standing, self.resources.settings.units)
         if not self._search:
-            self.panels.show_before(standing)
+            self.panels.show_before(standing, self.resources.settings.units)
         self.panels.show_verdict(self.resources.settings.units, accepted=self._is_accepted)
         self.panels.show_residuals(self._against, self.resources.settings.units)
 

@@ -11,9 +11,9 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
+from fieldkit.tui.loop.loop_before import before_search, draw_apogees, effects_before, flown_apogees
 from fieldkit.tui.loop.loop_look import PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
-    before_search,
     draw_points,
     effect_at_length,
     fingerprint,
@@ -28,7 +28,7 @@ from fieldkit.tui.widgets.table import Head, Table
 TEXT_BEFORE_RUN = {
     "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
     "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
-    "against": "After S: each flight's residual, flown minus forecast, against the column chosen with v.",
+    "against": "Flown apogee, flight by flight. After S: residuals, flown minus forecast, against a column (v)",
     "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
@@ -127,11 +127,14 @@ class Panels(Container):
         )
         self.query_one("#at-length", Static).update(caption)
 
-    def show_before(self, standing: Standing) -> None:
-        """Show what a search would compare, until one runs."""
+    def show_before(self, standing: Standing, system: str) -> None:
+        """Show what a search would compare and the effects that it would try, until one runs."""
         if self.found is None:
             about = self._why or TEXT_BEFORE_RUN["verdict"]
             self.query_one("#verdict", Static).update(before_search(about, standing.flights))
+            self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
+            points, unit = flown_apogees(standing.flights, system)
+            self.query_one("#residuals", Plot).show(partial(draw_apogees, points, unit) if points else None)
 
     def show_versions(self, standing: Standing, system: str) -> None:
         """Show the models of the rocket, and which is in use."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from textual.content import Content
 
-from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, Flight
+from fieldkit.flight import BY_NAME
 from fieldkit.ledger import Version
 from fieldkit.physics.effect import effects
 from fieldkit.presentation.condition_axis import in_units
@@ -20,30 +20,12 @@ from fieldkit.services.findings import Compared, Findings
 from fieldkit.services.forecasts import version_adds
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.hanging import Hanging, stacked
 
 MAX_BARS = 60
 """Number of latest flights whose errors are drawn: a row of 80 columns has room for them. [1]"""
 EVEN_LOG_BAYES_FACTOR = 0.5
 """Below this log Bayes factor the evidence counts as even. [nat]"""
 Parts = list[str | tuple[str, str]]
-
-
-def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
-    """What a search does, and which flights of the rocket, readouts and conditions it would compare."""
-    used = [flight for flight in flights if flight.clean and flight.readouts()]
-    names = [*READOUTS, *CONDITIONS]
-    counts = {one.title: sum(flight.number(one.name) is not None for flight in used) for one in names}
-    pairs = [
-        ("flights", f"{len(used)} of {len(flights)}: with readouts, without an anomaly tag"),
-        ("motors", ", ".join(dict.fromkeys(flight.motor for flight in used if flight.motor))),
-        ("configurations", ", ".join(dict.fromkeys(flight.config for flight in used if flight.config))),
-        ("recorded", ", ".join(f"{title.lower()} {count}" for title, count in counts.items() if count)),
-        ("not recorded", ", ".join(title.lower() for title, count in counts.items() if not count)),
-    ]
-    return stacked(
-        [Hanging(((0, Content(about)),)), cards.lines("What would be compared", [one for one in pairs if one[1]], 16)]
-    )
 
 
 def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:

@@ -1,5 +1,6 @@
 """Next flight: every motor that fits with its apogee, and the forecast of the one under the cursor."""
 
+import asyncio
 from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
@@ -13,6 +14,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
+from fieldkit.tui.asking import WAIT
 from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
@@ -185,7 +187,7 @@ class NextScreen(PageScreen):
         one, card = self._motors.known.get(self.query_one(Table).current), self.card
         if one is None or self._motors.plan is None:
             card.clear()
-            if not any(one.group == "forecast" and one.node is self and not one.is_finished for one in self.workers):
+            if not self.is_asking("forecast"):
                 self._forecast()
         else:
             card.show(self._motors.plan, one, self.resources.settings)
@@ -265,10 +267,12 @@ class NextScreen(PageScreen):
         """Save the full forecast of the chosen motor, unless the plan it was shown for is being replaced."""
         motor, shown = message.key, self._motors.plan
         await self.settled("change", "plan")
+        while self._motors.plan is shown and motor not in self._motors.known and self.is_asking("forecast"):
+            await asyncio.sleep(WAIT)
         one = self._motors.known.get(motor)
         if one is None or self._motors.plan is not shown:
             if self._motors.plan is not None:
-                self.show_notice("Still computing forecasts; press Enter again to save this one")
+                self.show_notice("Nothing saved: the plan has changed; Enter again saves the new forecast")
             return
 
         def work() -> "list[Prediction]":

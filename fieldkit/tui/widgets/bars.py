@@ -51,7 +51,7 @@ class TopBar(Static):
 
 
 class NoticeBar(Static):
-    """The oldest undismissed notice, with a mark for its kind."""
+    """The latest undismissed notice, with a mark for its kind."""
 
     DEFAULT_CSS = """
     NoticeBar { height: auto; max-height: 4; background: $panel; color: $foreground; padding: 0 1; display: none;
