@@ -108,7 +108,8 @@ def _at_rest_last(time: Float[Array, "row"], total: Float[Array, "row"]) -> Flag
     """The last seconds of a log that lacks the pad, if the rocket rests in them; none if it moves."""
     last = time > time[-1] - REST_TIME
     level, spread = float(np.median(total[last])), float(np.ptp(total[last]))
-    return last & bool(last.sum() >= REST_ROWS and spread < REST_SPREAD * level)
+    at_rest: Flags = last & bool(last.sum() >= REST_ROWS and spread < REST_SPREAD * level)
+    return at_rest
 
 
 def _reading(series: Series, table: LogTable, head: Header, log: bytes) -> Reading:
