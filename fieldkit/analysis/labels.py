@@ -28,11 +28,6 @@ def sensor_of(source: str) -> str:
     return "+".join(dict.fromkeys(sensor for word, sensor in _SENSORS.items() if word in source)) or "device"
 
 
-def event_title(name: str) -> str:
-    """The name of an event for display: `lift-off` for `liftoff`, which is its name in JSON."""
-    return "lift-off" if name == "liftoff" else name.replace("_", " ")
-
-
 def column_header(name: str) -> str:
     """Column name of a figure with its unit, such as `apogee_m`."""
     return BY_NAME[name].header if name in BY_NAME else f"{name}_s"

@@ -11,6 +11,7 @@ from fieldkit.cli.screen import complain, print_card, print_json, print_table, s
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
 from fieldkit.errors import FieldkitError, nearest, unknown
 from fieldkit.flight import BY_NAME, TAGS, read_tags
+from fieldkit.flight.event_names import event_title
 from fieldkit.flight.limits import check_name
 from fieldkit.flight.short_name import flight_label
 from fieldkit.quantities import counted, in_system, measure, with_sd
@@ -135,7 +136,7 @@ def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
 
 def _print_events(recording: "Recording") -> None:
     """Print events on the log's clock, and the source of each figure."""
-    from fieldkit.analysis.labels import TITLES, event_title, figure_text
+    from fieldkit.analysis.labels import TITLES, figure_text
 
     recorded = recording.recorded
     if recorded.events:

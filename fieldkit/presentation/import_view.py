@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
-from fieldkit.analysis.labels import event_title
 from fieldkit.flight import BY_NAME, FIGURES_BY_NAME
+from fieldkit.flight.event_names import event_title
 from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable

@@ -151,7 +151,7 @@ def _better_parachute(ahead: Outlook, shown: ShownUnits) -> Iterator[str]:
     if ahead.gain < LEAST_GAIN:
         return
     edge = " of the area flown, the limit of the areas tried," if ahead.at_edge else ""
-    saves = f"{ahead.area:.0%}{edge} would save {ahead.gain:.0f} ± {ahead.gain_error:.0f} in points per flight"
+    saves = f"{ahead.area:.0%}{edge} would lower the points per flight by {ahead.gain:.0f} ± {ahead.gain_error:.0f}"
     lands = f"and land at {shown.speed(ahead.speed_there)}"
     if ahead.clear:
         yield f"            {saves} {lands}"

@@ -248,10 +248,10 @@ def test_the_best_parachute_has_the_fewest_points_and_the_probability_is_that_of
     assert as_flown.gain == pytest.approx(as_flown.points.mean() - as_flown.points_there, rel=1e-6)
     assert as_flown.clear
     advice = " ".join(outlook_in_words(as_flown, rule, 1.0))
-    assert f"would save {as_flown.gain:.0f} ± {as_flown.gain_error:.0f} points per flight and land at" in advice
+    assert f"would lower the points per flight by {as_flown.gain:.0f} ± {as_flown.gain_error:.0f} and land at" in advice
     assert "no change" not in advice
     assert not smaller.clear
-    assert "would save" not in " ".join(outlook_in_words(smaller, rule, as_flown.area))
+    assert "would lower" not in " ".join(outlook_in_words(smaller, rule, as_flown.area))
 
 
 def test_a_parachute_that_was_never_timed_is_not_to_be_changed_for_a_gain_within_the_noise() -> None:
@@ -265,7 +265,7 @@ def test_a_parachute_that_was_never_timed_is_not_to_be_changed_for_a_gain_within
     faster = ahead.fall.usual_speed(0.56, 1.225) / np.sqrt(ahead.area)
     assert ahead.speed_there == pytest.approx(faster, rel=0.05)
     advice = " ".join(outlook_in_words(ahead, season(2027), 1.0))
-    assert "no change advised: 40% of the area flown, the limit of the areas tried, would save" in advice
+    assert "no change advised: 40% of the area flown, the limit of the areas tried, would lower" in advice
     assert f"which is not significant, and land at {ahead.speed_there:.1f} m/s" in advice
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fieldkit.analysis.labels import event_title
+from fieldkit.flight.event_names import event_title
 from fieldkit.presentation.report.card import Card, CardForecast
 from fieldkit.presentation.report.style import (
     AFTER_COLOR,

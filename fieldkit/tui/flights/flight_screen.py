@@ -10,9 +10,9 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.analysis.labels import event_title
 from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
+from fieldkit.flight.event_names import event_title
 from fieldkit.flight.start import Start
 from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
-from fieldkit.analysis.labels import event_title
 from fieldkit.flight import BY_NAME
+from fieldkit.flight.event_names import event_title
 from fieldkit.quantities import spelled, unit_of
 
 if TYPE_CHECKING:

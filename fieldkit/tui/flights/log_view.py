@@ -11,9 +11,9 @@ from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit import units
-from fieldkit.analysis.labels import event_title
 from fieldkit.analysis.whole_flight import FlightCurve
 from fieldkit.flight import BY_NAME, LOG_FIGURES
+from fieldkit.flight.event_names import event_title
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
