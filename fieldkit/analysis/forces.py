@@ -10,11 +10,11 @@ from fieldkit.analysis.channels import CHANNEL_TITLES, Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
-from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
+from fieldkit.analysis.robust_statistics import mad_sd, median_step
 from fieldkit.analysis.satellites import SOURCE as SATELLITES
 from fieldkit.analysis.satellites import sighted_speed
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Flags
 
 _MIN_DRAG_SPEED = 15.0
 """Speed below which errors of the acceleration exceed drag. [m/s]"""
@@ -204,12 +204,6 @@ def _faded(ascent: Ascent, speed: float, moment: float, begin: float) -> tuple[f
     thrust = speed / burn + GRAVITY + (slows - GRAVITY) / 3
     level = min(slows / thrust, _MOST_FADE)
     return FADE * level**2 * thrust * burn, level
-
-
-def _blind(time: Float[Array, "time"], moment: float) -> float:
-    """Half of the interval between samples around a moment, as if none were missing unless one is. [s]"""
-    step, hole = median_step(time), hole_at(time, moment)
-    return (hole if hole > 1.5 * step else step) / 2
 
 
 def _gained_between(push: Push, begin: float, burnout: float) -> float:

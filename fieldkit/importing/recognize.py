@@ -40,7 +40,7 @@ def check_format(name: str, place: str = "") -> None:
         raise UnknownFormat(f"{place}{unknown('format', name, parsers())}")
 
 
-def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser:
+def parser_for(log: bytes, format: str | None = None, source: str = "") -> Parser:
     """The parser that recognizes a log with the highest score, or the one that `format` names.
 
     Raises UnknownFormat that names the most similar formats, or the parsers with equal scores.

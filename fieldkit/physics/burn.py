@@ -22,7 +22,7 @@ MOST_PARTS = 64
 
 PARALLEL_DRAWS = 0.75
 """Minimum fraction of the draws that need another substep for it to be computed for all draws. [1]"""
-FEW_DRAWS = 500
+WHOLE_SUBSTEP_DRAWS = 500
 """Up to this number of draws, a substep of all takes less time than the selection of those that need it. [1]"""
 
 NEWTON = 8
@@ -202,7 +202,7 @@ def _advance(
     moving, rows = track, np.arange(len(track.time))
     for part in range(int(parts.max())):
         busy = parts > part
-        if len(rows) > FEW_DRAWS and busy.mean() < PARALLEL_DRAWS:
+        if len(rows) > WHOLE_SUBSTEP_DRAWS and busy.mean() < PARALLEL_DRAWS:
             _put_back(track, moving, rows)
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))

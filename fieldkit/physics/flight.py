@@ -17,7 +17,7 @@ from fieldkit.shapes import Array, Flags, Float, Integers
 
 CHUNK = 16384
 """Number of draws simulated together: few enough for their state to fit in the processor's cache."""
-FEW_DRAWS = 500
+ONE_GROUP_DRAWS = 500
 """Up to this number of draws, the forces of effects are computed for all: a separate group takes more time. [1]"""
 
 
@@ -52,7 +52,7 @@ def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
     flat = setup.flat(setup.draw_shape)
     if flat.forces:
         flat = flat.with_changes(closed_coast=False)
-    forced = _forced(flat) if flat.draws > FEW_DRAWS else np.zeros(1, bool)
+    forced = _forced(flat) if flat.draws > ONE_GROUP_DRAWS else np.zeros(1, bool)
     group = planar(flat) + 2 * forced
     motors, rank = len(flat.burns.lengths), flat.burns.lengths.argsort().argsort()
     kind = np.broadcast_to(group * motors + rank[flat.motor], flat.draws).astype(np.min_scalar_type(4 * motors))

@@ -15,7 +15,7 @@ from fieldkit.capture.protocols import altimulti, micropeak
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
 from fieldkit.importing.read import read_together
-from fieldkit.importing.recognize import recognise
+from fieldkit.importing.recognize import parser_for
 from tests.capture import devices
 from tests.capture.devices import Device, played
 from tests.samples import any_motor
@@ -82,7 +82,7 @@ CASES = [
 
 
 def readings(logs: Sequence[tuple[str, bytes]]) -> list[Reading]:
-    found = [item for _, log in logs for item in recognise(log).read(log)]
+    found = [item for _, log in logs for item in parser_for(log).read(log)]
     return [item for item in found if isinstance(item, Reading)]
 
 

@@ -6,7 +6,7 @@ from fieldkit.errors import DamagedLog, UnknownFormat
 from fieldkit.flight.short_name import short_name
 from fieldkit.importing import Note, Parser, Reading, recognize
 from fieldkit.importing.read import read, read_plans, read_together
-from fieldkit.importing.recognize import parsers, recognise
+from fieldkit.importing.recognize import parser_for, parsers
 from fieldkit.importing.to_flights import derived_id
 from fieldkit.plugins import plugins, trained_folder
 from tests.samples import SAMPLES, any_motor
@@ -42,7 +42,7 @@ def test_an_unrecognized_file_is_not_near_any_format(log: bytes) -> None:
 
 def test_an_unknown_format_is_refused_with_the_known_ones() -> None:
     with pytest.raises(UnknownFormat, match=r"no format 'xls', expected one of: .*altimetertwo_journal"):
-        recognise(b"", format="xls")
+        parser_for(b"", format="xls")
 
 
 def test_an_unknown_motor_rejects_only_its_row() -> None:
@@ -138,8 +138,8 @@ def test_a_fallback_parser_is_used_if_no_other_claims_a_log(monkeypatch: pytest.
     last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
     known = {**parsers(), "last": last}
     monkeypatch.setattr(recognize, "parsers", lambda: known)
-    assert recognise(b"rocket,apogee_m\nSwift,100\n").title == "Flight table"
-    assert recognise(b"anything") is last
+    assert parser_for(b"rocket,apogee_m\nSwift,100\n").title == "Flight table"
+    assert parser_for(b"anything") is last
 
 
 @pytest.mark.parametrize("name", ["flight_table", "fieldkit_json", "altimetertwo_journal"])

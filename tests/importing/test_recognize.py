@@ -12,7 +12,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import Found, Parser, Reading, recognize
 from fieldkit.importing.likeness import likeness, nearest
 from fieldkit.importing.read import read
-from fieldkit.importing.recognize import claims, holds_flight, open_log, parsers, recognise
+from fieldkit.importing.recognize import claims, holds_flight, open_log, parser_for, parsers
 from fieldkit.physics.standard_atmosphere import pressure_height
 from tests.analysis.recordings import SMALL, Logger, fly, log
 from tests.effort import part
@@ -125,14 +125,14 @@ def test_for_an_unknown_file_the_nearest_formats_are_reported_with_what_it_lacks
 def test_the_parser_with_more_matching_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
     greedy = Parser("Greedy", lambda head: True, lambda content: [Reading({"apogee": 100.0})])
     with_parser(monkeypatch, greedy)
-    assert recognise(TABLE).title == "Flight table"
-    assert recognise(TABLE, format="other") is greedy
+    assert parser_for(TABLE).title == "Flight table"
+    assert parser_for(TABLE, format="other") is greedy
 
 
 def test_equally_certain_parsers_are_both_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with_parser(monkeypatch, Parser("Twin", *_of("flight_table"), signs=parsers()["flight_table"].signs))
     with pytest.raises(UnknownFormat, match="flight_table and other both recognize"):
-        recognise(TABLE)
+        parser_for(TABLE)
 
 
 def _of(name: str) -> tuple[object, object]:

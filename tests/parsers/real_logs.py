@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from fieldkit.importing import Note, Reading
-from fieldkit.importing.recognize import recognise
+from fieldkit.importing.recognize import parser_for
 
 LOGS = Path(__file__).parents[3] / "shared" / "logs"
 real = pytest.mark.skipif(not LOGS.is_dir(), reason="the published logs are not beside the checkout")
@@ -24,4 +24,4 @@ def damage(name: str) -> list[str]:
 
 def _found(name: str) -> list[object]:
     log = (LOGS / name).read_bytes()
-    return list(recognise(log).read(log))
+    return list(parser_for(log).read(log))

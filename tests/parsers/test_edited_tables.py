@@ -10,7 +10,7 @@ import pytest
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
-from fieldkit.importing.recognize import claims, parsers, recognise
+from fieldkit.importing.recognize import claims, parser_for, parsers
 from fieldkit.importing.tables.columns import Channel, read_columns
 from tests.samples import SAMPLES
 
@@ -112,7 +112,7 @@ def test_rows_of_an_aim_xtra_may_end_at_their_last_number() -> None:
 
 
 def test_an_eggtimer_log_with_two_byte_order_marks_is_read() -> None:
-    assert recognise(b"\xef\xbb\xbf" * 2 + text("eggtimer__classic").encode()).title == "Eggtimer"
+    assert parser_for(b"\xef\xbb\xbf" * 2 + text("eggtimer__classic").encode()).title == "Eggtimer"
     assert clocks(b"\xef\xbb\xbf" * 2 + text("eggtimer__classic").encode(), "eggtimer")
 
 

@@ -20,7 +20,7 @@ from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.flight.readout import render_sd
 from fieldkit.importing import Intake, Parser, Reading
 from fieldkit.importing.read import read
-from fieldkit.importing.recognize import claims, parsers, recognise
+from fieldkit.importing.recognize import claims, parser_for, parsers
 from tests.effort import examples
 from tests.samples import SAMPLES, any_motor, owner
 
@@ -81,7 +81,7 @@ def test_every_parser_has_a_sample_log(name: str) -> None:
 def test_a_sample_is_claimed_only_by_its_own_parser(sample: Path) -> None:
     log = sample.read_bytes()
     assert claims(log) == [owner(sample)]
-    assert isinstance(recognise(log), Parser)
+    assert isinstance(parser_for(log), Parser)
 
 
 @cache

@@ -7,7 +7,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Note, Reading
 from fieldkit.importing.read import read_together
-from fieldkit.importing.recognize import parsers, recognise
+from fieldkit.importing.recognize import parser_for, parsers
 from fieldkit.importing.tables.columns_read import watched
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 from tests.parsers.real_logs import LOGS, damage, reading, real
@@ -159,7 +159,7 @@ def test_samples_at_rest_on_the_pad_show_whether_an_arts2_includes_gravity(level
 def test_raw_counts_of_an_arts2_are_refused_with_advice() -> None:
     log = b"MET,Acc(HI),Acc/Baro(LO),Baro(HI),State\n0.00,120,33,200,1\n"
     with pytest.raises(DamagedLog, match="expected the interpreted export"):
-        recognise(log).read(log)
+        parser_for(log).read(log)
 
 
 def test_altimetercloud_labels_are_kept_and_its_apogee_is_stated() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fieldkit.importing import Reading
-from fieldkit.importing.recognize import claims, parsers, recognise
+from fieldkit.importing.recognize import claims, parser_for, parsers
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from fieldkit.units import FOOT
 from tests.samples import SAMPLES, owner
@@ -111,7 +111,7 @@ VARIANTS: Sequence[tuple[str, str, bytes, bytes]] = [
 def test_a_variant_has_the_samples_of_the_plain_log(parser: str, plain: bytes, variant: bytes) -> None:
     assert claims(variant) == [parser]
     expected, got = (
-        [clock for one in recognise(log).read(log) if isinstance(one, Reading) for clock in one.clocks]
+        [clock for one in parser_for(log).read(log) if isinstance(one, Reading) for clock in one.clocks]
         for log in (plain, variant)
     )
     assert len(expected) == len(got) >= 1
@@ -216,7 +216,7 @@ def test_heights_of_an_unknown_table_are_read_in_meters(
 ) -> None:
     log = table(header, columns)
     assert claims(log) == ["mapped_table"]
-    (reading,) = (one for one in recognise(log).read(log) if isinstance(one, Reading))
+    (reading,) = (one for one in parser_for(log).read(log) if isinstance(one, Reading))
     heights = next(values for clock in reading.clocks if (values := getattr(clock, channel)) is not None)
     if channel == "pressure":
         heights = pressure_height(heights)
@@ -229,7 +229,7 @@ def test_heights_of_an_unknown_table_are_read_in_meters(
 def test_a_simulation_below_a_title_is_not_a_flight(name: str, above: str) -> None:
     log = (above + text(name)).encode()
     assert claims(log) == [name]
-    assert [one.describes for one in recognise(log).read(log) if isinstance(one, Reading)] == ["simulation"]
+    assert [one.describes for one in parser_for(log).read(log) if isinstance(one, Reading)] == ["simulation"]
 
 
 @pytest.mark.parametrize("separator", [";", "\t"])
@@ -245,7 +245,7 @@ def test_a_header_of_version_5_is_still_wrong_if_a_spreadsheet_padded_its_rows()
     """It names 74 columns but its rows have 70 cells: names after main_voltage are not above their cells."""
     for name in ("altos_csv__version_5_with_a_comma", "altos_csv__version_5_with_cells"):
         log = saved(text(name), ",", ".")
-        (reading,) = (one for one in recognise(log).read(log) if isinstance(one, Reading))
+        (reading,) = (one for one in parser_for(log).read(log) if isinstance(one, Reading))
         assert reading.clocks[0].latitude is None
         assert reading.clocks[0].gps_altitude_msl is None
 
