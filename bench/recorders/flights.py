@@ -80,12 +80,16 @@ class Path:
 
 def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, launch_angle: float = 0.0) -> list[Path]:
     """Typical sport flights, or supersonic ones, from rails at the given angle, or at a random one. [rad]"""
-    launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
-    launches = [replace(one, tilt=launch_angle or one.tilt) for one in launches]
+    launches = [_sonic(rng) if sonic else sport_launch(rng) for _ in range(count)]
+    return paths([replace(one, tilt=launch_angle or one.tilt) for one in launches], rng)
+
+
+def paths(launches: Sequence[Launch], rng: np.random.Generator) -> list[Path]:
+    """The paths of launches, in their order."""
     return [_path(launch, track, rng) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
 
 
-def _sport(rng: np.random.Generator) -> Launch:
+def sport_launch(rng: np.random.Generator) -> Launch:
     """A rocket of any size with a motor of sufficient thrust, and a delay that fits its coast."""
     while True:
         names, diameters, masses = CLASSES[str(rng.choice(list(CLASSES)))]

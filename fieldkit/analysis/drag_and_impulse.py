@@ -10,7 +10,9 @@ valid. If both are known, Cd = 2 m b / (rho A). Because g is known, b and the ti
 whole curve; these are fitted to the samples of the coast. The scale of the heights is also free, within the errors that
 the air and the airframe cause in a barometer, because a coast that seems too fast or too slow throughout does not
 indicate a different drag. If drag is not quite proportional to v², or the rocket is tilted, b is the value that slows a
-straight coast as much.
+straight coast as much. Static ports that are off by a fraction s of the dynamic pressure move heights by s v²/2g, which
+looks like another drag: b is off by `PORT_ERROR` s, in every flight of the rocket. An accelerometer on the axis shows b
+without that error (`fieldkit.analysis.felt_drag`).
 
 **Impulse of the burn** j [m/s]. Newton's law from lift-off to a moment t after burnout, with m falling as propellant
 burns:
@@ -30,7 +32,9 @@ import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.ballistic import SCALE_HEIGHT, Coast, coast
-from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.felt_drag import felt_drag
+from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -52,6 +56,9 @@ _MIN_DRAG_SD, _MIN_IMPULSE_SD = 0.025, 0.015
 """Smallest relative errors: density profiles other than the standard atmosphere's or a scale height of 9.5 km; a Cd
 that changes slightly with speed; a mass that does not burn evenly. Two altimeters in one airframe differed by more, 13
 % in drag: the model describes the effect of an airframe on pressure as a discrepancy of the rocket. [1]"""
+PORT_ERROR = 4.0
+"""Relative error of a drag from heights per error of the static ports, as a fraction of the dynamic pressure: 3.2 to
+4.9 in nine of ten sport flights of `bench.recorders`. A test computes it again. [1]"""
 _SQUARED_SPEED_SD = 0.06
 """Relative error of the integral of v² over a burn: twice that of speeds derived from heights. [1]"""
 _HEIGHT_SCALE_SD = 0.05
@@ -90,13 +97,15 @@ class _Fit:
 
 
 def drag_and_impulse(
-    track: Heights, pad: float, ascent: Ascent, lift: Event, burnout: Event, free: float, source: str
+    track: Heights, pad: float, ascent: Ascent, push: Push | None, marks: tuple[Event, Event, float], source: str
 ) -> dict[str, Figure]:
     """Drag of the coast [1/m] and impulse of the burn over mass [m/s], each only if the samples constrain it.
 
-    Heights of `track` are relative to `pad` [m]. The coast begins after `burnout` below Mach 0.7 and ends at apogee or
-    at ejection, `free` [s]. `source` names the channels that `burnout` is based on.
+    Heights of `track` are relative to `pad` [m]; `push` is an accelerometer that is trusted for its size. `marks` are
+    lift-off, burnout, and the apogee or ejection at which the coast ends [s]. The coast begins after burnout below Mach
+    0.7. `source` names the channels that burnout is based on.
     """
+    lift, burnout, free = marks
     begin = burnout.time + max(_TAIL_OF_THRUST, 2 * burnout.sd)
     slow = ascent.time[(ascent.time >= begin) & (ascent.speed < _MAX_COAST_SPEED)]
     if not slow.size or np.interp(slow[0], ascent.time, ascent.speed) < _MIN_COAST_SPEED:
@@ -105,13 +114,24 @@ def drag_and_impulse(
     time, height = track.time[inside], track.height[inside] - pad
     top = int(np.argmax(ascent.height))
     found = _undisturbed(time, height, free, np.array([ascent.time[top], ascent.height[top], _START_LOG_DRAG, 0.0]))
-    if found is None:
-        return {}
-    drag, relative = float(np.exp(found.values[2])), float(np.hypot(np.sqrt(found.covariance[2, 2]), _MIN_DRAG_SD))
-    figures = {"coast_drag": Figure(drag, relative * drag, track.source)}
-    if slow[0] - begin < _TAIL_OF_THRUST:  # the coast is not extrapolated back through the speed of sound
-        figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source)
+    felt = felt_drag(push, ascent, float(slow[0]), float(time[-1])) if push is not None and time.size else None
+    figures = {} if felt is None else {"coast_drag": felt}
+    if found is not None:
+        figures["coast_drag"] = _preferred(_drag(found, track.source), felt, track)
+        if slow[0] - begin < _TAIL_OF_THRUST:  # the coast is not extrapolated back through the speed of sound
+            figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source)
     return {name: figure for name, figure in figures.items() if figure.sd < _MAX_RELATIVE_SD * figure.value}
+
+
+def _drag(found: _Fit, source: str) -> Figure:
+    drag = float(np.exp(found.values[2]))
+    return Figure(drag, float(np.hypot(np.sqrt(found.covariance[2, 2]), _MIN_DRAG_SD)) * drag, source)
+
+
+def _preferred(seen: Figure, felt: Figure | None, track: Heights) -> Figure:
+    """The better known of a drag from heights, which the static ports may distort, and one from an accelerometer."""
+    ports = PORT_ERROR * STATIC_SD * seen.value if track.is_barometric else 0.0
+    return felt if felt is not None and felt.sd < np.hypot(seen.sd, ports) else seen
 
 
 def _undisturbed(

@@ -111,7 +111,8 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     climb = climb_of(log.ascent, begin, burnout, end, log.source)
     free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
     if lift and burnt and apogee and log.drag:
-        known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
+        push = log.push if log.ascent.fused else None
+        known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, push, (lift, burnt, free), log.source)
     known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
     known, unknown = known_well(known)
     pressed = forces(climb, log.push, _elevation(clocks, lift), free) if lift and burnt else None

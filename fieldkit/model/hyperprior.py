@@ -35,9 +35,10 @@ QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
 seconds."""
 FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """Readouts that each device defines in its own way; readouts measured in a sensor's samples have no such rule."""
-LEVELS = ("fleet", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged")
+LEVELS = ("fleet", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged", "ports")
 """Groups of flights that share a random effect, widest first. `logged` is for a rocket's readouts measured in a
-sensor's samples, to which the bias of a device does not apply."""
+sensor's samples, to which the bias of a device does not apply; `ports` for those measured in samples of a barometer,
+which the static ports of a rocket bias."""
 CARD = "hyperprior.json"
 DESIGN_DRAG = 0.2
 """Start of `Hyperprior.design_drag`, an expert judgment: paint, lugs and gaps are rarely as drawn. [1]"""
@@ -154,6 +155,7 @@ CERTIFIED_PRIOR = Hyperprior(
             "coast_to_apogee.rocket": 0.01,
             "apogee_to_eject.rocket": 0.1,
             "coast_drag.rocket": 0.02,
+            "coast_drag.ports": 0.12,
             "burn_impulse.rocket": 0.01,
         }
     ),
@@ -207,7 +209,8 @@ START = Hyperprior(
             "peak_accel.logged": 0.1,
             "coast_to_apogee.logged": 0.03,
             "apogee_to_eject.logged": 0.1,
-            "coast_drag.rocket": 0.08,
+            "coast_drag.rocket": 0.04,
+            "coast_drag.ports": 0.12,
             "burn_impulse.rocket": 0.05,
         }
     ),
@@ -226,10 +229,12 @@ type, because devices smooth short spikes. Single flights scatter by 6%. The bia
 each manufacturer aims at the truth: the open flights come from one device, which does not show their mean. The
 variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
 from simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the
-standard deviation of the analysis (`ratio` is used if it is missing). Two altimeters on one open flight differ by 13
-and 9%, more than a climb 15 degrees off vertical explains (1/cos 15 = 1.035 for drag, cos 15 = 0.97 for impulse)."""
+standard deviation of the analysis (`ratio` is used if it is missing). A climb 15 degrees off vertical changes drag by
+1/cos 15 = 1.035 and impulse by cos 15 = 0.97. Static ports are off by 0.03 of the dynamic pressure, which changes a
+drag from a barometer by four times that (`fieldkit.analysis.drag_and_impulse`). Two altimeters on one open flight
+differ by 13% in drag and 9% in impulse."""
 
-_JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot"))}
+_JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""
 
 

@@ -5,7 +5,7 @@ that act on many flights are shared (drag of the rocket, thrust of a motor type,
 from flight to flight is scatter, drawn for each flight.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -218,6 +218,8 @@ def _quantity_terms(
         mean = 0.0
     if sd := hyperprior.sd(quantity, "rocket"):
         yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
+    if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), flights, quantity)).any():
+        yield Term(f"{quantity} by static ports", quantity, 0.0, sd, barometric)
     for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):
             continue
@@ -231,13 +233,18 @@ def _quantity_terms(
 
 
 def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]
+    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]"""
+    return measured_by((*SENSORS, "simulated"), flights, readout)
+
+
+def measured_by(sources: Collection[str], flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
+    """1 for a flight whose readout comes from one of some sources, otherwise 0. [1]
 
     A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
     it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
     """
     shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
-    own = np.array([float(flight.source.get(readout, "") in (*SENSORS, "simulated")) for flight in flights])
+    own = np.array([float(flight.source.get(readout, "") in sources) for flight in flights])
     if not shown:
         return np.zeros(len(flights))
     last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)

@@ -1,0 +1,64 @@
+"""Drag of the coast as an accelerometer on the axis feels it; the error of a static port does not affect it.
+
+In a coast nothing but drag acts along the axis, so the accelerometer shows
+
+    a = c - b s(h) v²,    b = rho Cd A / (2 m),
+
+with c the error of its zero, which the slow end of the coast shows, and the rest as in `drag_and_impulse`. Speed and
+density ratio are those of the fitted ascent; the line is fitted by least squares with Student-t weights.
+
+Derivation: Newton's second law along the axis, without gravity, which an accelerometer in free flight does not feel.
+"""
+
+import numpy as np
+
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.ballistic import SCALE_HEIGHT
+from fieldkit.analysis.channels import Push
+from fieldkit.analysis.records import Figure
+from fieldkit.analysis.robust_statistics import lag_one, mad_sd
+from fieldkit.shapes import Array, Float
+
+_MIN_SAMPLES, _MIN_SPEED_RATIO = 12, 1.5
+"""Minimum number of samples of a coast [1], and of the ratio of its first speed to its last. [1]"""
+_ROUNDS, _STUDENT_DOF, _MIN_NOISE = 8, 4.0, 0.02
+"""Number of updates of the weights, degrees of freedom of the errors [1], and their smallest size. [m/s^2]"""
+_CLIPPED = 3
+"""A saturated sensor returns its lowest number more often than this. [1]"""
+_SCALE_SD, _SPEED_SD = 0.02, 0.02
+"""Relative errors of an accelerometer's scale and of a speed for which heights and accelerometer agree. [1]"""
+
+
+def felt_drag(push: Push, ascent: Ascent, begin: float, end: float) -> Figure | None:
+    """Drag of the coast between two times [s] from an axial accelerometer. [1/m]
+
+    None if it does not measure along the axis, was saturated, or the coast does not constrain drag.
+    """
+    inside = (push.time >= begin) & (push.time <= end)
+    lowest = push.felt[inside].min(initial=np.inf)
+    if np.sum(push.felt[inside] == lowest) > _CLIPPED:
+        inside &= push.felt > lowest
+    if push.vertical or inside.sum() < _MIN_SAMPLES or (push.full is not None and push.full[inside].any()):
+        return None
+    time, felt = push.time[inside] - push.blur, push.felt[inside]
+    speed, height = (np.interp(time, ascent.time, curve) for curve in (ascent.speed, ascent.height))
+    if speed[0] < _MIN_SPEED_RATIO * max(float(speed[-1]), 1.0):
+        return None
+    shape = np.stack([-np.exp(-height / SCALE_HEIGHT) * speed**2, np.ones(time.size)], axis=-1)
+    drag, known = _line(shape, felt)
+    if not drag > 0:
+        return None
+    return Figure(drag, float(np.linalg.norm([known, _SCALE_SD * drag, 2 * _SPEED_SD * drag])), push.source)
+
+
+def _line(shape: Float[Array, "time two"], felt: Float[Array, "time"]) -> tuple[float, float]:
+    """Slope of a robust line and its standard deviation."""
+    weight, freedom = np.ones(felt.size), np.sqrt(felt.size / (felt.size - 2))
+    for _ in range(_ROUNDS):
+        precision = (shape.T * weight) @ shape
+        left = felt - shape @ np.linalg.solve(precision, shape.T @ (weight * felt))
+        noise, lag1 = max(mad_sd(left) * freedom, _MIN_NOISE), lag_one(left)
+        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - lag1) / (1 + lag1) / noise**2
+    precision = (shape.T * weight) @ shape
+    values = np.linalg.solve(precision, shape.T @ (weight * felt))
+    return float(values[0]), float(np.sqrt(np.linalg.inv(precision)[0, 0]))

@@ -1,0 +1,99 @@
+"""Drag from an accelerometer on the axis: exact on exact samples, whatever its zero and the static ports."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis import measure
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.channels import Push
+from fieldkit.analysis.drag_and_impulse import PORT_ERROR
+from fieldkit.analysis.felt_drag import felt_drag
+from fieldkit.analysis.process_noise import STATIC_SD
+from fieldkit.model.hyperprior import START, certified, learned
+from fieldkit.physics.atmosphere import pad_air
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
+
+CHECK_SHAPES = False
+END = 4.0
+"""Duration of the coast that is used. [s]"""
+
+
+def drag_of(rocket: Rocket) -> float:
+    """The true drag of a coast at the pad. [1/m]"""
+    air = pad_air(*(np.array(x) for x in (rocket.elevation, np.nan, np.nan, np.nan)))
+    return float(0.5 * air.density * rocket.area / rocket.mass)
+
+
+def coasting(zero: float = 0.0, noise: float = 0.0, lowest: float = -np.inf) -> tuple[Push, Ascent]:
+    """The exact ascent of a small rocket, and its accelerometer with some zero, noise and lowest number. [m/s^2]"""
+    truth = fly(SMALL)
+    climb = truth.time < truth.apogee_time
+    time, height, speed = (values[climb][::5] for values in (truth.time, truth.height, truth.speed))
+    felt = truth.felt[climb][::5] + zero + noise * np.random.default_rng(1).standard_normal(time.size)
+    drawn = np.zeros((1, time.size))
+    ascent = Ascent(time, height, speed, felt - GRAVITY, drawn, drawn, drawn, 0.3, 0.0, fused=True)
+    return Push(time, np.maximum(felt, lowest), vertical=False, source="axial acceleration"), ascent
+
+
+def measured(zero: float = 0.0, noise: float = 0.0, lowest: float = -np.inf) -> float:
+    """The drag from those samples relative to the truth, in its standard deviations without those of the scales."""
+    found = felt_drag(*coasting(zero, noise, lowest), SMALL.burn + 0.3, SMALL.burn + END)
+    assert found is not None
+    assert found.sd < 0.06 * found.value
+    return found.value / drag_of(SMALL) - 1
+
+
+@pytest.mark.parametrize("zero", [-2.0, 0.0, 1.5])
+def test_exact_samples_have_the_exact_drag_with_any_zero(zero: float) -> None:
+    assert measured(zero) == pytest.approx(0.0, abs=0.01)
+
+
+def test_noisy_samples_have_about_that_drag() -> None:
+    assert measured(noise=0.5) == pytest.approx(0.0, abs=0.04)
+
+
+def test_a_sensor_that_was_saturated_in_the_fast_part_has_the_drag_of_the_rest() -> None:
+    truth = coasting()[0].felt
+    assert measured(lowest=0.7 * float(truth.min())) == pytest.approx(0.0, abs=0.02)
+
+
+def test_a_vertical_acceleration_does_not_show_drag() -> None:
+    push, ascent = coasting()
+    assert felt_drag(replace(push, vertical=True), ascent, SMALL.burn + 0.3, SMALL.burn + END) is None
+
+
+def test_a_coast_of_constant_speed_does_not_show_drag() -> None:
+    push, ascent = coasting()
+    constant = replace(ascent, speed=np.full(ascent.time.size, 50.0))
+    assert felt_drag(push, constant, SMALL.burn + 0.3, SMALL.burn + END) is None
+
+
+def with_static_ports(rocket: Rocket, error: float, accelerometer: float = 0.0) -> tuple[float, str]:
+    """Drag relative to the truth in a log whose static ports are off by a fraction of the dynamic pressure, and its
+    source."""
+    truth = fly(rocket)
+    shown = replace(truth, height=truth.height - error * truth.speed * np.abs(truth.speed) / (2 * GRAVITY))
+    logger = Logger(rate=50, noise=0.05, accelerometer=accelerometer)
+    found = measure(log(shown, logger, np.random.default_rng(2))).figures["coast_drag"]
+    return found.value / drag_of(rocket), found.source
+
+
+def test_static_ports_change_a_drag_from_heights_by_the_stated_multiple_of_their_error() -> None:
+    for rocket in (SMALL, LARGE):
+        high, low = (with_static_ports(rocket, error)[0] for error in (0.02, -0.02))
+        assert np.log(high / low) / 0.04 == pytest.approx(PORT_ERROR, rel=0.3)
+
+
+def test_static_ports_do_not_change_the_drag_that_an_accelerometer_shows() -> None:
+    for error in (-0.04, 0.04):
+        drag, source = with_static_ports(SMALL, error, accelerometer=100)
+        assert "acceleration" in source
+        assert drag == pytest.approx(1.0, abs=0.07)
+
+
+def test_the_prior_of_the_ports_is_their_error_times_that_multiple() -> None:
+    for hyperprior in (START, learned(), certified()):
+        assert hyperprior.sd("coast_drag", "ports") == pytest.approx(PORT_ERROR * STATIC_SD)
