@@ -33,7 +33,7 @@ import numpy as np
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.ballistic import SCALE_HEIGHT, Coast, coast
 from fieldkit.analysis.channels import Heights, Push
-from fieldkit.analysis.felt_drag import felt_drag
+from fieldkit.analysis.felt_drag import felt_drag, felt_impulse
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
@@ -115,11 +115,17 @@ def drag_and_impulse(
     top = int(np.argmax(ascent.height))
     found = _undisturbed(time, height, free, np.array([ascent.time[top], ascent.height[top], _START_LOG_DRAG, 0.0]))
     felt = felt_drag(push, ascent, float(slow[0]), float(time[-1])) if push is not None and time.size else None
-    figures = {} if felt is None else {"coast_drag": felt}
-    if found is not None:
-        figures["coast_drag"] = _preferred(_drag(found, track.source), felt, track)
-        if slow[0] - begin < _TAIL_OF_THRUST:  # the coast is not extrapolated back through the speed of sound
-            figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source)
+    seen = None if found is None else _drag(found, track.source)
+    drag = _better_known(seen, felt, track.is_barometric)
+    if drag is None:
+        return {}
+    figures = {"coast_drag": drag}
+    if slow[0] - begin >= _TAIL_OF_THRUST:  # a coast is not extrapolated back through the speed of sound
+        pass
+    elif drag is felt and push is not None:
+        figures["burn_impulse"] = felt_impulse(push, ascent, drag, lift, float(slow[0]))
+    elif found is not None:
+        figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source, track.is_barometric)
     return {name: figure for name, figure in figures.items() if figure.sd < _MAX_RELATIVE_SD * figure.value}
 
 
@@ -128,10 +134,12 @@ def _drag(found: _Fit, source: str) -> Figure:
     return Figure(drag, float(np.hypot(np.sqrt(found.covariance[2, 2]), _MIN_DRAG_SD)) * drag, source)
 
 
-def _preferred(seen: Figure, felt: Figure | None, track: Heights) -> Figure:
-    """The better known of a drag from heights, which the static ports may distort, and one from an accelerometer."""
-    ports = PORT_ERROR * STATIC_SD * seen.value if track.is_barometric else 0.0
-    return felt if felt is not None and felt.sd < np.hypot(seen.sd, ports) else seen
+def _better_known(seen: Figure | None, felt: Figure | None, barometric: bool) -> Figure | None:
+    """A drag from heights, which static ports distort if they come from a barometer, or from an accelerometer."""
+    if seen is None or felt is None:
+        return seen or felt
+    ports = PORT_ERROR * STATIC_SD * seen.value if barometric else 0.0
+    return felt if felt.sd < np.hypot(seen.sd, ports) else seen
 
 
 def _undisturbed(
@@ -155,8 +163,11 @@ def _undisturbed(
     return best
 
 
-def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str) -> Figure:
-    """Impulse over mass from lift-off to a moment of the coast."""
+def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str, barometric: bool) -> Figure:
+    """Impulse over mass from lift-off to a moment of the coast.
+
+    Static ports that are off by s move heights by s v²/2g, and so change the speed by s v (1 + b v²/g).
+    """
     inside = (ascent.time >= lift.time) & (ascent.time <= end)
     thinner = np.exp(-ascent.height[inside] / SCALE_HEIGHT)
     squares = float((thinner * ascent.speed[inside] ** 2).sum() * median_step(ascent.time))
@@ -169,8 +180,11 @@ def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str) 
     value = impulse(found.values)
     slope = np.array([impulse(found.values + step) - value for step in np.diag(_DIFFERENCE_STEPS)]) / _DIFFERENCE_STEPS
     known = np.sqrt(slope @ found.covariance @ slope)
-    lost = _SQUARED_SPEED_SD * np.exp(found.values[2]) * squares
-    return Figure(value, float(np.linalg.norm([known, GRAVITY * lift.sd, lost, _MIN_IMPULSE_SD * value])), source)
+    drag = float(np.exp(found.values[2]))
+    speed = value - GRAVITY * (end - lift.time) - drag * squares
+    ports = STATIC_SD * speed * (1 + drag * speed**2 / GRAVITY) if barometric else 0.0
+    errors = (known, GRAVITY * lift.sd, _SQUARED_SPEED_SD * drag * squares, _MIN_IMPULSE_SD * value, ports)
+    return Figure(value, float(np.linalg.norm(errors)), source)
 
 
 def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Float[Array, "four"]) -> _Fit | None:

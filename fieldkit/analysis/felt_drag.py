@@ -1,11 +1,14 @@
-"""Drag of the coast as an accelerometer on the axis feels it; the error of a static port does not affect it.
+"""Drag of a coast and impulse of a burn as an accelerometer on the axis feels them; static ports do not affect them.
 
 In a coast nothing but drag acts along the axis, so the accelerometer shows
 
     a = c - b s(h) v²,    b = rho Cd A / (2 m),
 
 with c the error of its zero, which the slow end of the coast shows, and the rest as in `drag_and_impulse`. Speed and
-density ratio are those of the fitted ascent; the line is fitted by least squares with Student-t weights.
+density ratio are those of the fitted ascent; the line is fitted by least squares with Student-t weights. In the burn it
+shows thrust less drag, so the impulse over mass is
+
+    j = integral of a + b integral of s v².
 
 Derivation: Newton's second law along the axis, without gravity, which an accelerometer in free flight does not feel.
 """
@@ -15,8 +18,9 @@ import numpy as np
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.ballistic import SCALE_HEIGHT
 from fieldkit.analysis.channels import Push
-from fieldkit.analysis.records import Figure
+from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 _MIN_SAMPLES, _MIN_SPEED_RATIO = 12, 1.5
@@ -25,6 +29,8 @@ _ROUNDS, _STUDENT_DOF, _MIN_NOISE = 8, 4.0, 0.02
 """Number of updates of the weights, degrees of freedom of the errors [1], and their smallest size. [m/s^2]"""
 _CLIPPED = 3
 """A saturated sensor returns its lowest number more often than this. [1]"""
+_STEP = 0.005
+"""Step of the integrals over a burn. [s]"""
 _SCALE_SD, _SPEED_SD = 0.02, 0.02
 """Relative errors of an accelerometer's scale and of a speed for which heights and accelerometer agree. [1]"""
 
@@ -49,6 +55,21 @@ def felt_drag(push: Push, ascent: Ascent, begin: float, end: float) -> Figure | 
     if not drag > 0:
         return None
     return Figure(drag, float(np.linalg.norm([known, _SCALE_SD * drag, 2 * _SPEED_SD * drag])), push.source)
+
+
+def felt_impulse(push: Push, ascent: Ascent, drag: Figure, lift: Event, end: float) -> Figure:
+    """Impulse of the burn over mass, from lift-off to a moment of the coast [s], with a drag of the coast. [m/s]"""
+    time = np.arange(lift.time, end, _STEP)
+    felt = float(np.interp(time, push.time - push.blur, push.felt).sum() * _STEP)
+    speed, height = (np.interp(time, ascent.time, curve) for curve in (ascent.speed, ascent.height))
+    lost = float((np.exp(-height / SCALE_HEIGHT) * speed**2).sum() * _STEP)
+    known = (
+        _SCALE_SD * felt,
+        push.missed_speed_sd,
+        GRAVITY * lift.sd,
+        np.hypot(drag.sd, 2 * _SPEED_SD * drag.value) * lost,
+    )
+    return Figure(felt + drag.value * lost, float(np.linalg.norm(known)), push.source)
 
 
 def _line(shape: Float[Array, "time two"], felt: Float[Array, "time"]) -> tuple[float, float]:

@@ -163,18 +163,18 @@ def per_mass(result: Fit, *bends: str) -> tuple[float, float]:
 
 
 @pytest.mark.thorough
-def test_one_logged_flight_distinguishes_drag_from_thrust() -> None:
-    ratios = []
+@pytest.mark.parametrize(("logger", "ratio"), [(Logger(), 0.45), (Logger(accelerometer=50), 1 / 3)])
+def test_one_logged_flight_distinguishes_drag_from_thrust(logger: Logger, ratio: float) -> None:
+    """Static ports limit what a barometer shows; an accelerometer shows drag per mass three times as well as ten
+    readouts."""
     for cd, thrust_factor in ((0.45, 1.0), (0.6, 0.9), (0.8, 1.06)):
-        for logger in (Logger(), Logger(accelerometer=50)):
-            logged = flown_on(cd, thrust_factor, logger, 4)
-            before, after = fitted(logged.with_changes(**TEN)), fitted(logged)
-            ratios.append(per_mass(after, "drag", "mass")[1] / per_mass(before, "drag", "mass")[1])
-            assert per_mass(after, "drag")[1] < per_mass(before, "drag")[1] / 2
-            for bends, truth in (("drag", cd), ("thrust", thrust_factor)):
-                mean, sd = per_mass(after, bends)
-                assert abs(mean - np.log(truth)) < 2 * sd
-    assert np.mean(ratios) < 1 / 3
+        logged = flown_on(cd, thrust_factor, logger, 4)
+        before, after = fitted(logged.with_changes(**TEN)), fitted(logged)
+        assert per_mass(after, "drag", "mass")[1] < ratio * per_mass(before, "drag", "mass")[1]
+        assert per_mass(after, "drag")[1] < 0.55 * per_mass(before, "drag")[1]
+        for bends, truth in (("drag", cd), ("thrust", thrust_factor)):
+            mean, sd = per_mass(after, bends)
+            assert abs(mean - np.log(truth)) < 2 * sd
 
 
 def test_the_models_expectation_agrees_with_a_simulated_log() -> None:

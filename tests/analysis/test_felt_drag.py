@@ -1,11 +1,12 @@
 """Drag from an accelerometer on the axis: exact on exact samples, whatever its zero and the static ports."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fieldkit.analysis import measure
+from fieldkit.analysis import Figure, measure
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.drag_and_impulse import PORT_ERROR
@@ -71,27 +72,40 @@ def test_a_coast_of_constant_speed_does_not_show_drag() -> None:
     assert felt_drag(push, constant, SMALL.burn + 0.3, SMALL.burn + END) is None
 
 
-def with_static_ports(rocket: Rocket, error: float, accelerometer: float = 0.0) -> tuple[float, str]:
-    """Drag relative to the truth in a log whose static ports are off by a fraction of the dynamic pressure, and its
-    source."""
+def measured_with_static_ports(rocket: Rocket, error: float, accelerometer: float = 0.0) -> Mapping[str, Figure]:
+    """Figures of a log whose static ports are off by a fraction of the dynamic pressure."""
     truth = fly(rocket)
     shown = replace(truth, height=truth.height - error * truth.speed * np.abs(truth.speed) / (2 * GRAVITY))
     logger = Logger(rate=50, noise=0.05, accelerometer=accelerometer)
-    found = measure(log(shown, logger, np.random.default_rng(2))).figures["coast_drag"]
-    return found.value / drag_of(rocket), found.source
+    return measure(log(shown, logger, np.random.default_rng(2))).figures
 
 
 def test_static_ports_change_a_drag_from_heights_by_the_stated_multiple_of_their_error() -> None:
     for rocket in (SMALL, LARGE):
-        high, low = (with_static_ports(rocket, error)[0] for error in (0.02, -0.02))
+        high, low = (measured_with_static_ports(rocket, error)["coast_drag"].value for error in (0.02, -0.02))
         assert np.log(high / low) / 0.04 == pytest.approx(PORT_ERROR, rel=0.3)
 
 
-def test_static_ports_do_not_change_the_drag_that_an_accelerometer_shows() -> None:
-    for error in (-0.04, 0.04):
-        drag, source = with_static_ports(SMALL, error, accelerometer=100)
-        assert "acceleration" in source
-        assert drag == pytest.approx(1.0, abs=0.07)
+def impulse_of(rocket: Rocket) -> float:
+    """Thrust over mass, integrated over the burn: the mass is constant. [m/s]"""
+    truth = fly(rocket)
+    felt = np.interp(np.arange(0, rocket.burn, 0.001), truth.time, truth.felt)
+    speed = np.interp(np.arange(0, rocket.burn, 0.001), truth.time, truth.speed)
+    return float(0.001 * (felt + drag_of(rocket) * speed**2).sum())
+
+
+@pytest.mark.parametrize("error", [-0.04, 0.04])
+def test_static_ports_do_not_change_what_an_accelerometer_shows(error: float) -> None:
+    found = measured_with_static_ports(SMALL, error, accelerometer=100)
+    for name, truth, within in (("coast_drag", drag_of(SMALL), 0.07), ("burn_impulse", impulse_of(SMALL), 0.04)):
+        assert "acceleration" in found[name].source
+        assert found[name].value == pytest.approx(truth, rel=within)
+
+
+@pytest.mark.parametrize("error", [-0.04, 0.04])
+def test_an_impulse_from_heights_is_within_two_standard_deviations_of_such_ports(error: float) -> None:
+    found = measured_with_static_ports(SMALL, error)["burn_impulse"]
+    assert abs(found.value - impulse_of(SMALL)) < 2 * found.sd
 
 
 def test_the_prior_of_the_ports_is_their_error_times_that_multiple() -> None:
