@@ -50,7 +50,7 @@ class FittedLog:
 
     `push` is the acceleration trusted for its size, `felt` the one trusted for shocks; `every` are the times of all
     samples [s], `stated` the events that the logger marked [s]. `drag` if drag and impulse are to be measured;
-    `compared` if `push` was compared with the heights.
+    `compared` if `push` was compared with the heights; `slanted` if the rocket climbed at a large angle.
     """
 
     track: Heights
@@ -62,6 +62,7 @@ class FittedLog:
     stated: Mapping[str, float]
     drag: bool = True
     compared: bool = True
+    slanted: bool = False
 
     @property
     def source(self) -> str:
@@ -111,7 +112,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     climb = climb_of(log.ascent, begin, burnout, end, log.source)
     free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
     if lift and burnt and apogee and log.drag:
-        push = log.push if log.ascent.fused else None
+        push = log.push if log.ascent.fused and not log.slanted else None
         known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, push, (lift, burnt, free), log.source)
     known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
     known, unknown = known_well(known)

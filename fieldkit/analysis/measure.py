@@ -118,7 +118,8 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascents = _ascents(track, None, seen, moments[0], None, moments[2], sighted, lags)
     if not ascents:
         return Recorded(notes=(NO_FLIGHT,))
-    log = FittedLog(track, every, seen, ascents[0].ascent, trust.push, felt, stated, compared=trust.compared)
+    known = {"compared": trust.compared, "slanted": slanted is not None}
+    log = FittedLog(track, every, seen, ascents[0].ascent, trust.push, felt, stated, **known)
     each = [_recorded(replace(log, drag=one is ascents[0]), one, clocks) for one in ascents]
     on_time = next(one for one, ascent in zip(each, ascents, strict=True) if not ascent.lag.lag)
     if NO_FLIGHT in on_time.notes:  # correcting a lag does not turn a drone into a rocket
