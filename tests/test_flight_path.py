@@ -2,6 +2,8 @@
 
 from functools import cache
 
+import pytest
+
 from tools import flight_path
 from tools.flight_path import stops
 
@@ -10,6 +12,7 @@ MAX_FILES = 12
 passes = cache(flight_path.passes)
 
 
+@pytest.mark.thorough
 def test_the_flights_of_a_forecast_stop_at_few_files() -> None:
     made = passes()
     visited = stops(made)
@@ -18,6 +21,7 @@ def test_the_flights_of_a_forecast_stop_at_few_files() -> None:
     assert len(set(visited)) <= MAX_FILES, visited
 
 
+@pytest.mark.thorough
 def test_objects_that_hold_the_flights_travel_further() -> None:
     found = stops(passes(holders=True))
     assert "fieldkit/inference/laplace/fit.py" in found

@@ -121,6 +121,7 @@ def test_names_hold_no_word_that_the_glossary_replaces(modules: Modules) -> None
     assert not found, "\n".join(found)
 
 
+@pytest.mark.thorough
 def test_variables_hold_no_word_that_the_glossary_replaces(modules: Modules) -> None:
     found = {
         f"{file}: {name}"

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path, PureWindowsPath
 
+import pytest
+
 from fieldkit.ledger import whereabouts
 from fieldkit.tui.widgets.bars import shortened
 
@@ -49,6 +51,7 @@ SESSION = (
 )
 
 
+@pytest.mark.thorough
 def test_a_session_works_without_unix_only_modules(tmp_path: Path) -> None:
     flyer = {**os.environ, "FIELDKIT_HOME": str(tmp_path), "PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, "-c", WITHOUT, *SESSION], env=flyer, cwd=tmp_path, capture_output=True)

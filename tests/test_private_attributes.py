@@ -77,6 +77,7 @@ def test_the_programs_own_private_attributes_are_not_reported(line: str) -> None
     assert not list(strange(ast.parse(line), {"_own"}))
 
 
+@pytest.mark.thorough
 def test_no_private_attribute_of_a_library_is_used() -> None:
     trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in FILES}
     own = _own_names(trees.values())

@@ -312,6 +312,7 @@ def harmless(captured: tuple[str, str]) -> bool:
     return not {c for c in "".join(captured) if unicodedata.category(c) in ("Cc", "Cf", "Cs") and c != "\n"}
 
 
+@pytest.mark.thorough
 def test_no_command_uses_a_network_or_prints_a_name_unescaped(
     sockets: list[str],
     asked: Callable[[str, list[str]], list[str]],

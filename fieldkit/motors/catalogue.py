@@ -141,13 +141,13 @@ class Catalogue:
         return replace(made, lots=MappingProxyType(lots))
 
 
-_LOT = re.compile(r"[\s,;(]+(?:lot|batch)(?:\s+no\.?)?[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
+_LOT = re.compile(r"[\s,;(](?:lot|batch)(?:\s+no\.?)?[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
 
 
 def split_lot(text: str) -> tuple[str, str]:
     """Split a motor's name from its lot, empty if none is given: `F24-4W lot 0412`."""
     found = _LOT.search(text) if len(text) <= MAX_NAME else None
-    return (text[: found.start()], found[1]) if found else (text, "")
+    return (text[: found.start()].rstrip(" \t,;("), found[1]) if found else (text, "")
 
 
 def _lot_key(motor: Motor, lot: str) -> tuple[str, str, str]:

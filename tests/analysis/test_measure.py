@@ -486,6 +486,7 @@ def test_stated_uncertainties_hold_over_many_flights() -> None:
         assert np.mean(np.array(distances) < 2) > 0.8, (name, np.quantile(distances, [0.5, 0.8, 0.95]))
 
 
+@pytest.mark.thorough
 def test_stated_uncertainties_hold_over_a_few_flights() -> None:
     random = np.random.default_rng(5)
     truths = [flown(SMALL), flown(LARGE)]

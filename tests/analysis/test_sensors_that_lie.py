@@ -308,6 +308,7 @@ def test_an_accelerometer_with_a_late_clock_is_not_used() -> None:
     assert any(" s late" in note for note in recorded.notes)
 
 
+@pytest.mark.thorough
 def test_an_accelerometer_is_used_in_a_tilted_flight_but_not_with_air_brakes() -> None:
     """The flight is 22 degrees off vertical; for two seconds of the coast the pressures are those of 150 m lower."""
     random = np.random.default_rng(11)
@@ -504,6 +505,7 @@ def test_an_accelerometer_whose_integral_passes_apogee_is_not_used() -> None:
     assert recorded.figures["apogee"].value == pytest.approx(truth.readouts()["apogee"], rel=0.01)
 
 
+@pytest.mark.thorough
 def test_a_drone_flight_is_not_a_rocket_flight() -> None:
     time = np.arange(0.0, 200.0, 0.1)
     climb = np.interp(time, [0, 10, 25, 100, 130, 200], [0, 0, 110, 112, 0, 0])

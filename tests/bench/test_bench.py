@@ -191,6 +191,7 @@ def sets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.thorough
 def test_a_set_has_a_history_later_flights_and_a_label(sets: Path) -> None:
     (label,) = json.loads((sets / "labels.json").read_text())
     assert label["label"] == "mass_offset"
@@ -210,6 +211,7 @@ for flown in case(SCENARIOS["wear"], {seed}, 1).bent.flights:
 """
 
 
+@pytest.mark.thorough
 def test_the_same_seed_draws_the_same_season_in_any_process() -> None:
     def season(seed: int, hashing: str) -> str:
         environment = {**os.environ, "PYTHONHASHSEED": hashing, "PYTHONPATH": os.pathsep.join(sys.path)}
@@ -277,6 +279,7 @@ def test_a_verdict_is_right_in_any_order_and_if_listed_as_indistinguishable() ->
     assert not replace(base, verdict="wind").right
 
 
+@pytest.mark.thorough
 def test_scenarios_that_rocketpy_cannot_simulate_are_left_out_and_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

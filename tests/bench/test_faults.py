@@ -134,6 +134,7 @@ def test_every_write_of_a_command_fails_in_turn(tmp_path: Path) -> None:
     assert bench.judged(calls.Ended(calls.HANGS, "", "", True))[1] == "it hangs"
 
 
+@pytest.mark.thorough
 @traced
 def test_calls_of_the_backup_of_a_new_day_fail_too(tmp_path: Path) -> None:
     with ledgers.at_home(tmp_path / "home"):
@@ -147,6 +148,7 @@ def test_calls_of_the_backup_of_a_new_day_fail_too(tmp_path: Path) -> None:
     assert len(backups(trial.file)) == 1
 
 
+@pytest.mark.thorough
 @traced
 def test_a_replay_contains_exactly_what_was_acknowledged_among_faults(tmp_path: Path) -> None:
     outcome = failing.history(tmp_path, 6, seed=3)
@@ -174,6 +176,7 @@ def url(server: servers.Server) -> str:
     return server.url
 
 
+@pytest.mark.thorough
 @pytest.mark.postgres
 def test_laptops_on_a_server_that_dies_lose_nothing_that_was_acknowledged(
     server: servers.Server, tmp_path: Path
@@ -183,6 +186,7 @@ def test_laptops_on_a_server_that_dies_lose_nothing_that_was_acknowledged(
     assert outcome.counts["acknowledged"] > 5
 
 
+@pytest.mark.thorough
 @pytest.mark.postgres
 def test_laptops_lose_nothing_when_a_standby_takes_over(server: servers.Server) -> None:
     folder = server.folder.with_name("laptops")

@@ -164,6 +164,7 @@ def imported(tree: ast.AST) -> set[str]:
     return found
 
 
+@pytest.mark.thorough
 def test_only_two_modules_use_serial_ports_and_one_of_them_only_lists_them() -> None:
     owners = {path.relative_to(ROOT).as_posix() for path in modules() if "serial" in imported(parsed(path))}
     assert owners == {"fieldkit/capture/line.py", "fieldkit/capture/port.py"}

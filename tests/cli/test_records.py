@@ -151,6 +151,7 @@ def test_a_file_name_that_is_not_unicode_is_accepted(run: Run, table: Path) -> N
     assert (outcome.status, len(outcome.err.splitlines())) == (1, 1)
 
 
+@pytest.mark.thorough
 def test_a_terminal_that_lacks_a_character_still_gets_the_line(table: Path, tmp_path: Path) -> None:
     table.write_text(TABLE.replace("good", "Größe →"), encoding="utf-8")
     environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "l.db"), "PYTHONIOENCODING": "ascii"}
@@ -453,6 +454,7 @@ def test_the_ledger_comes_from_the_environment_if_no_option_names_it(
     capsys.readouterr()
 
 
+@pytest.mark.thorough
 def test_a_command_whose_reader_closes_the_pipe_leaves_no_traceback(tmp_path: Path, table: Path) -> None:
     environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "ledger.db")}
     command = [sys.executable, "-m", "fieldkit.cli.main"]

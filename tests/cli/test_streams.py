@@ -124,6 +124,7 @@ def test_a_closed_output_is_reported_in_one_line_that_does_not_deny_what_was_don
     assert flights(ledger) == ["9"]
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled
 @pytest.mark.parametrize("closed", ["2>&-", "2>/dev/full", "<&- 2>&-"])
 def test_closed_stderr_does_not_change_what_a_command_does(ledger: str, closed: str) -> None:

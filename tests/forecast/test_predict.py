@@ -173,6 +173,7 @@ def test_random_variance_never_narrows_and_without_it_the_interval_vanishes() ->
     assert made(0.05, 0.0).narrowed(1) == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_the_interval_narrows_as_announced_once_the_flights_are_flown() -> None:
     """The mean over some seasons, because the scatter is estimated from the flights too."""
     forecast, became = [], []

@@ -81,6 +81,7 @@ print(int(memory[0]) // 1024, file=sys.stderr)
 """Reads designs one after the other; status and time of each, and the memory that the process took. [s, MiB]"""
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="only Linux reports the memory")
 def test_designs_with_too_much_of_something_are_read_or_refused_at_once(tmp_path: Path) -> None:
     files = [tmp_path / f"{what.replace(' ', '_')}.ork" for what in HOSTILE]

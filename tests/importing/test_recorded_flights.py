@@ -149,6 +149,7 @@ def test_a_log_without_an_apogee_is_reported_and_kept(run: Run, tmp_path: Path) 
     assert shown["duration_s"] is None
 
 
+@pytest.mark.thorough
 def test_compare_shows_a_flight_beside_another_device_and_a_simulation(run: Run, tmp_path: Path) -> None:
     one, two, sim = (tmp_path / f"{name}.lark" for name in ("one", "two", "sim"))
     one.write_bytes(written(SMALL))

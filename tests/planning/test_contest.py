@@ -481,6 +481,7 @@ def test_the_table_of_finals_states_how_much_one_flight_would_narrow_it() -> Non
     assert descent == 55  # from 30 % and 10 % to 10 % and 10 %, as the root of the sum of squares
 
 
+@pytest.mark.thorough
 def test_the_card_of_finals_is_one_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = ["--ledger", f"{tmp_path}/ledger.db"]
     assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0

@@ -40,6 +40,7 @@ FAR_OFF = (
 """Cases that the physics alone misses without their static margin: those that are very stable or land near the pad."""
 
 
+@pytest.mark.thorough
 def test_the_climb_scatters_as_the_landing_assumes() -> None:
     off = []
     for case in CASES:

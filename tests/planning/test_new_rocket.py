@@ -215,6 +215,7 @@ def test_every_name_in_the_guide_identifies_its_motor(tmp_path: Path, capsys: py
     assert ("Quest", "C6") in that_fit
 
 
+@pytest.mark.thorough
 def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
     assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0

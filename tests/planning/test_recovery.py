@@ -297,6 +297,7 @@ def test_a_plan_descends_like_the_last_flight_of_its_configuration(tmp_path: Pat
         assert plan.extra == {"main_altitude_m": "80"}
 
 
+@pytest.mark.thorough
 def test_a_log_on_a_drogue_and_a_main_is_forecast_with_both_speeds(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -374,6 +375,7 @@ def test_of_an_entered_speed_and_diameter_the_one_used_is_named(
     assert ("--main-speed is used" in shown.err) == noted
 
 
+@pytest.mark.thorough
 def test_the_command_prints_the_landing_and_writes_it_as_kml(
     tmp_path: object, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -91,6 +91,7 @@ def test_a_table_of_plans_may_have_clusters_and_a_bad_motor_is_named(
     assert "row 2, motor" in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_the_charge_column_shows_what_opens_the_parachute(tmp_path: Path) -> None:
     """An unknown delay does not mean an altimeter, a charge that never fires has no number, and two devices imply an
     altimeter whatever the motor's delay."""

@@ -140,6 +140,7 @@ def test_forecasts_of_two_builds_differ_in_their_configuration_and_no_date_is_cu
     assert " heavy " in printed
 
 
+@pytest.mark.thorough
 def test_a_range_card_shows_a_name_unchanged(home: Path) -> None:
     card = home / "card.svg"
     assert main(["landing", "--motor", "F24-4W", "--wind", "5mph", "--card", str(card)]) == 0

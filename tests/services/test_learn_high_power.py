@@ -82,6 +82,7 @@ def test_a_missing_table_is_a_usage_error(run_command: Run) -> None:
     assert "expected at least one" in err
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not SHARED.exists(), reason="the table of high-power flights is not here")
 def test_the_shipped_figures_agree_with_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fieldkit.services.learn_high_power.scores", lambda *_: [])  # a fit for each rocket left out

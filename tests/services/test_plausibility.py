@@ -375,6 +375,7 @@ def test_flights_that_no_fit_can_use_are_named_by_what_they_lack() -> None:
     ]
 
 
+@pytest.mark.thorough
 def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fit(run_command: Run) -> None:
     rows = season(6)
     for row in rows[1:3]:

@@ -46,6 +46,7 @@ def test_eight_of_the_twelve_flights_are_valid(flights: Reference) -> None:
     assert [flight.flight_id for flight in flights.part(flights.valid).flights] == [*"12349", "10", "11", "12"]
 
 
+@pytest.mark.thorough
 def test_the_published_errors_follow_from_the_published_apogees(found: PaperReport) -> None:
     own = found.published["reconstruction"]
     assert (round(own["mae_m"], 1), round(own["rmse_m"], 1), round(own["bias_m"], 1)) == (12.3, 14.0, 12.3)

@@ -159,6 +159,7 @@ def test_the_shortfall_is_traced_to_its_true_cause() -> None:
     assert "| 3 | 3 |" in written
 
 
+@pytest.mark.thorough
 def test_rockets_of_the_shortfall_may_have_readouts_from_logs_beside_displayed_ones() -> None:
     motor = catalogue().resolve("F24")
     plans = [Flight(str(n), rocket=f"R{n % 2}", motor="F24", dry_mass=0.3, apogee=250.0 + n) for n in range(4)]

@@ -93,6 +93,7 @@ async def test_a_typo_in_the_third_field_gives_a_note_and_does_not_block(file: P
         assert ledger.flight("13").burn_time == 2.14
 
 
+@pytest.mark.thorough
 async def test_contradictory_figures_are_noted_and_accepted(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("100m"), "enter", *typed("100"), "enter", *typed("2"), "enter", "enter")
@@ -104,6 +105,7 @@ async def test_contradictory_figures_are_noted_and_accepted(file: Path) -> None:
         assert "Saved flight 13" in words(pilot)
 
 
+@pytest.mark.thorough
 async def test_every_key_is_saved_and_a_dead_battery_loses_nothing(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("923ft"), "enter", *typed("14"))
@@ -201,6 +203,7 @@ async def test_an_unknown_motor_is_reported_with_similar_names(file: Path) -> No
         assert "no motor 'F2555'; did" in words(pilot)
 
 
+@pytest.mark.thorough
 async def test_a_flight_without_a_dry_mass_is_saved_with_a_note(tmp_path: Path) -> None:
     async with opened(tmp_path / "new.db") as pilot:
         await press(
@@ -211,6 +214,7 @@ async def test_a_flight_without_a_dry_mass_is_saved_with_a_note(tmp_path: Path) 
         assert "Saved flight 1. u to undo." in words(pilot)
 
 
+@pytest.mark.thorough
 async def test_the_dry_mass_follows_from_the_mass_weighed_with_the_motor(tmp_path: Path) -> None:
     async with opened(tmp_path / "new.db") as pilot:
         await press(
@@ -266,6 +270,7 @@ async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(
         assert ledger.flight("13").apogee == pytest.approx(19.812)
 
 
+@pytest.mark.thorough
 async def test_a_second_flight_like_one_of_today_is_questioned_before_it_is_saved(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("281m"), "ctrl+s", "_", "enter", *typed("281m"), "ctrl+s")
@@ -278,6 +283,7 @@ async def test_a_second_flight_like_one_of_today_is_questioned_before_it_is_save
         assert len(ledger.flights()) == 14
 
 
+@pytest.mark.thorough
 async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -302,6 +308,7 @@ async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
         assert pilot.app.focused is screen.field("apogee").line
 
 
+@pytest.mark.thorough
 async def test_saving_a_forecast_can_be_undone_separately(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter", "u", "_")
@@ -311,6 +318,7 @@ async def test_saving_a_forecast_can_be_undone_separately(file: Path) -> None:
         assert len(ledger.flights()) == 12
 
 
+@pytest.mark.thorough
 async def test_a_unit_typed_in_one_field_does_not_change_numbers_typed_earlier(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("281"), *["enter"] * 7, *typed("900ft"), "enter", "ctrl+s", "_")

@@ -119,6 +119,7 @@ def run_with(scripts: list[Keys], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FieldkitApp, "run", without_terminal)
 
 
+@pytest.mark.thorough
 def test_after_an_error_in_a_widget_the_app_reopens_in_the_same_place(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

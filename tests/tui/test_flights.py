@@ -367,6 +367,7 @@ async def test_beside_the_table_are_the_cd_of_the_configuration_and_the_climb_fr
         assert sum(line[beside:].count("●") for line in shown(pilot).splitlines()) == 4
 
 
+@pytest.mark.thorough
 async def test_an_empty_ledger_shows_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "No flights yet" in words(pilot)
@@ -382,6 +383,7 @@ async def test_an_empty_ledger_shows_how_to_begin(tmp_path: Path) -> None:
         assert "no flights of it, only other rockets" in text_of(pilot, "#more")
 
 
+@pytest.mark.thorough
 async def test_editing_a_flight_keeps_hidden_decimals_and_seconds(file: Path) -> None:
     when = datetime(2026, 5, 1, 10, 30, 15)
     with Ledger.open(file) as ledger:

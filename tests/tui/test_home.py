@@ -85,6 +85,7 @@ async def test_a_choice_is_one_key_or_one_click(file: Path, key: str, page: str)
         assert pilot.app.current_mode == page
 
 
+@pytest.mark.thorough
 async def test_a_saved_forecast_is_on_the_first_page_until_it_is_flown(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await press(pilot, "f", "_", "slash", *typed("aerotech f39"), "enter", "_", "enter", "_", "escape", "0")
@@ -165,6 +166,7 @@ async def test_a_date_is_today_unless_another_is_typed(file: Path) -> None:
         assert ledger.flight("13").date_time == datetime(2026, 5, 2)
 
 
+@pytest.mark.thorough
 async def test_an_unknown_rocket_is_questioned_before_it_is_saved(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         screen = pilot.app.screen

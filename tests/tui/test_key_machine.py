@@ -116,6 +116,7 @@ def run(number: int, examples: int, steps: int) -> None:
     run_state_machine_as_test(seed(number)(type("Seeded", (Keys,), {})), settings=checks)
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="a file that is open cannot be removed")
 def test_a_few_steps_leave_the_app_in_a_valid_state() -> None:
     run(1, examples=1, steps=8)

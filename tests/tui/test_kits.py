@@ -38,6 +38,7 @@ async def test_a_kit_is_added_changed_and_deleted(file: Path) -> None:
     assert read_kits(own) == {}
 
 
+@pytest.mark.thorough
 async def test_a_plan_and_a_flight_use_the_figures_of_the_picked_kit(file: Path) -> None:
     own = file.parent / "home" / "kits.toml"
     own.parent.mkdir(exist_ok=True)

@@ -78,6 +78,7 @@ async def test_without_a_target_motors_show_their_interval_instead_of_a_distance
         assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject"]
 
 
+@pytest.mark.thorough
 async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_check(file: Path) -> None:
     change_settings({"target": 243.84}, file.with_name("settings.json"))
     async with opened(file, (160, 50)) as pilot:
@@ -96,6 +97,7 @@ async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_chec
         assert not screen.query_one(Big).value
 
 
+@pytest.mark.thorough
 async def test_a_motor_in_little_space_is_shown_without_its_manufacturer_and_saved_with_it(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -116,6 +116,7 @@ async def test_a_rocket_uses_its_design_until_it_has_flown(file: Path) -> None:
         assert not ledger.starts("Lark")
 
 
+@pytest.mark.thorough
 async def test_values_that_a_file_lacks_can_be_set_and_folders_browsed(file: Path) -> None:
     log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
     inner = file.parent / "field" / "logs"
@@ -192,6 +193,7 @@ async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> Non
         assert "would add" not in text_of(pilot, "#preview")
 
 
+@pytest.mark.thorough
 async def test_a_table_of_flights_is_mapped_by_the_same_form(file: Path) -> None:
     (file.parent / "field" / "one.csv").write_text("which;what;how high\nComet;C6-5;210\nComet;C6-5;215\n")
     keys, place = list[str](), 0
@@ -248,6 +250,7 @@ async def test_the_forecast_follows_the_cursor_through_motors_that_fit(file: Pat
         assert "Astra A on" in shown(pilot)
 
 
+@pytest.mark.thorough
 async def test_motors_that_are_not_safe_and_sensible_are_last_with_the_reason(file: Path) -> None:
     async with opened(file, (100, 60), page="next_flight") as pilot:
         await press(pilot, "p", *["down"] * 9, *typed("0.5m"), "ctrl+s", "slash", *typed("e12"), "enter", "_")
@@ -258,6 +261,7 @@ async def test_motors_that_are_not_safe_and_sensible_are_last_with_the_reason(fi
         assert any(marks)
 
 
+@pytest.mark.thorough
 async def test_without_a_target_the_motor_of_the_open_forecast_is_first_and_weak_ones_are_last(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -296,6 +300,7 @@ async def test_a_forecast_is_saved_and_its_flight_compared_with_it(file: Path) -
     assert prediction.payload["flights"] == 8
 
 
+@pytest.mark.thorough
 async def test_a_plan_is_changed_and_saved_and_a_typo_in_it_is_refused(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "p", "down", "down", *typed("4oo"), "ctrl+s")
@@ -324,6 +329,7 @@ async def test_a_search_covers_the_whole_catalog_and_marks_motors_that_do_not_fi
 # Notices
 
 
+@pytest.mark.thorough
 async def test_a_cluster_is_found_forecast_and_saved_with_a_note_on_what_is_not_modeled(file: Path) -> None:
     async with opened(file, (100, 40), page="next_flight") as pilot:
         await press(pilot, "slash", *typed("2 x Estes E12"), "enter", "_")
@@ -363,6 +369,7 @@ async def test_one_key_shows_the_whole_path_in_a_notice(file: Path) -> None:
 # Loop
 
 
+@pytest.mark.thorough
 async def test_the_loop_is_shown_and_earlier_versions_can_be_restored(file: Path) -> None:
     found = looked_at()
     from fieldkit.presentation.loop_text import how_sure, in_next_flight, miss_bars, what_forecasts_become
@@ -562,6 +569,7 @@ async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path
         assert not {title for title in plain if title not in helped and not title[:1].isdigit()}
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled
 @pytest.mark.parametrize("size", [(60, 20), (250, 70)], ids=str)
 async def test_no_column_or_key_is_lost_in_small_and_large_terminals(file: Path, size: tuple[int, int]) -> None:
@@ -669,6 +677,7 @@ async def test_the_displayed_forecast_of_a_motor_is_the_saved_one(file: Path) ->
     assert middle in row
 
 
+@pytest.mark.thorough
 async def test_a_captured_flight_and_an_imported_log_are_paired_with_the_saved_forecast(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

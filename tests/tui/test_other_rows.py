@@ -52,6 +52,7 @@ async def test_enter_behind_another_rocket_does_not_save_a_forecast_of_the_forme
         assert changes(file)[-1] == "forecast"
 
 
+@pytest.mark.thorough
 async def test_a_plan_for_a_rocket_of_unknown_mass_is_shown_and_can_be_completed(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "p", "ctrl+u", *typed("Nova"), "ctrl+s", "y", "_")
@@ -157,6 +158,7 @@ def today(file: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return file
 
 
+@pytest.mark.thorough
 async def test_add_offers_the_open_forecast_that_home_shows(today: Path) -> None:
     another_rocket(today)
     async with opened(today, page="next_flight") as pilot:
@@ -233,6 +235,7 @@ async def test_the_order_of_flights_does_not_change_when_other_columns_fit(file:
         assert screen.query_one(Table).keys == order
 
 
+@pytest.mark.thorough
 async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None:
     yesterday = f"{date.today() - timedelta(days=1)}"
     async with opened(file, page="add") as pilot:
@@ -260,6 +263,7 @@ async def test_a_flight_stays_open_when_another_rocket_has_one_with_its_number(f
         assert [flight.rocket for flight in ledger.flights() if flight.flight_id == "12"] == ["Bee"]
 
 
+@pytest.mark.thorough
 async def test_two_open_apps_have_separate_drafts_and_the_next_app_continues_what_is_left(file: Path) -> None:
     async with opened(file, page="add") as first:
         await press(first, *typed("923"))

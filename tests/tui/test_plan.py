@@ -39,6 +39,7 @@ async def front(pilot: Pilot[None], name: str) -> None:
     await calm(pilot)
 
 
+@pytest.mark.thorough
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d")
@@ -57,6 +58,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "the range safety officer decides" in screen_text(pilot)
 
 
+@pytest.mark.thorough
 async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
@@ -67,6 +69,7 @@ async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(fil
         assert "90% interval: " in screen_text(pilot)
 
 
+@pytest.mark.thorough
 async def test_ballast_has_three_goals_and_the_parachute_is_part_of_the_plan(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
@@ -79,6 +82,7 @@ async def test_ballast_has_three_goals_and_the_parachute_is_part_of_the_plan(fil
         assert "by this rule: " in screen_text(pilot)
 
 
+@pytest.mark.thorough
 async def test_the_contest_day_its_cut_and_its_field_are_entered_where_they_are_used(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
@@ -102,6 +106,7 @@ async def test_the_contest_day_its_cut_and_its_field_are_entered_where_they_are_
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
 
+@pytest.mark.thorough
 async def test_flights_timed_by_stopwatch_or_without_a_score_are_marked(file: Path) -> None:
     with Ledger.open(file) as ledger:
         flown = ledger.flight("12")
@@ -118,6 +123,7 @@ async def test_flights_timed_by_stopwatch_or_without_a_score_are_marked(file: Pa
         assert "13" not in alone
 
 
+@pytest.mark.thorough
 async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "e")
@@ -150,6 +156,7 @@ async def test_a_site_is_edited_in_place_with_the_fields_of_its_safety_checks(fi
         assert "South field 210.0 m 400.0 m 914.4 m 12" in words(pilot)
 
 
+@pytest.mark.thorough
 async def test_saved_forecasts_are_listed_and_stale_ones_have_a_reason(
     file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -195,6 +202,7 @@ async def test_safety_is_shown_on_the_next_page_at_any_size(file: Path) -> None:
         assert "motor temperature: found 'warm'" in words(pilot)
 
 
+@pytest.mark.thorough
 async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> None:
     with Ledger.open(file) as ledger:
         keep_day(ledger, 2027, site=Site("North field", size=400.0))
@@ -223,6 +231,7 @@ def test_unedited_lengths_of_a_site_keep_their_precision() -> None:
     assert site_form.answered(site, values | {"size": 400.41}, texts, "SI").size == 400.41
 
 
+@pytest.mark.thorough
 async def test_a_mass_typed_for_one_configuration_is_not_used_for_another(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "p", "down", "down", "ctrl+u", *typed("450.4g"), "ctrl+s", "_")

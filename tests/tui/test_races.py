@@ -106,6 +106,7 @@ async def test_a_search_is_canceled_when_the_page_has_other_flights(file: Path, 
         assert pilot.app.screen.query_one("#panels").found is None  # type: ignore[attr-defined]
 
 
+@pytest.mark.thorough
 async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("200"), "ctrl+s", "1", "enter")

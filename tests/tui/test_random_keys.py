@@ -38,6 +38,7 @@ def pressed(seed: int, keys: int, rest: float, folder: Path) -> dict[str, object
     return found
 
 
+@pytest.mark.thorough
 def test_some_random_keys_cause_no_error(tmp_path: Path) -> None:
     assert pressed(1, 150 if THOROUGH else 50, 1.0, tmp_path)["errors"] == []
 

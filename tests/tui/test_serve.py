@@ -452,6 +452,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
     assert first != second
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
 async def test_a_browser_enforces_the_headers(served: str, tmp_path: Path) -> None:
     refused = """new Promise(done => {

@@ -102,6 +102,7 @@ def test_a_day_at_the_field_using_only_keys(terminal: Terminal, tmp_path: Path) 
     assert '"theme": "sun"' in (home / "settings.json").read_text()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals here")
 def test_the_app_ends_when_its_terminal_disappears_without_a_signal(tmp_path: Path) -> None:
     season(tmp_path / "ledger.db")

@@ -40,6 +40,7 @@ async def test_the_usual_rail_and_the_target_keep_their_exact_lengths(file: Path
         assert (settings.rail_length, settings.rail_angle) == (SIX_FEET, pytest.approx(0.0873, abs=1e-4))
 
 
+@pytest.mark.thorough
 async def test_the_contest_day_and_its_field_keep_their_exact_lengths(file: Path) -> None:
     day, site = Day(target=CONTEST_TARGET), Site("North field", size=400.05, ceiling=914.4)
     with Ledger.open(file) as ledger:

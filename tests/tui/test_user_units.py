@@ -43,6 +43,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return ledger_file
 
 
+@pytest.mark.thorough
 async def test_pages_show_no_metric_figures_to_a_user_of_us_units(file: Path) -> None:
     found = []
     with patch("fieldkit.tui.loop.loop_page.look", lambda resources, rocket, on_progress: looked_at()):

@@ -146,6 +146,7 @@ def test_fits_at_the_same_point_are_continued_once() -> None:
     assert found[0] is found[1]
 
 
+@pytest.mark.thorough
 def test_a_step_that_reverses_direction_is_halved() -> None:
     settled = fits()[0]
     walk = DampedSteps(settled.tangent.at)

@@ -47,6 +47,7 @@ def test_the_rocket_can_be_recovered_from_its_forecast(dry_mass: float, cd: floa
     assert matched(forecast_of(dry_mass, cd)) == pytest.approx((dry_mass, cd), rel=0.02)
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled
 @pytest.mark.parametrize("scale", [0.3, 0.8])
 def test_the_total_spread_of_many_simulated_flights_is_learned(scale: float) -> None:

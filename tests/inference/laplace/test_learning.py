@@ -51,12 +51,14 @@ def test_a_step_of_learning_has_the_annotated_shapes() -> None:
     assert learn_hyperprior([fleet(0.3, 0.05)[:2]], COARSE, rounds=1, steps=1).sds
 
 
+@pytest.mark.thorough
 def test_larger_scatter_of_flights_is_learned() -> None:
     calm, wild = learned(0.3, 0.02), learned(0.3, 0.15)
     assert calm.sd("apogee", "flight") < START.sd("apogee", "flight") < wild.sd("apogee", "flight")
     assert wild.sd("apogee", "flight") == pytest.approx(0.15, rel=0.4)
 
 
+@pytest.mark.thorough
 def test_larger_differences_between_rockets_are_learned() -> None:
     assert learned(0.05, 0.03).sd("drag", "rocket") < 0.75 * learned(0.6, 0.03).sd("drag", "rocket")
 

@@ -41,6 +41,7 @@ def on_dense_grids(result: Fit) -> Fit:
     return solve(replace(result.model, hyperprior=dense), result.data, result.tangent, result.flight_weight)
 
 
+@pytest.mark.thorough
 @pytest.mark.sampled
 @pytest.mark.parametrize("readouts", [6, 2, 1])
 def test_five_values_of_each_scale_around_its_mode_integrate_like_a_dense_grid(readouts: int) -> None:

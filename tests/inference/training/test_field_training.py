@@ -75,6 +75,7 @@ def test_the_exported_graph_agrees_with_the_network(tmp_path: Path) -> None:
     assert found == pytest.approx(members(scaled).detach().numpy().swapaxes(0, 1), abs=1e-4)
 
 
+@pytest.mark.thorough
 def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, str]) -> None:
     from fieldkit.errors import BadValue
     from fieldkit.inference.network.ensemble import load_folder

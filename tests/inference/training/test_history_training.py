@@ -63,6 +63,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(history, "HELD_OUT_ROCKETS", 4)
 
 
+@pytest.mark.thorough
 def test_the_command_trains_a_network_that_answers(
     small: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

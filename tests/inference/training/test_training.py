@@ -114,6 +114,7 @@ def test_training_leaves_torch_as_it_was() -> None:
     assert torch.equal(torch.get_rng_state(), state)
 
 
+@pytest.mark.thorough
 def test_the_same_seed_trains_the_same_ensemble_and_its_card_shows_how(tmp_path: Path) -> None:
     steps: list[int] = []
     first = train_paper(tmp_path / "a", seed=7, n_train=512, progress=lambda epoch, epochs, loss: steps.append(epoch))

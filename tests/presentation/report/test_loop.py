@@ -122,6 +122,7 @@ def test_no_flights_have_no_errors() -> None:
 # Forward in time
 
 
+@pytest.mark.thorough
 def test_a_flight_is_forecast_from_earlier_flights(found: Findings) -> None:
     assert found.ahead.seen.tolist() == [False] * MIN_EARLIER_FLIGHTS + [True] * (12 - MIN_EARLIER_FLIGHTS)
     assert found.forward.before.flights == 12 - MIN_EARLIER_FLIGHTS
@@ -352,6 +353,7 @@ def test_the_page_has_the_same_content_as_the_terminal(html: Page, found: Findin
         assert heading in words
 
 
+@pytest.mark.thorough
 def test_flights_that_were_left_out_are_named_in_every_medium(found: Findings) -> None:
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.tui.loop.loop_words import verdict
@@ -398,6 +400,7 @@ def test_the_loop_is_in_a_rockets_report(found: Findings, tmp_path: Path) -> Non
     assert len(one.sources) == 4
 
 
+@pytest.mark.thorough
 def test_the_format_of_a_page_follows_from_its_file_name(found: Findings, tmp_path: Path) -> None:
     write_page(found, tmp_path / "page.png")
     assert (tmp_path / "page.png").read_bytes().startswith(b"\x89PNG")

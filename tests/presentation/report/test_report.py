@@ -111,6 +111,7 @@ def test_a_card_has_figures_prediction_and_changes(day: FlightReport) -> None:
     assert second.record.tolist() == [250.0, 262.0]
 
 
+@pytest.mark.thorough
 def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flight(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -43,6 +43,7 @@ def shared(term: str, strength: float, flights: int = FLIGHTS) -> tuple[Common, 
     return common_law([flown(term, strength, seed) for seed in range(flights)], library())
 
 
+@pytest.mark.thorough
 def test_a_force_in_every_flight_is_found() -> None:
     (found,) = shared("base drag", 0.4)
     assert found.term.effect == "base_drag"
