@@ -29,6 +29,8 @@ _ROUNDS, _STUDENT_DOF, _MIN_NOISE = 8, 4.0, 0.02
 """Number of updates of the weights, degrees of freedom of the errors [1], and their smallest size. [m/s^2]"""
 _CLIPPED = 3
 """A saturated sensor returns its lowest number more often than this. [1]"""
+_MAX_ZERO = 1.5
+"""Largest plausible error of an accelerometer's zero, as on the pad (`fieldkit.analysis.initial_guess`). [m/s^2]"""
 _STEP = 0.005
 """Step of the integrals over a burn. [s]"""
 _SCALE_SD, _SPEED_SD = 0.02, 0.02
@@ -38,7 +40,8 @@ _SCALE_SD, _SPEED_SD = 0.02, 0.02
 def felt_drag(push: Push, ascent: Ascent, begin: float, end: float) -> Figure | None:
     """Drag of the coast between two times [s] from an axial accelerometer. [1/m]
 
-    None if it does not measure along the axis, was saturated, or the coast does not constrain drag.
+    None if it does not measure along the axis, was saturated, has an implausible zero, or the coast does not constrain
+    drag.
     """
     inside = (push.time >= begin) & (push.time <= end)
     lowest = push.felt[inside].min(initial=np.inf)
@@ -51,8 +54,8 @@ def felt_drag(push: Push, ascent: Ascent, begin: float, end: float) -> Figure | 
     if speed[0] < _MIN_SPEED_RATIO * max(float(speed[-1]), 1.0):
         return None
     shape = np.stack([-np.exp(-height / SCALE_HEIGHT) * speed**2, np.ones(time.size)], axis=-1)
-    drag, known = _line(shape, felt)
-    if not drag > 0:
+    drag, zero, known = _line(shape, felt)
+    if not drag > 0 or abs(zero) > _MAX_ZERO:
         return None
     return Figure(drag, float(np.linalg.norm([known, _SCALE_SD * drag, 2 * _SPEED_SD * drag])), push.source)
 
@@ -72,8 +75,8 @@ def felt_impulse(push: Push, ascent: Ascent, drag: Figure, lift: Event, end: flo
     return Figure(felt + drag.value * lost, float(np.linalg.norm(known)), push.source)
 
 
-def _line(shape: Float[Array, "time two"], felt: Float[Array, "time"]) -> tuple[float, float]:
-    """Slope of a robust line and its standard deviation."""
+def _line(shape: Float[Array, "time two"], felt: Float[Array, "time"]) -> tuple[float, float, float]:
+    """Slope and zero of a robust line, and the standard deviation of the slope."""
     weight, freedom = np.ones(felt.size), np.sqrt(felt.size / (felt.size - 2))
     for _ in range(_ROUNDS):
         precision = (shape.T * weight) @ shape
@@ -82,4 +85,4 @@ def _line(shape: Float[Array, "time two"], felt: Float[Array, "time"]) -> tuple[
         weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - lag1) / (1 + lag1) / noise**2
     precision = (shape.T * weight) @ shape
     values = np.linalg.solve(precision, shape.T @ (weight * felt))
-    return float(values[0]), float(np.sqrt(np.linalg.inv(precision)[0, 0]))
+    return float(values[0]), float(values[1]), float(np.sqrt(np.linalg.inv(precision)[0, 0]))
