@@ -65,8 +65,8 @@ difference. {WRITTEN_BY}
 
 The biases of devices have mean zero, because manufacturers aim at the truth. The mean of a flyer's fleet varies by the
 variation among fleets plus the standard deviation of the overall mean. *Logged* is for readouts measured in the samples
-of a log. *Ports* is for the drag in the log of a barometer: static ports are off by 3% of the dynamic pressure, and
-the drag by four times that (`fieldkit.analysis.drag_and_impulse`).
+of a log. *Ports* is for the drag in the log of a barometer, which static ports change: by 0.12 if they are off by 3% of
+the dynamic pressure, and more in real flights with an accelerometer beside the barometer (`python -m tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
 its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the

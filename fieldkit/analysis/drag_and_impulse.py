@@ -59,6 +59,9 @@ that changes slightly with speed; a mass that does not burn evenly. Two altimete
 PORT_ERROR = 4.0
 """Relative error of a drag from heights per error of the static ports, as a fraction of the dynamic pressure: 3.2 to
 4.9 in nine of ten sport flights of `bench.recorders`. A test computes it again. [1]"""
+PORTS_SD = 0.21
+"""Standard deviation of the logarithm of a drag from a barometer in every flight of a rocket: 0.12 from `PORT_ERROR`
+and ports that are off by 0.03, and more from real flights with an accelerometer (`python -m tools.drags`). [1]"""
 _SQUARED_SPEED_SD = 0.06
 """Relative error of the integral of v² over a burn: twice that of speeds derived from heights. [1]"""
 _HEIGHT_SCALE_SD = 0.05
@@ -138,7 +141,7 @@ def _better_known(seen: Figure | None, felt: Figure | None, barometric: bool) ->
     """A drag from heights, which static ports distort if they come from a barometer, or from an accelerometer."""
     if seen is None or felt is None:
         return seen or felt
-    ports = PORT_ERROR * STATIC_SD * seen.value if barometric else 0.0
+    ports = PORTS_SD * seen.value if barometric else 0.0
     return felt if felt.sd < np.hypot(seen.sd, ports) else seen
 
 

@@ -155,7 +155,7 @@ CERTIFIED_PRIOR = Hyperprior(
             "coast_to_apogee.rocket": 0.01,
             "apogee_to_eject.rocket": 0.1,
             "coast_drag.rocket": 0.02,
-            "coast_drag.ports": 0.12,
+            "coast_drag.ports": 0.21,
             "burn_impulse.rocket": 0.01,
         }
     ),
@@ -210,7 +210,7 @@ START = Hyperprior(
             "coast_to_apogee.logged": 0.03,
             "apogee_to_eject.logged": 0.1,
             "coast_drag.rocket": 0.04,
-            "coast_drag.ports": 0.12,
+            "coast_drag.ports": 0.21,
             "burn_impulse.rocket": 0.05,
         }
     ),
@@ -230,9 +230,9 @@ each manufacturer aims at the truth: the open flights come from one device, whic
 variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
 from simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the
 standard deviation of the analysis (`ratio` is used if it is missing). A climb 15 degrees off vertical changes drag by
-1/cos 15 = 1.035 and impulse by cos 15 = 0.97. Static ports are off by 0.03 of the dynamic pressure, which changes a
-drag from a barometer by four times that (`fieldkit.analysis.drag_and_impulse`). Two altimeters on one open flight
-differ by 13% in drag and 9% in impulse."""
+1/cos 15 = 1.035 and impulse by cos 15 = 0.97. A drag from a barometer is off by its static ports
+(`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters on one open flight differ by 13% in drag and 9% in
+impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""

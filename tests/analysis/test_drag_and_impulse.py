@@ -163,7 +163,7 @@ def per_mass(result: Fit, *bends: str) -> tuple[float, float]:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("logger", "ratio"), [(Logger(), 0.45), (Logger(accelerometer=50), 1 / 3)])
+@pytest.mark.parametrize(("logger", "ratio"), [(Logger(), 0.55), (Logger(accelerometer=50), 1 / 3)])
 def test_one_logged_flight_distinguishes_drag_from_thrust(logger: Logger, ratio: float) -> None:
     """Static ports limit what a barometer shows; an accelerometer shows drag per mass three times as well as ten
     readouts."""
@@ -171,7 +171,7 @@ def test_one_logged_flight_distinguishes_drag_from_thrust(logger: Logger, ratio:
         logged = flown_on(cd, thrust_factor, logger, 4)
         before, after = fitted(logged.with_changes(**TEN)), fitted(logged)
         assert per_mass(after, "drag", "mass")[1] < ratio * per_mass(before, "drag", "mass")[1]
-        assert per_mass(after, "drag")[1] < 0.55 * per_mass(before, "drag")[1]
+        assert per_mass(after, "drag")[1] < 0.6 * per_mass(before, "drag")[1]
         for bends, truth in (("drag", cd), ("thrust", thrust_factor)):
             mean, sd = per_mass(after, bends)
             assert abs(mean - np.log(truth)) < 2 * sd
