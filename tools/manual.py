@@ -21,6 +21,7 @@ from typer.main import get_command
 
 from fieldkit.cli.main import app
 from fieldkit.inference.network.ensemble import read_card
+from fieldkit.model.prior_predictive import PRIORS
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
 from tools.markdown import WRITTEN_BY
@@ -150,8 +151,11 @@ body, fins and base included. Forecasts are advice: at the field the range safet
 
 
 def _card(name: str, card: Mapping[str, Any]) -> str:
+    """The section of an ensemble; the field recipe's priors in the words of `PRIORS`, which a test compares with the
+    card."""
     first = [f"| {key} | {_text(card[key])} |" for key in CARD if key in card]
-    priors = [f"| {key} | {_text(law)} |" for key, law in card["priors"].items()]
+    laws = PRIORS if name == "field" else card["priors"]
+    priors = [f"| {key} | {_text(law)} |" for key, law in laws.items()]
     return f"""## `{name}`
 
 | | |

@@ -220,17 +220,17 @@ START = Hyperprior(
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
-"""The starting point of the fit, which stays near it without information: round figures chosen before looking at any
-flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by
-that much; NFPA 1125 allows 10%), their lots within 2.5% of the type if flights record them, burn times within 5% and
-delays within 10%. Masses are within 5%, because altimeter, recovery system and wadding are not always weighed; that
-adds mass, so the mean is learned. All devices of one kind share a bias of 5%, that of peak acceleration also by motor
-type, because devices smooth short spikes. Single flights scatter by 6%. The biases of devices have mean zero, because
-each manufacturer aims at the truth: the open flights come from one device, which does not show their mean. The
-variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
-from simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the
-standard deviation of the analysis (`ratio` is used if it is missing). A climb 15 degrees off vertical changes drag by
-1/cos 15 = 1.035 and impulse by cos 15 = 0.97. Static ports are off by 0.03 of the dynamic pressure, which changes a
+"""The starting point of the fit, which stays near it without information: round figures chosen before any flight was
+examined. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by
+that much; NFPA 1125 allows single motors a standard deviation of 6.7%), their lots within 2.5% of the type if flights
+record them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery system and
+wadding are not always weighed; that adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of
+peak acceleration also by motor type, because devices smooth short spikes. Single flights scatter by 6%. The biases of
+devices have mean zero, because manufacturers aim at the truth: the open flights come from one device, which does not
+show their mean. For the same reason the variation of noise among devices (`reading`) is a judgment. Readouts measured
+in samples differ from simulated ones by a bias for each rocket, without a device bias. Drag and impulse from a log have
+the standard deviation of the analysis (`ratio` is used if it is missing). A climb 15 degrees off vertical changes drag
+by 1/cos 15 = 1.035 and impulse by cos 15 = 0.97. Static ports are off by 0.03 of the dynamic pressure, which changes a
 drag from a barometer by four times that (`fieldkit.analysis.drag_and_impulse`). Two altimeters on one open flight
 differ by 13% in drag and 9% in impulse."""
 
