@@ -189,7 +189,7 @@ def test_priors_are_worded_with_the_figures_of_the_card() -> None:
         assert re.findall(r"[0-9.]+(?![0-9.])", words) == re.findall(r"[0-9.]+(?![0-9.])", card[key]), key
 
 
-def test_a_limit_of_nfpa_1125_is_the_same_figure_wherever_it_is_stated() -> None:
+def test_a_limit_of_nfpa_1125_is_stated_as_one_figure() -> None:
     known = {f"{100 * limit:g}%" for limit in (BURN_THRUST_FRACTION, IMPULSE_SCATTER, RELATIVE_DELAY_TOLERANCE)}
     files = [file for folder in ("fieldkit", "models", "tools", "docs") for file in (ROOT / folder).rglob("*.py")]
     texts = {file.name: " ".join(file.read_text(encoding="utf-8").split()) for file in files} | PAGES

@@ -79,8 +79,9 @@ def forward(
     """A forecast of every clean flight with an apogee, from the flights of all rockets before it in the order flown.
 
     With `rocket`, only flights of that rocket are forecast, still from the flights of all. The message of a rocket to
-    the fleet is updated after each of its flights. `hyperprior` replaces the learned one.
-    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the learned hyperprior cannot be read.
+    the fleet is updated after each of its flights. `hyperprior` replaces the learned one. Raises ImpossibleFlight for a
+    flight without a dry mass, DamagedModel if the learned hyperprior cannot be read, BadValue for a recovery figure or
+    rail direction that cannot be read.
     """
     known = hyperprior or learned()
     past: dict[str, list[FlownFlight]] = {}

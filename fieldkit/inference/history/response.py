@@ -71,7 +71,8 @@ def secant(effect: Effect) -> tuple[float, ...]:
 def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
     """The response of flights, of any rockets, with coarse thrust curves and steps.
 
-    `area` is the reference area of each flight. [m^2]
+    `area` is the reference area of each flight. [m^2] Raises ImpossibleFlight for a flight without a dry mass and
+    BadValue for a recovery figure or rail direction that cannot be read.
     """
     known = effects()
     count = len(flights)
