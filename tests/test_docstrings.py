@@ -122,17 +122,36 @@ def test_every_public_function_has_a_docstring(modules: Modules) -> None:
     assert not found, "\n".join(found)
 
 
-def test_a_function_that_returns_numbers_states_their_unit(modules: Modules) -> None:
-    """A unit in brackets, `[m]` or `[1]`, or in words: SI, or the unit of something else."""
+def test_numbers_that_a_function_takes_or_returns_have_a_unit(modules: Modules) -> None:
+    """A unit in brackets, `[m]` or `[1]`, or in words: SI, or the unit of something else. Those of `cli/` are options,
+    which state the unit in their help."""
     found = [
         f"{name}:{function.lineno}: {function.name}"
         for name, tree in modules
         for function in _public(tree)
-        if function.returns is not None
-        and re.match(r"float\b|Float\[", ast.unparse(function.returns))
+        if any(re.match(r"float\b|Float\[", hint) for hint in _hints(function, arguments=not name.startswith("cli/")))
         and not re.search(r"\[[^\]]+\]|\bSI\b|\bunits?\b", ast.get_docstring(function) or "")
     ]
     assert not found, "\n".join(found)
+
+
+def test_arrays_that_a_function_takes_have_named_axes(modules: Modules) -> None:
+    """In their type, or in words, in which case they are not checked: in inner loops, or if shapes are broadcast."""
+    found = [
+        f"{name}:{function.lineno}: {function.name}"
+        for name, tree in modules
+        for function in _public(tree)
+        if any(re.search(r"(?<![\[(])\bArray\b(?! *\])|, Array\]|np\.ndarray", hint) for hint in _hints(function))
+        and not re.search(r"elementwise|Elementwise|\bentry per\b|\[axis draw\]", ast.get_docstring(function) or "")
+    ]
+    assert not found, "\n".join(found)
+
+
+def _hints(function: Function, *, arguments: bool = True) -> list[str]:
+    """The annotations of what a function returns and, with `arguments`, takes, except for functions."""
+    taken = (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs) if arguments else ()
+    hints = [*(one.annotation for one in taken), function.returns]
+    return [text for hint in hints if hint is not None if not (text := ast.unparse(hint)).startswith("Callable")]
 
 
 @pytest.fixture(scope="module")

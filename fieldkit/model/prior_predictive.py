@@ -221,9 +221,10 @@ def flown_field(
     area: Array,
     alpha: Array,
 ) -> Setup:
-    """The true flight: the declared figures with their errors, and everything undeclared.
+    """The true flights: what was recorded, with its errors, and everything that was not.
 
-    `table` has the declared figures in SI.
+    One entry per flight: the figures of its motor (`FIGURES`), what was recorded (`DECLARED_FIELDS`), drag area [m^2]
+    and thrust scale [1]; all in SI.
     """
     count = len(table)
     elevation = declared["site_elevation"]

@@ -102,7 +102,8 @@ class Model:
         return replace(self, terms=(*self.terms, *terms))
 
     def with_prior(self, name: str, mean: float, sd: float | None = None) -> "Model":
-        """A copy with another prior mean for one term, and another standard deviation if `sd` is given."""
+        """A copy with another prior mean for one term, and another standard deviation if `sd` is given, in the
+        unit of the term."""
         terms = (replace(term, mean=mean, sd=sd or term.sd) if term.name == name else term for term in self.terms)
         return replace(self, terms=tuple(terms))
 

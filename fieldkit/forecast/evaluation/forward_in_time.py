@@ -143,8 +143,8 @@ def beside_rivals(
     interval: tuple[float, float, float],
     earlier: Sequence[Simulated],
 ) -> Forecast:
-    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights; `draws` and
-    `interval` in m."""
+    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights; draws of the
+    apogee and its 90% interval with the median [m]."""
     flight = plan.flight
     assert flight.apogee is not None
     return Forecast(

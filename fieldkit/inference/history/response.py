@@ -150,8 +150,8 @@ def slopes(
 
 
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
-    """Values and derivatives for a model's terms at a drag that differs from the reference by `offset`, from the result
-    of `moved_at`."""
+    """Values and derivatives for a model's terms at a log drag that differs from the reference by `offset` [1], from
+    the result of `moved_at`."""
     at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
     at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
     slope = slopes(model.terms, moved)

@@ -168,7 +168,7 @@ def simulate_table(
 
 
 def table(rows: Float[Array, "history column"]) -> HistoryTable:
-    """Features, effects and truths of rows."""
+    """Features, effects and truths of rows, in the units of their columns."""
     names = effect_names()
     width = len(feature_names(names))
     whole = rows.astype(float)

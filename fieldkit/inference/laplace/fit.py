@@ -65,7 +65,8 @@ def fit(
     near: bool = False,
     outlier_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearized at its mean; `start` is the starting point.
+    """The posterior of a model given data, linearized at its mean; `start` is the starting point, in the units
+    of the terms.
 
     Without one, the best of several fits from different opening times of the parachute is returned, because readouts
     have a kink when ejection is at apogee. With `near`, the fit converges to the tolerance of a forecast. With
@@ -97,9 +98,9 @@ def fit_lanes(
 ) -> list[Fit]:
     """Several fits of parts of a model in parallel; terms that a lane lacks are zero in it.
 
-    `on_progress` is called with the fraction done. With an initial `flight_weight`, the noise of single flights follows
-    a Student t. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail
-    direction that cannot be read.
+    `angle_slope` is from `launch_angle_slope`. `on_progress` is called with the fraction done. With an initial
+    `flight_weight` [1], the noise of single flights follows a Student t. Raises ImpossibleFlight for a flight without a
+    dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [DampedSteps(np.asarray(lane.start, float)) for lane in lanes]

@@ -71,14 +71,17 @@ def _tilts(model: Model) -> Float[Array, "2 flight"]:
 
 
 def tangents(
-    model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], angle_slope: Float[Array, "flight readout"]
+    model: Model,
+    lanes: Sequence[tuple[tuple[int, ...], Float[Array, "term"]]],
+    angle_slope: Float[Array, "flight readout"],
 ) -> list[Tangent]:
-    """Values and derivatives of several lanes, each at its own point, from one batch of simulated flights.
+    """Values and derivatives of several lanes, each at its own point, from one batch of simulated flights. [1] or [s]
 
-    Terms that act on the same property share a column, scaled by their weights on each flight: drag of a rocket and
-    drag of one of its configurations differ only in the flights they act on. The bias of a reading needs no simulation.
-    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
-    cannot be read.
+    A lane has the numbers of its terms and their values, in the units of the terms; `angle_slope` is from
+    `launch_angle_slope`. Terms that act on the same property share a column, scaled by their weights on each flight:
+    drag of a rocket and drag of one of its configurations differ only in the flights they act on. The bias of a reading
+    needs no simulation. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or
+    rail direction that cannot be read.
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)
