@@ -31,7 +31,7 @@ from fieldkit.tui import page, screens
 from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
-from tools import field_report, history_report
+from tools import benchmarks, field_report, history_report
 from tools.manual import pages
 from tools.strings import listed
 
@@ -197,6 +197,11 @@ def test_a_limit_of_nfpa_1125_is_stated_as_one_figure() -> None:
     stated = {name: {one or other for one, other in figure.findall(text)} for name, text in texts.items()}
     assert sum(map(bool, stated.values())) >= 6
     assert {name: found - known for name, found in stated.items() if found - known} == {}
+
+
+def test_the_page_of_speed_is_of_the_latest_saved_runs() -> None:
+    text = "\n".join(benchmarks.page(benchmarks.latest())) + "\n"
+    assert PAGES["speed"] == text, "python tools/benchmarks.py --page writes it again"
 
 
 @pytest.mark.parametrize(("tool", "network"), [(field_report, "field"), (history_report, "history")])
