@@ -58,10 +58,9 @@ def hyperprior_of(card: Mapping[str, Any]) -> str:
     trained, current = card["forecast_prior"]["sds"], learned().sds
     if any(trained[name] != current[name] for name in trained.keys() & current.keys()):
         return "The network was trained with an earlier hyperprior than that of forecasts ([priors](priors.md))."
-    new = " and ".join(f"`{name}`" for name in current if name not in trained)
-    return (
-        f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){new and f', without {new}'}."
-    )
+    new = " and ".join(name.replace(".", " by ") for name in current if name not in trained)
+    without = f", without the variation of {new}" if new else ""
+    return f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}."
 
 
 def asked() -> Iterator[str]:
