@@ -105,11 +105,11 @@ class Hyperprior:
         return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:
-        """The card, in the form that `learned` reads."""
+        """The card, in the form that `read_card` reads."""
         return {**self.about, **self.model_json()}
 
     def model_json(self) -> dict[str, Any]:
-        """A copy without the record of its training data."""
+        """The figures of the card, without the record of its training data."""
         return {
             "means": dict(self.means),
             "mean_sds": dict(self.mean_sds),

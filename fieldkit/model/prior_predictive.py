@@ -40,7 +40,7 @@ HELD_OUT = "Quest"
 MIN_MOTOR_DIAMETER = 0.008
 """Motors up to this diameter are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
-"""Bounds of the thrust-to-weight ratio at lift-off; the dry mass is uniform in its logarithm between them. [1]"""
+"""Bounds of mean thrust to lift-off weight; the dry mass is uniform in its logarithm between them. [1]"""
 STEPS = 8
 """Minimum number of integration steps in a burn; the knots of most thrust curves require more."""
 TAIL = START.tail

@@ -196,7 +196,8 @@ def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
 
 
 def corrected_coverage(rows: Sequence[Forecast]) -> dict[str, float | None] | None:
-    """Coverage of the corrected intervals, and of the uncorrected ones for the same flights. [1]"""
+    """Coverage of the corrected intervals, of the uncorrected ones for the same flights, the number of these flights
+    and the factor of the last one; None if no interval was corrected. [1]"""
     later = [(row, row.corrected) for row in rows if row.corrected]
     if not later:
         return None
