@@ -201,7 +201,7 @@ def test_errors_are_found_through_calls_unless_they_are_caught(body: str, errors
 
 def _undocumented(name: str, function: Function, raised: RaisedErrors) -> set[str]:
     docstring = ast.get_docstring(function) or ""
-    if re.search(r"\berrors\s+(as\s+in|of)\s+`", docstring):
+    if re.search(r"\berrors\s+(as\s+in|of)\s+`", docstring, re.IGNORECASE):
         return set()
     errors = raised.of(_dotted(name), function, calls=not name.startswith(RENDERED))
     if name.startswith("services/"):

@@ -246,7 +246,7 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     """The forecast of a flight from the other flights of its rocket, as of its place in the order flown; nothing is
     saved.
 
-    A flight that is not in the ledger is the next one. Other errors as in `predict_plans`.
+    A flight that is not in the ledger is the next one. Errors as in `predict_plans`.
     """
     history, plan = flown(ledger, motors, flight.rocket), flight.with_changes(**dict.fromkeys(flight.readouts()))
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
