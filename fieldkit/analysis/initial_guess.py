@@ -28,7 +28,7 @@ class Guess:
 
 
 def lagged(values: Float[Array, "knot"], first: float, step: float, lag: float) -> Float[Array, "knot"]:
-    """Values at knots `step` apart as a first-order lag shows them, starting at `first`; in their unit. [s]
+    """Values at knots `step` [s] apart as a first-order lag [s] shows them, starting at `first`; in their unit.
 
     Exact for values that change linearly between knots.
     """
