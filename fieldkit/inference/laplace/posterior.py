@@ -177,8 +177,7 @@ def flight_evidence(
     flight_weight: Float[Array, "flight"] | None = None,
     which: Int[Integers, "scale"] | None = None,
 ) -> FlightEvidence:
-    """The information in each flight's readouts, linear around a point; `flight_weight` [1] and `which` as in
-    `solve`."""
+    """The information in each flight's readouts, linear around a point; other arguments and units as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
     readouts = used_readouts(data.seen)
     seen = data.seen[:, readouts]
