@@ -56,11 +56,13 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
 def hyperprior_of(card: Mapping[str, Any]) -> str:
     """How the hyperprior of the network's training differs from that of forecasts."""
     trained, current = card["forecast_prior"]["sds"], learned().sds
-    if any(trained[name] != current[name] for name in trained.keys() & current.keys()):
-        return "The network was trained with an earlier hyperprior than that of forecasts ([priors](priors.md))."
-    new = " and ".join(name.replace(".", " by ") for name in current if name not in trained)
+    new = " and ".join(name.replace(".", " by ").replace("_", " ") for name in current if name not in trained)
+    changed = " and ".join(
+        name.replace(".", " by ").replace("_", " ") for name, sd in current.items() if trained.get(name, sd) != sd
+    )
     without = f", without the variation of {new}" if new else ""
-    return f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}."
+    other = f", with other figures for {changed}" if changed else ""
+    return f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}{other}."
 
 
 def asked() -> Iterator[str]:

@@ -28,17 +28,14 @@ from fieldkit.shapes import Array, Float
 FROM_LOGS = ("coast_drag", "burn_impulse")
 """Readouts that only the samples of a log provide."""
 READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject", *FROM_LOGS)
-"""Readouts that the model compares. Average acceleration is top speed over burn time and adds no information; the
-others describe the descent."""
+"""Readouts that the model compares: without average acceleration, which they determine, and those of the descent."""
 QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
-"""Quantities with random effects. `stretch` scales the burn time; the delay is a log ratio; `apogee_to_eject` is in
-seconds."""
+"""Quantities with random effects. `stretch` scales the burn time, the delay is a log ratio, ejection is in seconds."""
 FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """Readouts that each device defines in its own way; readouts measured in a sensor's samples have no such rule."""
 LEVELS = ("fleet", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged", "ports")
-"""Groups of flights that share a random effect, widest first. `logged` is for a rocket's readouts measured in a
-sensor's samples, to which the bias of a device does not apply; `ports` for those measured in samples of a barometer,
-which the static ports of a rocket bias."""
+"""Groups of flights that share a random effect, widest first. `logged` are a rocket's readouts measured in samples,
+without the bias of a device; `ports` those measured in samples of a barometer, which static ports bias."""
 CARD = "hyperprior.json"
 DESIGN_DRAG = 0.2
 """Start of `Hyperprior.design_drag`, an expert judgment: paint, lugs and gaps are rarely as drawn. [1]"""
@@ -221,18 +218,17 @@ START = Hyperprior(
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
 """The starting point of the fit, which stays near it without information: round figures chosen before any flight was
-examined. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by
-that much; NFPA 1125 allows single motors a standard deviation of 6.7%), their lots within 2.5% of the type if flights
-record them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery system and
-wadding are not always weighed; that adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of
-peak acceleration also by motor type, because devices smooth short spikes. Single flights scatter by 6%. The biases of
-devices have mean zero, because manufacturers aim at the truth: the open flights come from one device, which does not
-show their mean. For the same reason the variation of noise among devices (`reading`) is a judgment. Readouts measured
-in samples differ from simulated ones by a bias for each rocket, without a device bias. Drag and impulse from a log have
-the standard deviation of the analysis (`ratio` is used if it is missing). A climb 15 degrees off vertical changes drag
-by 1/cos 15 = 1.035 and impulse by cos 15 = 0.97. Static ports are off by 0.03 of the dynamic pressure, which changes a
-drag from a barometer by four times that (`fieldkit.analysis.drag_and_impulse`). Two altimeters on one open flight
-differ by 13% in drag and 9% in impulse."""
+seen. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by that
+much; NFPA 1125 allows single motors a standard deviation of 6.7%), their lots within 2.5% of the type if flights record
+them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery system and wadding
+are not always weighed; that adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of peak
+acceleration also by motor type, because devices smooth short spikes. Single flights scatter by 6%. The biases of
+devices have mean zero, because manufacturers aim at the truth, and the variation of noise among devices (`reading`) is
+a judgment: the open flights come from one device. Readouts measured in samples have a bias for each rocket and none of
+a device. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is missing). A
+climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times the impulse. Static ports are off by
+0.03 of the dynamic pressure, which changes a drag from a barometer by four times that
+(`fieldkit.analysis.drag_and_impulse`). Two altimeters on one open flight differ by 13% in drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""
