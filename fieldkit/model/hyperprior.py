@@ -82,9 +82,8 @@ class Hyperprior:
 
     def fleet_sd(self, quantity: str) -> float:
         """Standard deviation of a flyer's fleet mean: variation among flyers plus the uncertainty of the overall mean.
-        [1], [s]
 
-        It is 0 for a quantity that does not vary among flyers.
+        0 for a quantity that does not vary among flyers. [1] or [s]
         """
         between = self.sd(quantity, "fleet")
         return float(np.hypot(between, self.mean_sds.get(quantity, 0.0))) if between else 0.0
@@ -220,15 +219,15 @@ START = Hyperprior(
 """The starting point of the fit, which stays near it without information: round figures chosen before any flight was
 seen. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by that
 much; NFPA 1125 allows single motors a standard deviation of 6.7%), their lots within 2.5% of the type if flights record
-them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery system and wadding
-are not always weighed; that adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of peak
+them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery and wadding are not
+always weighed, which adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of peak
 acceleration also by motor type, because devices smooth short spikes. Single flights scatter by 6%. The biases of
 devices have mean zero, because manufacturers aim at the truth, and the variation of noise among devices (`reading`) is
 a judgment: the open flights come from one device. Readouts measured in samples have a bias for each rocket and none of
 a device. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is missing). A
 climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times the impulse. Static ports are off by
-0.03 of the dynamic pressure, which changes a drag from a barometer by four times that
-(`fieldkit.analysis.drag_and_impulse`). Two altimeters on one open flight differ by 13% in drag and 9% in impulse."""
+0.03 of the dynamic pressure, which changes a drag from a barometer by four times that. Two altimeters on one open
+flight differ by 13% in drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""
