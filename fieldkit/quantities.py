@@ -169,19 +169,19 @@ class ShownUnits:
         return units.unit("speed", self.speed_unit).factor
 
     def length(self, value: float, digits: int = 0) -> str:
-        """`284 m` or `932 ft`."""
+        """A length [m]: `284 m` or `932 ft`."""
         return written(value, "m", self.system, digits)
 
     def lengths(self, low: float, high: float) -> str:
-        """`97 to 600 m`."""
+        """A range of lengths [m]: `97 to 600 m`."""
         return f"{self.length(low).split()[0]} to {self.length(high)}"
 
     def difference(self, value: float, digits: int = 1) -> str:
-        """A signed difference of two lengths: `+5.6 m` or `-18 ft`."""
+        """A signed difference of two lengths [m]: `+5.6 m` or `-18 ft`."""
         return ("" if value < 0 else "+") + self.length(value, digits)
 
     def speed(self, value: float, digits: int = 1) -> str:
-        """`13.4 m/s` or `30 mph`."""
+        """A speed [m/s]: `13.4 m/s` or `30 mph`."""
         return written(value, "m/s", self.system, digits)
 
     def per_wind(self, seconds: float) -> str:
@@ -189,16 +189,17 @@ class ShownUnits:
         return f"{self.length(seconds * self.speed_factor)} per {self.speed_unit} of wind"
 
     def mass(self, value: float) -> str:
-        """`322 g` or `11.36 oz`."""
+        """A mass [kg]: `322 g` or `11.36 oz`."""
         return written(value, "g", self.system)
 
     def temperature(self, value: float) -> str:
-        """`21 °C` or `70 °F`."""
+        """A temperature [K]: `21 °C` or `70 °F`."""
         return written(value, "c", self.system)
 
 
 def rounded(value: float, digits: int = 4) -> str:
-    """A number with that many significant digits, without an exponent if it is large: `12345`, `281.3`, `0.0517`."""
+    """A number in any unit with that many significant digits, without an exponent if it is large: `12345`, `281.3`,
+    `0.0517`."""
     text = f"{value:.{digits}g}"
     return text if "e+" not in text or abs(value) >= MAX_WRITTEN_OUT else f"{value:.0f}"
 

@@ -282,10 +282,12 @@ def _bounded(value: float, text: str) -> float:
 
 
 def render(value: float, quantity: str, suffix: str) -> str:
-    """An SI value as a number in a unit, with enough digits to restore the same SI value."""
+    """An SI value as a number in a unit, with enough digits to restore the same SI value. Raises BadValue for an
+    unknown unit.
+    """
     return f"{unit(quantity, suffix).from_si(value):.12g}"
 
 
 def render_difference(value: float, quantity: str, suffix: str) -> str:
-    """As `render`, for a difference such as a standard deviation."""
+    """As `render`, for a difference in SI such as a standard deviation. Raises BadValue for an unknown unit."""
     return f"{unit(quantity, suffix).difference_from_si(value):.12g}"

@@ -97,7 +97,7 @@ def _high(table: LogTable, head: Header, log: bytes, notes: list[Found]) -> Read
     scale = scale_at_rest(total[rest], SCALES)
     series = Series(time=time)
     if scale is None:
-        notes.append(Note("holds accelerations that are not one g at rest, in whatever unit; left out"))
+        notes.append(Note("holds accelerations at rest that are not one g in any unit; left out"))
     else:
         felt = upright(axes * scale, before) if before.any() else along_thrust(time, axes * scale)
         series = Series(time=time, felt=felt, felt_total=total * scale)

@@ -101,7 +101,7 @@ def _series(table: LogTable, notes: list[Found]) -> list[Series]:
         felt = np.sqrt(values["ax"] ** 2 + values["ay"] ** 2 + values["az"] ** 2)
         scale = scale_at_rest(felt[time < 0], (1.0, STANDARD_GRAVITY))
         if scale is None:
-            notes.append(Note("holds accelerations that are not one g before launch, in whatever unit; left out"))
+            notes.append(Note("holds accelerations before launch that are not one g in any unit; left out"))
             return []
         return [Series(time=time, felt_total=felt * scale)]
     if (satellites := table.get("satellites")) is not None:

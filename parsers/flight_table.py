@@ -180,7 +180,7 @@ def _reading(
     if isinstance(cells, DamagedLog):
         return cells
     if any(cell.strip() for cell in cells[len(headings) :]):
-        found = f"found {counted(len(cells), 'cell')} under {counted(len(headings), 'header')}, expected no more"
+        found = f"found {counted(len(cells), 'cell')}, expected at most {len(headings)}, one for each header"
         hint = " (a decimal comma needs quotes around its number)" if separator == "," else ""
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}

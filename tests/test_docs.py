@@ -20,14 +20,18 @@ from typer.main import get_command
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
+from fieldkit.model.prior_predictive import PRIORS
+from fieldkit.motors.delay_tolerance import RELATIVE_DELAY_TOLERANCE
+from fieldkit.motors.motor import BURN_THRUST_FRACTION
 from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
 from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
-from tools import field_report, history_report
+from tools import benchmarks, field_report, history_report
 from tools.manual import pages
 from tools.strings import listed
 
@@ -175,6 +179,29 @@ def test_every_command_has_an_example() -> None:
 def test_the_generated_pages_are_up_to_date() -> None:
     for path, text in pages():
         assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} again"
+
+
+def test_priors_are_worded_with_the_figures_of_the_card() -> None:
+    """The card of a trained network is never edited; the page has the words of the code."""
+    card = read_card(trained_folder("field"))["priors"]
+    assert PRIORS.keys() == card.keys()
+    for key, words in PRIORS.items():
+        assert re.findall(r"[0-9.]+(?![0-9.])", words) == re.findall(r"[0-9.]+(?![0-9.])", card[key]), key
+
+
+def test_a_limit_of_nfpa_1125_is_stated_as_one_figure() -> None:
+    known = {f"{100 * limit:g}%" for limit in (BURN_THRUST_FRACTION, IMPULSE_SCATTER, RELATIVE_DELAY_TOLERANCE)}
+    files = [file for folder in ("fieldkit", "models", "tools", "docs") for file in (ROOT / folder).rglob("*.py")]
+    texts = {file.name: " ".join(file.read_text(encoding="utf-8").split()) for file in files} | PAGES
+    figure = re.compile(r"((?<![.\d])\d[\d.]*%)[^%;]{0,60}\(NFPA 1125\)|NFPA 1125[^%;)]{1,60}?((?<![.\d])\d[\d.]*%)")
+    stated = {name: {one or other for one, other in figure.findall(text)} for name, text in texts.items()}
+    assert sum(map(bool, stated.values())) >= 6
+    assert {name: found - known for name, found in stated.items() if found - known} == {}
+
+
+def test_the_page_of_speed_is_of_the_latest_saved_runs() -> None:
+    text = "\n".join(benchmarks.page(benchmarks.latest())) + "\n"
+    assert PAGES["speed"] == text, "python tools/benchmarks.py --page writes it again"
 
 
 @pytest.mark.parametrize(("tool", "network"), [(field_report, "field"), (history_report, "history")])

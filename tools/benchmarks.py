@@ -8,6 +8,7 @@ and the median of its rounds in seconds, and other figures (ratios, rates). A na
 import json
 import os
 import platform
+import re
 import subprocess
 import sys
 import tempfile
@@ -75,45 +76,84 @@ def latest() -> dict[str, dict[str, Any]]:
     return dict(sorted(found.items()))
 
 
+ABOUT = """# Speed
+
+Processor seconds, the shortest of several rounds, with their ratio to a baseline from the same run. Ratios differ less
+between machines than seconds. The command above each table repeats the measurement and saves it in `docs/benchmarks/`;
+`python tools/benchmarks.py --page` writes this page from the latest run of each. A key is *answered* when the screen
+first shows a change after it, in wall-clock time, and *done* when everything that it computes is shown, in processor
+time."""
+
+
 def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
-    """The latest runs as Markdown, one table each, without benchmarks that only assert."""
-    yield from ("# Speed", "")
-    yield "Processor seconds, the shortest of several rounds, with their ratio to a baseline from the same run. Ratios"
-    yield "differ less between machines than seconds. `python tools/benchmarks.py --page` writes this page from the"
-    yield "runs saved in `docs/benchmarks/`. The command above each table repeats the measurement."
+    """The latest runs as Markdown, one table each, without benchmarks that only assert or no longer exist."""
+    yield ABOUT
     for name, kept in runs.items():
-        heading = " ".join(
-            (ROOT / "tests" / "benchmarks" / f"bench_{name}.py").read_text(encoding="utf-8").split('"""')[1].split()
-        )
+        source = (ROOT / "tests" / "benchmarks" / f"bench_{name}.py").read_text(encoding="utf-8")
+        heading = " ".join(source.split('"""')[1].split())
         yield from ("", f"## {heading.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
-        yield from ("| what | seconds | relative to | rate per second; response times |", "|---|---|---|---|")
-        yield from (_line(row) for row in kept["benchmarks"] if row.keys() & {"ratio", *RATES})
+        yield from ("| what | seconds | relative to | rate or response times |", "|---|---|---|---|")
+        rows = [row for row in kept["benchmarks"] if f"def {row['name'].partition('[')[0]}(" in source]
+        yield from (_line(row) for row in rows if row.keys() & {"ratio", *RATES})
 
 
 RATES = {"flights_per_second": "flights", "megabytes_per_second": "MB"}
+LABELS = {
+    "the_app_is_painted": "the first screen",
+    "the_first_rows_are_painted": "the first rows",
+    "a_key_is_answered_with_five_thousand_flights": "a key, with 5,000 flights",
+    "a_question": "{0}, ledger of {1:,} flights",
+    "the_command_flights": "{0:,} flights, {1}",
+    "a_command_on_one_rocket": "`{0}`, {1:,} flights",
+    "flights_inferred_together": "flights inferred at once: {0:,}",
+    "help": "`fieldkit --help`",
+    "a_command": "`fieldkit {0}`",
+    "a_prediction": "`fieldkit predict`, {0}",
+    "the_least_that_it_could_be": "{0}",
+}
+"""Names of rows that the name of the benchmark, without `test_`, does not give; numbered parts are its parameters."""
+QUESTIONS = {
+    "list all": "list all flights",
+    "of one rocket": "list the flights of one rocket",
+    "by a tag": "list the flights with a tag",
+    "by an id": "find a flight by its id",
+    "add one": "add a flight",
+}
+PARAMETERS = {"still": "still air", "windy": "wind", "24": "first 24 rows", "None": "all rows", **QUESTIONS}
+"""What parameters mean."""
 
 
 def _line(row: dict[str, Any]) -> str:
     what, _, given = row["name"].removeprefix("test_").rstrip("]").partition("[")
-    group = row["group"] or ""
-    given = given.removeprefix(group).lstrip("-")
+    relative = re.sub(r"^.* of (\d+ flights)$", r"\1", row.get("beside", ""))
     cells = [
-        ", ".join(filter(None, (group or what.replace("_", " ").replace("papers", "paper's"), given))),
+        _label(what, given),
         f"{row['min_s']:.3g}",
-        f"{row['ratio']:,.{0 if row['ratio'] > 99 else 2}f} × {row['beside']}" if "ratio" in row else "",
-        ", ".join([*_within(row), *(f"{row[key]:,} {unit}" for key, unit in RATES.items() if key in row)]),
+        f"{row['ratio']:.3g} × {relative}" if "ratio" in row else "",
+        "; ".join([*_within(row), *(f"{row[key]:,} {unit} per second" for key, unit in RATES.items() if key in row)]),
     ]
     return f"| {' | '.join(cells)} |"
 
 
+def _label(what: str, given: str) -> str:
+    """What a benchmark measures, in words, with its parameters."""
+    parts = [PARAMETERS.get(part, part) for part in given.split("-")] if not given.startswith("fieldkit") else [given]
+    numbers = [int(part) if part.isdigit() else part for part in parts]
+    if what in LABELS:
+        return LABELS[what].format(*numbers)
+    return ", ".join([what.replace("_", " ").replace("papers", "paper's"), *filter(None, parts)])
+
+
 def _within(row: dict[str, Any]) -> Iterator[str]:
     """The time within which each percentage of the rounds ended, if a benchmark reports it."""
+    times: dict[str, list[str]] = {}
     for key, value in row.items():
         if key.startswith("within_"):
             _, percent, what, _ = key.split("_")
-            yield f"{percent} {what} within {value:g} ms"
+            times.setdefault(what, []).append(f"{percent} within {value:g} ms")
+    yield from (f"{what}: {', '.join(shown)}" for what, shown in times.items())
 
 
 def main() -> int:

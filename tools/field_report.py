@@ -54,8 +54,8 @@ def report(card: dict) -> Iterator[str]:
     yield "```"
     yield ""
     yield from prose(
-        f"{card['simulations']:,} flights simulated in {card['simulation_seconds']:.0f} s,",
-        f"trained in {card['seconds']:.0f} s in total, on one thread of a busy machine.",
+        f"{card['simulations']:,} flights were simulated in {card['simulation_seconds']:.0f} s; with training, the",
+        f"command took {card['seconds']:.0f} s on one thread of a busy machine.",
     )
     yield from fresh(card)
     yield from calibration(card)
@@ -92,19 +92,19 @@ def fresh(card: dict) -> Iterator[str]:
     yield ""
     both = card["test_held_out"], card["test_peers"]
     ratios = {name: one["cd_mae"] / both[1][name]["cd_mae"] - 1 for name, one in both[0].items()}
-    changes = ", ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
-    yield f"Error of Cd on the held-out motors, relative to the same classes in training: {changes}."
-    yield ""
+    changes = "; ".join(f"{name} {100 * ratio:+.1f}%" for name, ratio in ratios.items())
+    yield from prose(f"Error of Cd on the held-out motors, relative to the same classes in training: {changes}.")
 
 
 def calibration(card: dict) -> Iterator[str]:
     yield "## Calibration: ranks and expected coverage"
     yield ""
-    yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are uniform if the posterior is"
-    yield "right; the table has the fullest and the emptiest bin relative to a uniform one. The last columns are the"
-    yield "fraction of flights whose truth is among the 10, 50 and 90% of the posterior nearest to a random point"
-    yield "(TARP)."
-    yield ""
+    yield from prose(
+        "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are uniform if the posterior is",
+        "right; the table has the fullest and the emptiest bin relative to a uniform one. The last columns are the",
+        "fraction of flights whose truth is among the 10, 50 and 90% of the posterior nearest to a random point",
+        "(TARP).",
+    )
     rows = []
     for name, one in card["test"].items():
         ranks = [
@@ -119,10 +119,11 @@ def calibration(card: dict) -> Iterator[str]:
 def limits(card: dict) -> Iterator[str]:
     yield "## Against exact posteriors"
     yield ""
-    yield "An ensemble of the same kind, trained on a problem with a known posterior (from a grid): the paper's rocket,"
-    yield "prior and simulator, noise of 3 m, 1 m/s, 3% and 0.1 s, 500 flights. Then the same with the burn time"
-    yield "uncertain by 5% (log-normal, at the same impulse)."
-    yield ""
+    yield from prose(
+        "An ensemble of the same kind is trained on a problem with a known posterior (from a grid): the rocket, prior",
+        "and simulator of [the reference paper](reference-study.md), with noise of 3 m, 1 m/s, 3% and 0.1 s, on 500",
+        "flights. In the rows *burn uncertain* the burn time varies by 5% (log-normal, at the same impulse).",
+    )
     rows = []
     for key, title in (("restricted", ""), ("restricted_burn_uncertain", "burn uncertain: ")):
         for name, one in card.get(key, {}).items():
@@ -184,13 +185,13 @@ def journal() -> Iterator[str]:
     found = measured("journal")
     if found is None:
         return
-    which = ", ".join(f"{name} {count}" for name, count in found["by_readout"].items())
+    which = ", ".join(f"{name.replace('_', ' ')} {count}" for name, count in found["by_readout"].items())
     yield "## Warnings on real flights"
     yield ""
     yield from prose(
         "In a public journal of AltimeterTwo readouts (jdsmith39/RocketLaunchJournal, without weather and diameters),",
-        f"the guard warns about {found['warned']} of {found['flights']} clean flights ({which}). Forecasts of these",
-        "flights are on [a page of their own](journal.md).",
+        f"{found['warned']} of {found['flights']} clean flights get a warning about a readout ({which}). [The",
+        "journal](journal.md) has the forecasts of these flights.",
     )
 
 
@@ -202,8 +203,9 @@ def bench() -> Iterator[str]:
     yield ""
     yield from prose(
         "Histories with a hidden effect, each flight forecast from the earlier ones by the plain model. The last",
-        "columns are the coverage of 90% intervals from the 21st forecast on, before and after the correction.",
-        "`python -m bench.make SETS --sets 1 --seed 77`, `python -m bench.forward SETS --limit 9`:",
+        "columns are the coverage of 90% intervals from the 21st forecast on, before and after [the",
+        "correction](statistics.md#corrected-intervals); *corrected* is the number of these forecasts. `python -m",
+        "bench.make SETS --sets 1 --seed 77`, `python -m bench.forward SETS --limit 9`:",
     )
     yield "```"
     yield path.read_text(encoding="utf-8").rstrip()

@@ -5,8 +5,6 @@ from typing import Any
 
 from tools.markdown import measured, percent, prose, table
 
-OTHER = "_other"
-"""Suffix of the names of figures for a network that is not shipped."""
 FORECAST_COLUMNS = (
     "",
     "flights",
@@ -39,7 +37,9 @@ def forecast_row(name: str, one: Mapping[str, Any]) -> tuple[str, ...]:
 def beside_fit() -> Iterator[str]:
     """The network and the fit on the same flights."""
     yield from ("## Comparison with the fit", "")
-    yield from prose("The fit is `predict` and the loop is `loop`, on the same flights in the same run.")
+    yield from prose(
+        "The fit is that of `predict`, the loop is `loop`; the network answers for the same flights in the same run."
+    )
     if measurements := measured("history_simulated"):
         yield from (f"`{measurements['command']}`", "")
         worlds = {"selection": "certified hyperprior", "forecast": "learned hyperprior"}
@@ -89,53 +89,6 @@ def beside_fit() -> Iterator[str]:
             yield from table(
                 FORECAST_COLUMNS, [forecast_row(key, one) for key, one in measurements["forecast"].items()]
             )
-
-
-def network_before() -> Iterator[str]:
-    """The shipped and the previous network, relative to the fit on the same flights."""
-    rows = [
-        (f"{title}{key}", *(text for one in (now, other) for text in _ratio_and_coverage(one)))
-        for name, title in _FORECASTS.items()
-        for (key, now), (_, other) in zip(_of_all(name), _of_all(name + OTHER), strict=False)
-    ]
-    if not rows:
-        return
-    yield from ("## The previous network", "")
-    yield from prose(
-        "The shipped network is trained with the hyperprior of forecasts ([priors](priors.md)), every effect file and",
-        "the physics of this version. The previous network was trained before the mean of the unweighed mass was",
-        "learned and before friction on the rail stopped a rocket without pushing it back. Both are compared with the",
-        "current fit.",
-    )
-    columns = (
-        "forecasts",
-        "shipped: CRPS relative to the fit",
-        "in 90%",
-        "previous: CRPS relative to the fit",
-        "in 90%",
-    )
-    yield from table(columns, rows)
-    now, other = (measured(f"history_bench{end}") for end in ("", OTHER))
-    if now and other:
-        yield from prose(
-            *(
-                f"Inclusion on {one['sets']} sets of the bench, {title}: AUC"
-                f" {one['network']['inclusion_auc']:.3f} now and {two['network']['inclusion_auc']:.3f} before, right"
-                f" verdicts {percent(one['network']['right'])} and {percent(two['network']['right'])}, false alarms"
-                f" {percent(one['network']['false_alarms'])} and {percent(two['network']['false_alarms'])}."
-                for key, title in (("all", "all"), ("beside the loop", "the same sets as the loop"))
-                for one, two in [(now["selection"][key], other["selection"][key])]
-            )
-        )
-    yield from prose(
-        "The previous network was replaced so that `infer`, the Flights page and quick forecasts use the hyperprior",
-        "and the physics of `predict`. Neither is clearly better: the shipped one is ahead on the bench and the",
-        "journal, the previous one on simulated histories and the seven reference flights.",
-    )
-
-
-def _ratio_and_coverage(one: Mapping[str, Any]) -> tuple[str, str]:
-    return f"{one['ratio']:.3f}", percent(one["network_coverage90"])
 
 
 GOALS = {"ratio": 1.02, "auc": 0.02, "coverage": (0.87, 0.93)}
@@ -190,7 +143,7 @@ _FORECASTS = {
 def _of_all(name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """The forecasts of a measurement, all together."""
     measurements = measured(f"history_{name}") or {}
-    if name.removesuffix(OTHER) == "simulated":
+    if name == "simulated":
         for key in ("selection", "forecast"):
             if key in measurements:
                 yield (

@@ -33,13 +33,14 @@ from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
 from fieldkit.services.imports.add_files import bring_in
 from fieldkit.services.plausible_flights import followed
-from tools.history_beside_fit import OTHER
 from tools.markdown import MEASURED
 
 DRAWS = 1000
 """Draws of each forecast."""
 FRESH_SEED = 20_261
 """Seed of histories that training never draws."""
+OTHER = "_other"
+"""Suffix of the names of figures for a network that is not shipped, which no page shows."""
 FlownFlights = Sequence[tuple[Flight, Found]]
 
 

@@ -17,8 +17,9 @@ from fieldkit.inference.history.linear_fit import READING_NODES, SCATTER_NODES
 from fieldkit.inference.laplace.importance import MORE_DRAWS, RELIABLE_PARETO_K
 from fieldkit.inference.network.ensemble import load_folder, read_card
 from fieldkit.inference.network.history import checked, load_history
+from fieldkit.model.hyperprior import learned
 from fieldkit.plugins import trained_folder
-from tools.history_beside_fit import beside_fit, network_before, use
+from tools.history_beside_fit import beside_fit, use
 from tools.history_measurements import bench, journal, simulated
 from tools.markdown import MEASURED, percent, prose, table
 
@@ -41,15 +42,27 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
     )
     yield from ("```sh", card["command"], "```", "")
     yield from prose(
-        f"{card['simulations']:,} histories of 1 to 60 flights, simulated in {card['simulation_seconds']:.0f} s, and",
-        f"{card['training']['epochs']} epochs: {card['seconds']:.0f} s in all, on one thread of a busy machine.",
-        "Five members in one graph. An interrupted run resumes: existing shards are reused.",
+        f"{card['simulations']:,} histories of 1 to 60 flights were simulated in {card['simulation_seconds']:.0f} s;",
+        f"with training, in {card['training']['epochs']} epochs, the command took {card['seconds']:.0f} s on one",
+        "thread of a busy machine. An interrupted run resumes. The five members are one graph.",
+        hyperprior_of(card),
     )
     yield from asked()
     yield from on_fresh(card)
     yield from beside_fit()
-    yield from network_before()
     yield from use()
+
+
+def hyperprior_of(card: Mapping[str, Any]) -> str:
+    """How the hyperprior of the network's training differs from that of forecasts."""
+    trained, current = card["forecast_prior"]["sds"], learned().sds
+    new = " and ".join(name.replace(".", " by ").replace("_", " ") for name in current if name not in trained)
+    changed = " and ".join(
+        name.replace(".", " by ").replace("_", " ") for name, sd in current.items() if trained.get(name, sd) != sd
+    )
+    without = f", without the variation of {new}" if new else ""
+    other = f", with other figures for {changed}" if changed else ""
+    return f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}{other}."
 
 
 def asked() -> Iterator[str]:
@@ -63,8 +76,8 @@ def asked() -> Iterator[str]:
     )
     yield from prose(
         f"A quick forecast says *checked by the fit* if importance sampling confirms it. {DRAWS_OF_CHECK}",
-        "draws of log Cd and log alpha come from the network's normal distribution, and the model's other parameters",
-        "from the linear fit given those, with their covariance inflated by 15%. The readouts of each draw are",
+        "draws of log Cd and log alpha come from the network's normal distribution, and the other parameters of the",
+        "model from the linear fit given those, with their covariance inflated by 15%. The readouts of each draw are",
         "simulated. Its weight is the prior times the likelihood of the model (multivariate Student t noise for each",
         f"flight, summed over a grid of {SCALES} scales of scatter and reading), divided by the density it was drawn",
         "from. A generalized Pareto distribution is fitted to the largest weights; its shape k",
@@ -73,12 +86,7 @@ def asked() -> Iterator[str]:
         "necessary. The weighted draws are the model's forecast of the plan's apogee. The network's draws of the",
         f"apogee are weighted by that forecast, and their effective fraction must be at least {LEAST_EFFECTIVE}, a",
         "judgment. If either check fails, the fit answers instead. The printed forecast is the network's, without the",
-        "weights. It does not include effects accepted in the loop; only the fit's forecast does.",
-    )
-    yield from prose(
-        "Weights are float32. With float16 the file would be half as large and no quantile would change by more than a",
-        "thousandth of a standard deviation, but processors without half precision would convert the weights at every",
-        "start, and the file is less than a megabyte.",
+        "weights. It does not include effects accepted in the loop; those of the fit do.",
     )
 
 

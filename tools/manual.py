@@ -11,16 +11,18 @@ import math
 import re
 import shlex
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from click import Command
 from typer.cli import get_docs_for_click
 from typer.core import TyperGroup
 from typer.main import get_command
 
 from fieldkit.cli.main import app
 from fieldkit.inference.network.ensemble import read_card
+from fieldkit.model.prior_predictive import PRIORS
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
 from tools.markdown import WRITTEN_BY
@@ -57,11 +59,16 @@ def commands() -> str:
         usage = re.compile(r"(\*\*Usage\*\*:\n\n```console\n.*?```\n)", flags=re.DOTALL)
         lines = "\n".join(shown.get(name, []))
         example = f"\n**Examples**:\n\n```sh\n{lines}\n```\n" if lines else ""
-        parts.append(usage.sub(lambda block: block[1] + example, text, count=1).strip())  # noqa: B023  # called here
+        text = usage.sub(lambda block: block[1] + example, text, count=1).strip()  # noqa: B023  # called here
+        parts.append(_with_whole_help(text, command))
         heads.append(f"| [`{name}`](#fieldkit-{name}) | {_first_sentence(command.help or '')} |")
+    shared = _options_in_all(part for name, part in zip(group.commands, parts, strict=True) if name in PLANNED)
+    parts = [
+        _without(part, shared) if name in PLANNED else part for name, part in zip(group.commands, parts, strict=True)
+    ]
     return f"""# Every command
 
-Most commands take `--json`; `fieldkit COMMAND --help` prints the same as this page. The examples are one session,
+Most commands take `--json`; `fieldkit COMMAND --help` prints all of its options. The examples are one session,
 `docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or run for long are in
 `docs/examples-long.sh`. {WRITTEN_BY}
 
@@ -73,7 +80,44 @@ what was found and what was expected. An `import` that rejects rows lists them, 
 {chr(10).join(heads)}
 
 {(chr(10) * 2).join(parts)}
+
+## Options of a plan
+
+{_listed(PLANNED)} take these options. What is not given is as in the flight entered last, or standard; the answer
+says which.
+
+{chr(10).join(shared)}
 """
+
+
+PLANNED = ("predict", "motors", "delay", "ballast", "contest", "finals", "landing", "daysheet")
+"""Commands that take the options of a plan."""
+
+
+def _options_in_all(parts: Iterable[str]) -> list[str]:
+    """The options that are the same in all of some commands, in order."""
+    first, *others = [[line for line in part.splitlines() if line.startswith("* `--")] for part in parts]
+    general = ("* `--json", "* `--help")
+    return [line for line in first if all(line in other for other in others) and not line.startswith(general)]
+
+
+def _without(part: str, shared: Sequence[str]) -> str:
+    """The section of a command with one line in place of its shared options."""
+    lines = [line for line in part.splitlines() if line not in shared]
+    place = lines.index("* `--help`: Show this message and exit.")
+    return "\n".join([*lines[:place], "* The [options of a plan](#options-of-a-plan).", *lines[place:]])
+
+
+def _with_whole_help(text: str, command: Command) -> str:
+    """The section of a group of commands with whole sentences in its list, which is cut for narrow screens."""
+    for name, one in command.commands.items() if isinstance(command, TyperGroup) else ():
+        text = re.sub(rf"^\* `{name}`: .*", f"* `{name}`: {_first_sentence(one.help or '')}", text, flags=re.MULTILINE)
+    return text
+
+
+def _listed(names: Sequence[str]) -> str:
+    *most, last = (f"`{name}`" for name in names)
+    return f"{', '.join(most)} and {last}"
 
 
 def _first_sentence(text: str) -> str:
@@ -150,8 +194,11 @@ body, fins and base included. Forecasts are advice: at the field the range safet
 
 
 def _card(name: str, card: Mapping[str, Any]) -> str:
+    """The section of an ensemble; the field recipe's priors in the words of `PRIORS`, which a test compares with the
+    card."""
     first = [f"| {key} | {_text(card[key])} |" for key in CARD if key in card]
-    priors = [f"| {key} | {_text(law)} |" for key, law in card["priors"].items()]
+    laws = PRIORS if name == "field" else card["priors"]
+    priors = [f"| {key} | {_text(law)} |" for key, law in laws.items()]
     return f"""## `{name}`
 
 | | |

@@ -3,13 +3,17 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, certified, learned
 from tools.markdown import WRITTEN_BY
 
 SOURCES = {
     "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
-    "thrust": "log ratio of delivered to certified impulse; lots within 2 to 3% (NFPA 1125 allows 10% in a test)",
+    "thrust": (
+        "log ratio of delivered to certified impulse; lots within 2 to 3% (NFPA 1125: single motors within an sd of "
+        f"{IMPULSE_SCATTER:.1%})"
+    ),
     "mass": "log ratio of flown to recorded mass: altimeter, recovery, wadding",
     "stretch": "log ratio of actual to certified burn time",
     "delay": "log ratio of actual to rated delay (NFPA 1125: within 20%, at most 3 s)",

@@ -17,6 +17,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing.read import read_recordings
 from fieldkit.motors import catalogue
 from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
+from tools.markdown import prose
 
 
 @dataclass(frozen=True)
@@ -74,13 +75,19 @@ def main() -> None:
 HEAD = [
     "# The force along real climbs",
     "",
-    "Computed by `python tools/real_forces.py LOGS docs/real-forces.md` from a folder LOGS of published recordings.",
-    "The missing force requires the motor and the mass of the rocket. Drag area over mass in the coast requires",
-    "neither; the table has its median and central 80% between Mach 0.3 and 0.7, or above 30 m/s for slower coasts. A",
-    "law requires two flights of one rocket, and these are all of different rockets; `top_shot` and `juno3` are single",
-    "flights recorded by two loggers, `hedy` is the raw and the filtered file of one logger. If only heights were",
-    "recorded, the acceleration is their second derivative, and the spread is that of the smoothing.",
-    "",
+    *prose(
+        "The *missing force* is the measured acceleration along the climb minus that of the model's thrust and drag at",
+        "the measured speed and height ([the loop](loop.md) looks for terms in it that recur from flight to flight).",
+        "This page has what published recordings show of it. It requires the motor and the mass of the rocket, which",
+        "few of them state. The drag area over mass in the coast requires neither; the table has its median and",
+        "central 80% between Mach 0.3 and 0.7, or above 30 m/s for slower coasts.",
+    ),
+    *prose(
+        "A law requires two flights of one rocket, and these are all of different rockets; `top_shot` and `juno3` are",
+        "single flights recorded by two loggers, `hedy` is the raw and the filtered file of one logger. If only",
+        "heights were recorded, the acceleration is their second derivative, and the spread is that of the smoothing.",
+        "`python tools/real_forces.py LOGS docs/real-forces.md` writes this page from a folder LOGS of the recordings.",
+    ),
     "| log | acceleration from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
     "|---|---|---|---|---|---|",
 ]
@@ -127,8 +134,8 @@ def section(one: FlightForce) -> list[str]:
         for found in one.law.terms
     ]
     result = "; ".join(terms) or nothing(one)
-    lines = [f"## {one.flight_id}", "", f"From this flight alone, which is not conclusive: {result}."]
-    lines += ["", "| phase | s from lift-off | m/s | missing m/s² | ± |", "|---|---|---|---|---|"]
+    lines = [f"## {one.flight_id}", "", f"One flight is not conclusive. Result: {result}."]
+    lines += ["", "| phase | time from lift-off [s] | speed [m/s] | missing [m/s²] | ± |", "|---|---|---|---|---|"]
     return lines + [
         f"| {phase} | {p.time_from_liftoff:.2f} | {p.speed:.1f} | {p.force:+.2f} | {p.sd:.2f} |"
         for p in one.points
@@ -139,8 +146,9 @@ def section(one: FlightForce) -> list[str]:
 def nothing(one: FlightForce) -> str:
     """The meaning of a law without terms: nothing is missing, or scatter would hide it."""
     left, drag = one.law.left, float(one.missing.drag.max())
-    sizes = f"the residual is {left:.2g} m/s², the largest drag {drag:.2g} m/s²"
-    return f"too noisy for a result: {sizes}" if left > NOISY * drag else f"nothing is missing: {sizes}"
+    if left > NOISY * drag:
+        return f"none, because the residual, {left:.2g} m/s², is above {NOISY:.0%} of the largest drag, {drag:.2g} m/s²"
+    return f"nothing is missing; the residual is {left:.2g} m/s², the largest drag {drag:.2g} m/s²"
 
 
 if __name__ == "__main__":

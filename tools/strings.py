@@ -54,6 +54,7 @@ _IS_CODE = re.compile(
             r"^https?:|->|^<\?xml|^default-src|^<meta",
             r"^[\w.]+(\[.*\])?( \| [\w.\[\], ]+)+$|^[A-Za-z]\w*\[",  # types
             r"^(SELECT|PRAGMA|ATTACH|BEGIN|synchronous) ",
+            r"^(offset points|axes fraction)$",  # coordinates of a plot
         )
     )
 )

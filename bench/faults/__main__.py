@@ -219,7 +219,7 @@ def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
 
 
 def _counts(one: Outcome) -> str:
-    return ", ".join(f"{what}: {number}" for what, number in sorted(one.counts.items()))
+    return "; ".join(f"{what}: {number}" for what, number in sorted(one.counts.items()))
 
 
 @contextmanager

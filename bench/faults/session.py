@@ -56,9 +56,9 @@ FLOWN = "2026-05-02T10:00"
 FIRST = ("demo",)
 """Commands that require an empty ledger."""
 LEFT_OUT = {
-    "tui": "stays open; the ledger beneath it is that of the commands",
+    "tui": "stays open; it changes the ledger by the functions of the commands",
     "serve": "stays open, and writes nothing itself",
-    "train": "computes with threads, which no fork has; its files are written by the same function as an export",
+    "train": "computes with threads, which a fork lacks; its files are written by the function that writes an export",
 }
 """Commands that are not run, with the reason."""
 

@@ -60,7 +60,7 @@ def felt_burnout(push: Push, lift: float, seen: Outline) -> Event | None:
     """When an accelerometer stopped feeling thrust greater than the weight, by its clock alone; None if it does not
     show that.
 
-    Of several boosts it is the one that ends closest to the fastest climb.
+    Of several boosts it is the one that ends closest to the fastest climb. `lift` is the time of lift-off [s].
     """
     net = levelled(push, lift)
     near = (push.time > lift) & (push.time < lift + _LATEST_END * (seen.top - lift))

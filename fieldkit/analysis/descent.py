@@ -232,7 +232,7 @@ def descent_speed(
     In a ledger of that device, ejection height divided by the time from ejection to landing is 1.03 times its descent
     speed, the median of 47 flights. Without landing it is the mean over what the log contains, if that is at least a
     fifth of the way down. The rest may be slower or faster in proportion to its length, because a second parachute may
-    open.
+    open. `level` is the height of the landing [m].
     """
     start = begin.time
     upper = float(np.interp(start, track.time, seen.calm))

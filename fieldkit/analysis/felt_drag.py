@@ -27,8 +27,8 @@ _MIN_SAMPLES, _MIN_SPEED_RATIO = 12, 1.5
 """Minimum number of samples of a coast [1], and of the ratio of its first speed to its last. [1]"""
 _ROUNDS, _STUDENT_DOF, _MIN_NOISE = 8, 4.0, 0.02
 """Number of updates of the weights, degrees of freedom of the errors [1], and their smallest size. [m/s^2]"""
-_CLIPPED = 3
-"""A saturated sensor returns its lowest number more often than this. [1]"""
+_MAX_LOWEST = 3
+"""Largest number of samples with the lowest value of a sensor that is not saturated. [1]"""
 _MAX_ZERO = 1.5
 """Largest plausible error of an accelerometer's zero, as on the pad (`fieldkit.analysis.initial_guess`). [m/s^2]"""
 _STEP = 0.005
@@ -45,7 +45,7 @@ def felt_drag(push: Push, ascent: Ascent, begin: float, end: float) -> Figure | 
     """
     inside = (push.time >= begin) & (push.time <= end)
     lowest = push.felt[inside].min(initial=np.inf)
-    if np.sum(push.felt[inside] == lowest) > _CLIPPED:
+    if np.sum(push.felt[inside] == lowest) > _MAX_LOWEST:
         inside &= push.felt > lowest
     if push.vertical or inside.sum() < _MIN_SAMPLES or (push.full is not None and push.full[inside].any()):
         return None

@@ -123,7 +123,8 @@ def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: 
 def boost_event(
     ascent: Ascent, push: Push | None, begin: float, apogee: float, source: str
 ) -> tuple[Event, Figure] | None:
-    """Time and size of the top speed according to the curve, with the spread of its draws.
+    """Time and size of the top speed between lift-off `begin` [s] and `apogee` [s] according to the curve, with the
+    spread of its draws.
 
     Heights that are off by a fraction k of v²/2g shift a speed v that decreases with a by k·v·a/g. An uncertain time of
     top speed also makes the deceleration until then uncertain.

@@ -28,7 +28,7 @@ class Guess:
 
 
 def lagged(values: Float[Array, "knot"], first: float, step: float, lag: float) -> Float[Array, "knot"]:
-    """Values at knots `step` apart as a first-order lag shows them, starting at `first`; in their unit. [s]
+    """Values at knots `step` [s] apart as a first-order lag [s] shows them, starting at `first`; in their unit.
 
     Exact for values that change linearly between knots.
     """
@@ -51,7 +51,8 @@ def fastest(grid: Grid, guess: Guess, lift: float | None, released: float) -> fl
 def first_guess(
     grid: Grid, coast: Coast | None, push: Push | None, lift: float | None, burnout: float, released: float
 ) -> tuple[Guess, bool]:
-    """An initial acceleration, zero on the pad, and whether it comes from an accelerometer."""
+    """An initial acceleration, zero on the pad, and whether it comes from an accelerometer; lift-off, burnout and
+    release of the parachute are times [s]."""
     knots = grid.time
     start = lift if lift is not None else knots[0]
     if coast is None:

@@ -19,8 +19,11 @@ _DIFFERENCE, _MIN_RELATIVE_GAIN = 1e-5, 1e-8
 """Step of a numerical derivative, in scales, and the relative reduction of the cost that counts as converged. [1]"""
 
 
-def nelder_mead(cost: Callable[[Array], float], simplex: Float[Array, "corner value"], evaluations: int) -> Array:
-    """Values that minimize a cost, from an initial simplex and with a limited number of evaluations.
+def nelder_mead(
+    cost: Callable[[Array], float], simplex: Float[Array, "corner value"], evaluations: int
+) -> Float[Array, "value"]:
+    """Values that minimize a cost, from an initial simplex and with a limited number of evaluations; in the units of
+    the simplex.
 
     Source: J. A. Nelder and R. Mead, A Simplex Method for Function Minimization, The Computer Journal 7 (1965).
     """
@@ -64,7 +67,7 @@ def least_soft_squares(
     scale: Float[Array, "value"],
     room: Float[Array, "value"],
     rounds: int,
-) -> Array:
+) -> Float[Array, "value"]:
     """Values that minimize the sum of 2 (sqrt(1 + m²) - 1) over the misfits m, which limits the influence of outliers.
 
     Damped Gauss-Newton steps (Levenberg-Marquardt). `scale` is a typical change of each value, `room` its largest

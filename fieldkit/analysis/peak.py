@@ -42,7 +42,7 @@ _FAST_FRACTION = 0.5
 def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, mean: Figure) -> Figure | None:
     """Peak acceleration from lift-off to top speed, net of gravity, over a twentieth of a second.
 
-    `mean` is the mean acceleration of the boost, with its source.
+    Lift-off and burnout are times [s]; `mean` is the mean acceleration of the boost, with its source.
     """
     inside = (ascent.time >= begin) & (ascent.time <= burnout)
     if push is not None:

@@ -83,7 +83,7 @@ def _is_unknown(figure: Figure) -> bool:
 def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, highest: float, climbs: float) -> bool:
     """Whether figures are those of something that was accelerated upward and then coasted to `highest` [m].
 
-    `climbs` is the highest climb rate of the samples, because a curve through them may oscillate [m/s]. A climb that
+    `climbs` is the highest climb rate of the samples [m/s], because a curve through them may oscillate. A climb that
     lasts longer or goes higher than its speed allows is an elevator, a drone, a hill or the weather. Anything slower
     than a thrown stone is not a flight either.
     """

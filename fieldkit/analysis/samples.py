@@ -80,7 +80,7 @@ def samples_on(
 ) -> Samples:
     """Prepare heights above the pad for fits on a grid, with satellite data and an accelerometer that shapes the curve.
 
-    `height` and `noise` are in m, `time` and `lag` in s.
+    Heights and their noise [m], times and the lag of the sensor [s].
     """
     own = time.size
     order, variance, static = np.zeros(own, np.int64), np.zeros(own), 0.0

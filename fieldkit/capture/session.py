@@ -47,7 +47,8 @@ def capture(
 
     Every byte is on disk before it is decoded. Without a device, the port's numbers identify it, or else the received
     bytes; nothing is ever sent to a unit identified neither by the user nor by its numbers. Raises PortTrouble if a
-    port cannot be opened or a unit does not answer; the capture is still saved in that case.
+    port cannot be opened or a unit does not answer, and the capture is still saved; CaptureTrouble if it cannot be
+    saved.
     """
     name = _name(device or port.device)
     settings = _settings(name, wishes)

@@ -105,7 +105,7 @@ def motors(
     guide_options |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
     _check_needs_fit(fit, {**guide_options, "--shortlist": shortlist, "--all": every, **dashed(given)})
     if shortlist_for is not None and (fit or compare or corrections or about):
-        raise typer.BadParameter("found --shortlist-for without a search or --import, expected one")
+        raise typer.BadParameter("found --shortlist-for without a search or --import, expected one of them")
     if fit is not None:
         from fieldkit.cli.guide import print_guide
 

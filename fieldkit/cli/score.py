@@ -92,7 +92,7 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
         DIFFERENCE_HEADERS,
         DIFFERENCE_LEGEND,
         HEADERS,
-        against_the_bar,
+        behind_the_bar,
         difference_rows,
         histogram,
         too_few,
@@ -108,7 +108,7 @@ def _print(found: "ScoreReport", *, placed: bool = True) -> None:
         say()
         print_table(DIFFERENCE_HEADERS, difference_rows(found), numbers=DIFFERENCE_HEADERS[1:])
         say_wrapped(DIFFERENCE_LEGEND)
-        for line in (*verdict_lines(found), *against_the_bar(found)):
+        for line in (*verdict_lines(found), *behind_the_bar(found)):
             say_wrapped(line, "  ")
     if not placed:
         return

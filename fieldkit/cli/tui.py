@@ -39,7 +39,7 @@ def serve(
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port.")] = 8000,
 ) -> None:
-    """Serve the app in a browser, on this computer or with --host on the network, by a link with a token."""
+    """Serve the app to a browser on this computer, or with --host on the network, through a link with a token."""
     import secrets
 
     try:

@@ -81,5 +81,5 @@ def long_names(flight: Flight) -> list[str]:
 
 
 def rounded(number: float) -> str:
-    """A number with four significant digits and no exponent in the range of the limits."""
+    """A number in any unit with four significant digits, without an exponent in the range of the limits."""
     return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"

@@ -238,7 +238,7 @@ def doubts(
 
 def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, float], str]) -> str:
     """A phrase for a top speed that differs from average acceleration times burn time; `ratio` is
-    `identity(flight)`.
+    `identity(flight)` [1].
     """
     off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
     acceleration = figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)

@@ -39,7 +39,7 @@ def prepare_at_once(
     and plans.
 
     `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass,
-    DamagedModel if the network cannot be loaded.
+    DamagedModel if the network cannot be loaded, BadValue for a recovery figure or rail direction that cannot be read.
     """
     history = _history(flown, plans, used_in_fit, shared, ensemble)
     return prepared(history, response_of(history), quick_candidates)
@@ -61,7 +61,8 @@ def _history(
 
 def fit_in_use(ready: PreparedHistory) -> LinearFit:
     """The linear fit of a prepared history with the current hyperprior for forecasts, which may be newer than the
-    network. Raises DamagedModel if its card cannot be read."""
+    network. Raises DamagedModel if its card cannot be read, ImpossibleFlight for a flight without a dry mass.
+    """
     again = prepared(replace(ready.history, forecast=learned()), ready.response, quick_candidates)
     return summarized(again, again.flown, ()).forecast
 

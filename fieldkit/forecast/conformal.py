@@ -25,7 +25,8 @@ def surprise(flown: float, interval: Sequence[float]) -> float:
     """The distance of a flown apogee from the median, as a log ratio in units of the half interval on its side: 1 at
     the end of the 90% interval. [1]
 
-    `interval` is the forecast's 5, 50 and 95% quantiles [m]. inf if the interval has no width.
+    `interval` is the forecast's 5, 50 and 95% quantiles [m]. Infinity if the interval has no width on that side, or a
+    number is not above zero.
     """
     p05, p50, p95 = interval
     if not min(flown, p05, p50, p95) > 0:

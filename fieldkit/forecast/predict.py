@@ -233,7 +233,8 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     """Simulate the planned flights with the posterior draws, one batch of draws per flight.
 
     With `paired`, all flights share random draws, so that they differ only by their plans. Delays scatter within the
-    tolerance of makers (`fieldkit.motors.delay_tolerance`), whatever the scatter of the rocket.
+    tolerance of makers (`fieldkit.motors.delay_tolerance`), whatever the scatter of the rocket. Raises ImpossibleFlight
+    for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
     scatter_scale = fitted.scales[:, :1]

@@ -137,7 +137,9 @@ def replace(recorder: ChangeRecorder, stored: StoredFlight, flight: Flight) -> b
 def renew(
     recorder: ChangeRecorder, stored: StoredFlight, flight: Flight, entered: Flight | None, others: Sequence[Original]
 ) -> bool:
-    """Update a flight, and its imported state, from its files; False if nothing changed."""
+    """Update a flight, and its imported state, from its files; False if nothing changed. Raises BadValue for a
+    value that the ledger cannot store.
+    """
     for original in others:
         keep_log(recorder.connection, original)
     before, after = row_of(stored.flight), row_of(flight)

@@ -38,7 +38,7 @@ def change(recorder: ChangeRecorder, name: str, content: Content) -> bool:
 
 
 def put_away(recorder: ChangeRecorder, name: str) -> bool:
-    """Delete a draft as an undoable change, unless it was edited since; False if there is none."""
+    """Delete a draft as a change that can be undone; False if there is none."""
     if draft(recorder.connection, name) is None:
         return False
     recorder.delete(drafts, drafts.c.name == name)

@@ -40,7 +40,7 @@ class Ledger(FlightsOut, BesideFlights):
         a flight from the same bytes, whatever a newer parser reads from them. A flight that exists with other content,
         or that cannot be stored, is a conflict. `renewals` are stored flights updated from additional files. `draft` is
         the draft that these flights complete: it is deleted with the import, and restored if the import is undone. A
-        dry run reports what would happen.
+        dry run reports what would happen. Raises LedgerError if the ledger cannot be written.
         """
         original = None if log is None else Original.of(log)
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]

@@ -28,9 +28,10 @@ _MIN_SCALE = 1e-3
 def closed_form(
     motor: dict[str, Array], dry_mass: Array, drag_area: Array, thrust: Array, density: Array
 ) -> dict[str, Array]:
-    """Top speed [m/s], apogee [m] and coast time [s] of a vertical flight at constant thrust, mass and air density.
+    """Top speed [m/s], apogee [m] and coast time [s] of vertical flights at constant thrust, mass and air density.
 
-    The height gained during the burn is scaled by how early the thrust comes. Source: Fehskens and Malewicki
+    One entry per flight: the figures of its motor in SI, dry mass [kg], drag area [m^2], thrust scale [1], air density
+    [kg/m^3]. The height gained during the burn is scaled by how early the thrust comes. Source: Fehskens and Malewicki
     (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     empty = dry_mass + motor["casing"]

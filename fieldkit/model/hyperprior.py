@@ -28,17 +28,14 @@ from fieldkit.shapes import Array, Float
 FROM_LOGS = ("coast_drag", "burn_impulse")
 """Readouts that only the samples of a log provide."""
 READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject", *FROM_LOGS)
-"""Readouts that the model compares. Average acceleration is top speed over burn time and adds no information; the
-others describe the descent."""
+"""Readouts that the model compares: without average acceleration, which they determine, and those of the descent."""
 QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
-"""Quantities with random effects. `stretch` scales the burn time; the delay is a log ratio; `apogee_to_eject` is in
-seconds."""
+"""Quantities with random effects. `stretch` scales the burn time, the delay is a log ratio, ejection is in seconds."""
 FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """Readouts that each device defines in its own way; readouts measured in a sensor's samples have no such rule."""
 LEVELS = ("fleet", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged", "ports")
-"""Groups of flights that share a random effect, widest first. `logged` is for a rocket's readouts measured in a
-sensor's samples, to which the bias of a device does not apply; `ports` for those measured in samples of a barometer,
-which the static ports of a rocket bias."""
+"""Groups of flights that share a random effect, widest first. `logged` are a rocket's readouts measured in samples,
+without the bias of a device; `ports` those measured in samples of a barometer, which static ports bias."""
 CARD = "hyperprior.json"
 DESIGN_DRAG = 0.2
 """Start of `Hyperprior.design_drag`, an expert judgment: paint, lugs and gaps are rarely as drawn. [1]"""
@@ -85,9 +82,8 @@ class Hyperprior:
 
     def fleet_sd(self, quantity: str) -> float:
         """Standard deviation of a flyer's fleet mean: variation among flyers plus the uncertainty of the overall mean.
-        [1], [s]
 
-        It is 0 for a quantity that does not vary among flyers.
+        0 for a quantity that does not vary among flyers. [1] or [s]
         """
         between = self.sd(quantity, "fleet")
         return float(np.hypot(between, self.mean_sds.get(quantity, 0.0))) if between else 0.0
@@ -105,11 +101,11 @@ class Hyperprior:
         return scale_pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:
-        """The card, in the form that `learned` reads."""
+        """The card, in the form that `read_card` reads."""
         return {**self.about, **self.model_json()}
 
     def model_json(self) -> dict[str, Any]:
-        """A copy without the record of its training data."""
+        """The figures of the card, without the record of its training data."""
         return {
             "means": dict(self.means),
             "mean_sds": dict(self.mean_sds),
@@ -220,19 +216,18 @@ START = Hyperprior(
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
-"""The starting point of the fit, which stays near it without information: round figures chosen before looking at any
-flight. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by
-that much; NFPA 1125 allows 10%), their lots within 2.5% of the type if flights record them, burn times within 5% and
-delays within 10%. Masses are within 5%, because altimeter, recovery system and wadding are not always weighed; that
-adds mass, so the mean is learned. All devices of one kind share a bias of 5%, that of peak acceleration also by motor
-type, because devices smooth short spikes. Single flights scatter by 6%. The biases of devices have mean zero, because
-each manufacturer aims at the truth: the open flights come from one device, which does not show their mean. The
-variation of noise among devices (`reading`) is a judgment for the same reason. Readouts measured in samples differ
-from simulated ones by a bias for each rocket; no device bias applies to them. Drag and impulse from a log have the
-standard deviation of the analysis (`ratio` is used if it is missing). A climb 15 degrees off vertical changes drag by
-1/cos 15 = 1.035 and impulse by cos 15 = 0.97. A drag from a barometer is off by its static ports
-(`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters on one open flight differ by 13% in drag and 9% in
-impulse."""
+"""The starting point of the fit, which stays near it without information: round figures chosen before any flight was
+seen. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by that
+much; NFPA 1125 allows single motors a standard deviation of 6.7%), their lots within 2.5% of the type if flights record
+them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery and wadding are not
+always weighed, which adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of peak
+acceleration also by motor type, because devices smooth short spikes. Single flights scatter by 6%. The biases of
+devices have mean zero, because manufacturers aim at the truth, and the variation of noise among devices (`reading`) is
+a judgment: the open flights come from one device. Readouts measured in samples have a bias for each rocket and none of
+a device. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is missing). A
+climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times the impulse. Static ports change a drag
+from a barometer (`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters on one open flight differ by 13% in
+drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""

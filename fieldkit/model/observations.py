@@ -132,7 +132,8 @@ def diameter_range(
     [m]
 
     The body is at least as wide as the motor and a wall, at most five motors wide, and no lighter than the lightest
-    kits of its diameter: 7 g at 20 mm, growing with the square to 105 g at 77 mm.
+    kits of its diameter: 7 g at 20 mm, growing with the square to 105 g at 77 mm. The largest diameter is at least 1.3
+    times the smallest.
     """
     slim = np.maximum(MIN_PRIOR_DIAMETER, motor_diameter + 0.001)
     wide = np.minimum(np.minimum(MAX_PRIOR_DIAMETER, 5 * motor_diameter), 0.02 * np.sqrt(dry_mass / 0.007))

@@ -40,7 +40,7 @@ HELD_OUT = "Quest"
 MIN_MOTOR_DIAMETER = 0.008
 """Motors up to this diameter are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
-"""Bounds of the thrust-to-weight ratio at lift-off; the dry mass is uniform in its logarithm between them. [1]"""
+"""Bounds of mean thrust to lift-off weight; the dry mass is uniform in its logarithm between them. [1]"""
 STEPS = 8
 """Minimum number of integration steps in a burn; the knots of most thrust curves require more."""
 TAIL = START.tail
@@ -48,29 +48,35 @@ TAIL = START.tail
 DELAY_SPREAD = 0.3
 """Standard deviation of a delay in addition to its relative part: short delays scatter by more than a tenth. [s]"""
 LONGEST_STRETCH = float(np.log(2.0))
-"""Standard deviation of the log burn time. [1]"""
+"""Largest change of the log burn time: the motor named may be another one. [1]"""
 
 PRIORS: Mapping[str, str] = MappingProxyType(
     {
         "motor": "class uniform among those up to I, motor uniform within its class",
         "cd": f"log-uniform {CD_RANGE[0]} to {CD_RANGE[1]} [1]",
         "alpha": f"normal, 1 and {ALPHA_SD}, between {ALPHA_RANGE[0]} and {ALPHA_RANGE[1]} [1]",
-        "dry_mass": "log-uniform where mean thrust to weight is 2.2 to 30, at least 8 g and 0.35 of the motor [kg]",
-        "diameter": "log-uniform from the motor + 1 mm (13 mm) to 100 mm, five motors, 20 mm sqrt(mass / 7 g) [m]",
-        "weighing": "normal, 1.5 %; in 30 % heavier by half-normal 8 %, in 30 % by up to 12 g; casing: normal, 5 %",
-        "burn_stretch": "log of a Student t, 6 % and 4 degrees of freedom, at most by 2: the name may be another's [1]",
-        "wind": "Rayleigh, mean 3.1 m/s, at a strength uniform 0 to 1 [m/s]",
-        "rail_angle": "normal, 5 degrees, declared to 1.5 degrees [rad]",
+        "dry_mass": "log-uniform, so that mean thrust to weight is 2.2 to 30; at least 8 g and 0.35 of the motor [kg]",
+        "diameter": (
+            "log-uniform, from the motor + 1 mm (at least 13 mm) to the smallest of 100 mm, five motors and "
+            "20 mm sqrt(mass / 7 g) [m]"
+        ),
+        "weighing": (
+            "error normal, 1.5%; in 30% of flights also heavier by a half-normal 8%, in 30% by up to 12 g; casing "
+            "normal, 5%"
+        ),
+        "burn_stretch": "log of a Student t, 6% with 4 degrees of freedom, at most by 2 [1]",
+        "wind": "Rayleigh, mean 3.1 m/s; the rocket turns into it with a strength uniform 0 to 1 [m/s]",
+        "rail_angle": "normal, 5 degrees, recorded to 1.5 degrees [rad]",
         "rail_length": "log-uniform 0.9 to 2.5 [m]",
-        "site_elevation": "60 % uniform to 300, 30 % to 1000, 10 % to 2200 [m]",
-        "temperature": "normal, 20 and 9 degrees Celsius at sea level, less 4.5 K a km; declared to 1.5 K",
-        "pressure": "normal, 1015 and 7 hPa at sea level; declared to 1 hPa",
-        "delay": "of those on sale, near the coast in 85 %; normal, 10 % and 0.3 s; 6 % early by 20 to 70 %",
-        "descent_speed": "log-normal, 5.5 m/s and 45 %",
-        "altimeter_gain": "that of the air, and 1 % of the device [1]",
+        "site_elevation": "in 60% uniform to 300, in 30% to 1000, in 10% to 2200 [m]",
+        "temperature": "normal, 20 and 9 degrees Celsius at sea level, 4.5 K lower per km; recorded to 1.5 K",
+        "pressure": "normal, 1015 and 7 hPa at sea level; recorded to 1 hPa",
+        "delay": "one on sale, in 85% near the coast time; error normal, 10% and 0.3 s; in 6% early by 20 to 70%",
+        "descent_speed": "log-normal, 5.5 m/s and 45%",
+        "altimeter_gain": "that of the air, and 1% of the device [1]",
     }
 )
-"""Every prior and nuisance, in words; the noise of each readout is in `observation_noise`."""
+"""Every prior, in words; the noise of each readout is in `observation_noise`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,9 +221,10 @@ def flown_field(
     area: Array,
     alpha: Array,
 ) -> Setup:
-    """The true flight: the declared figures with their errors, and everything undeclared.
+    """The true flights: what was recorded, with its errors, and everything that was not.
 
-    `table` has the declared figures in SI.
+    One entry per flight: the figures of its motor (`FIGURES`), what was recorded (`DECLARED_FIELDS`), drag area [m^2]
+    and thrust scale [1]; all in SI.
     """
     count = len(table)
     elevation = declared["site_elevation"]

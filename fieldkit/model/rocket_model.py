@@ -52,8 +52,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """A random effect of single flights: what it changes, and its standard deviation around zero, in the unit of
-    that."""
+    """A random effect of single flights: what it changes, and its standard deviation around zero in that unit."""
 
     bends: Bends | Literal["apogee"]
     sd: float
@@ -102,7 +101,7 @@ class Model:
         return replace(self, terms=(*self.terms, *terms))
 
     def with_prior(self, name: str, mean: float, sd: float | None = None) -> "Model":
-        """A copy with another prior mean for one term, and another standard deviation if `sd` is given."""
+        """A copy with another prior mean, and standard deviation if `sd` is given, of a term, in its unit."""
         terms = (replace(term, mean=mean, sd=sd or term.sd) if term.name == name else term for term in self.terms)
         return replace(self, terms=tuple(terms))
 

@@ -42,7 +42,7 @@ class Scale:
         return self.ends or (self.grid[0], self.grid[-1])
 
     def between(self, low: float, high: float) -> "Scale":
-        """The same on a grid of midpoints of even intervals of the logarithm, from `low` to `high`."""
+        """The same on a grid of midpoints of even intervals of the logarithm, from `low` to `high`. [1]"""
         edges = np.linspace(np.log(low), np.log(high), POINTS + 1)
         grid = np.exp((edges[1:] + edges[:-1]) / 2)
         return replace(self, grid=tuple(grid.tolist()), step=float(edges[1] - edges[0]), ends=self.range)

@@ -42,7 +42,7 @@ class Message:
 def combined(prior: SharedPrior, messages: Sequence[Message]) -> SharedPrior:
     """The independent prior of the shared terms updated with the messages of some rockets by Bayes' rule.
 
-    The prior has to name every term of every message: other terms are dropped without being integrated over.
+    Raises KeyError for a message with a term that the prior does not name: it could not be integrated over.
     """
     place = {name: i for i, name in enumerate(prior.names)}
     precision = np.linalg.inv(prior.covariance)

@@ -124,7 +124,7 @@ class Catalogue:
 
     def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
         """The same catalog with the user's own corrections. Raises UnknownMotor that names the row of a motor that
-        is not in it."""
+        is not in it, FieldkitError for an impossible value."""
         own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
         for number, row in enumerate(rows, start=2):
             try:

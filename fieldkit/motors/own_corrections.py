@@ -106,7 +106,9 @@ def _delays(value: str, where: str) -> tuple[float, ...]:
 
 
 def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:
-    """The motor with the values of all rows that are not open, and with the corrections added to its own."""
+    """The motor with the values of all rows that are not open, and with the corrections added to its own. Raises
+    BadValue for delays that cannot be read, FieldkitError for a propellant mass not below the loaded one.
+    """
     reported = []
     for one in rows:
         was = one.correction.was or _listed(motor, one.correction.field)

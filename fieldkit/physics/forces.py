@@ -36,7 +36,7 @@ class EquationsOfMotion:
             self.turned = setup.rail_length + setup.turn_length
 
     def drag_like(self, height: Array, speed: Array, mass: Array) -> Array:
-        """Deceleration along the path through the air by drag and effects. [m/s^2]"""
+        """Deceleration along the path through the air by drag and effects; one entry per draw, in SI. [m/s^2]"""
         drag = self._drag(height, speed)
         drag /= mass
         if self.setup.forces:
@@ -103,7 +103,7 @@ class EquationsOfMotion:
         return wind_at(height, self.setup.wind, self.setup.wind_power, self.setup.wind_top)
 
     def along_rail(self, vector: Array) -> Array:
-        """The part of a vector along the rail, in its unit; only for planar flights."""
+        """The part of a vector [axis draw] along the rail, in its unit; only for planar flights."""
         path = vector[0] * self.rail[0] + vector[1] * self.rail[1]
         return np.asarray(path + vector[2] * self.rail[2] if self.axes == 3 else path)
 
@@ -116,12 +116,12 @@ def rail_axis(setup: Setup) -> Array:
 
 
 def length_of(vector: Array) -> Array:
-    """Length of a vector with two or three axes, in its unit; `np.hypot` would take three times as long."""
+    """Length of a vector [axis draw] with two or three axes, in its unit; `np.hypot` would take three times as long."""
     square = vector[0] ** 2 + vector[1] ** 2
     return np.asarray(np.sqrt(square + vector[2] ** 2 if len(vector) == 3 else square))
 
 
 def smooth_step(x: Array) -> Array:
-    """Smooth step: 0 below 0, 1 above 1, smooth in between. [1]"""
+    """Smooth step, elementwise: 0 below 0, 1 above 1, smooth in between. [1]"""
     x = np.minimum(np.maximum(x, 0.0), 1.0)
     return np.asarray(x * x * (3 - 2 * x))

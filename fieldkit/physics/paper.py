@@ -53,12 +53,12 @@ class DeclaredMotor:
         return self.burn_time
 
     @property
-    def time(self) -> Array:
+    def time(self) -> Float[Array, "knot"]:
         """Knot times of the published profile. [s]"""
         return np.array([0.0, RISE * self.burn_time, self.burn_time])
 
     @property
-    def thrust(self) -> Array:
+    def thrust(self) -> Float[Array, "knot"]:
         """Thrust at the knots. [N]"""
         return np.array([0.0, self.peak_thrust, self.mean_thrust])
 

@@ -22,11 +22,11 @@ class Curve(Protocol):
     """The motor data that the simulator needs."""
 
     @property
-    def time(self) -> Array:
+    def time(self) -> Float[Array, "knot"]:
         """Knot times. [s]"""
 
     @property
-    def thrust(self) -> Array:
+    def thrust(self) -> Float[Array, "knot"]:
         """Thrust at the knots. [N]"""
 
     @property
@@ -94,7 +94,9 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
     return time, thrust
 
 
-def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
+def simplified(
+    time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int
+) -> tuple[Float[Array, "kept"], Float[Array, "kept"]]:
     """A curve [s], [N] with the same impulse and at most `most` knots: knots whose triangle with their neighbors has
     the smallest area are dropped first.
 

@@ -179,7 +179,8 @@ def compared(value: float, limit: float, unit: str) -> tuple[str, str]:
 
 
 def ratio(value: float, *bounds: float) -> str:
-    """A ratio with one decimal; with two, rounded down, if it would look like a bound that it does not reach."""
+    """A ratio with one decimal; with two, rounded down, if it would look like a bound that it does not reach.
+    [1]"""
     text = f"{value:.1f}"
     short = any(value < bound <= float(text) for bound in bounds)
     return f"{math.floor(value * 100) / 100:.2f}" if short else text

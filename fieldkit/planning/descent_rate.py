@@ -106,7 +106,8 @@ def usual(device: Device = "parachute", mass: float = USUAL_MASS, density: float
 def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None, found: Found | None = None) -> Fall:
     """The descent of a rocket from its flights without anomaly tags, on the plan's device and parachute if named; else
     from the entered values; else the default at the plan's landing mass on its motor. Raises BadValue for a recovery
-    device of the plan that cannot be read."""
+    device of the plan that cannot be read, ImpossibleFlight for a flight without a dry mass.
+    """
     return completed_fall(flown_falls(history, plan), plan, found)
 
 
@@ -117,7 +118,8 @@ FlownFalls = tuple[Fall | None, Fall | None]
 def flown_falls(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> FlownFalls:
     """The descent measured in a rocket's flights without anomaly tags, on the plan's device and parachute if named.
 
-    Raises BadValue for a recovery device of the plan that cannot be read.
+    Raises BadValue for a recovery device of the plan that cannot be read, ImpossibleFlight for a flight without a dry
+    mass.
     """
     wanted = recovery_of(plan) if plan is not None else None
     known = ((flight, found) for flight, found in history if flight.clean and can_be_read(flight))

@@ -82,8 +82,10 @@ class TrialFlights:
 def trials(
     rocket: Rocket, plan: Flight, found: Found, rule: Season, bounds: tuple[float | None, float | None] = (None, None)
 ) -> TrialFlights:
-    """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg]. Raises
-    ImpossibleFlight.
+    """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg].
+
+    Raises ImpossibleFlight for a plan without a dry mass, or if no mass within bounds lifts off; BadValue for a
+    recovery device or rail direction that cannot be read.
     """
     from scipy.interpolate import PchipInterpolator
 

@@ -47,8 +47,8 @@ def shown_speeds(flight: Flight, found: Found) -> tuple[float | None, float | No
     The speeds under two devices that a log shows are used as they are, because each is the slope of its own part of the
     descent. Otherwise a duration is what a stopwatch and a judge measure, and it averages over the whole descent, so it
     is preferred over a descent speed; with two devices the descent speed is the main's, and the duration determines the
-    drogue's.
-    Raises BadValue for a recovery device that cannot be read.
+    drogue's. Raises BadValue for a recovery device that cannot be read, ImpossibleFlight for a flight without a dry
+    mass.
     """
     duration, recovery = _timed(flight), recovery_of(flight)
     drogue_speed = recovery.drogue_speed if measured_sd(flight, TWO_DEVICES[0]) else None

@@ -64,7 +64,10 @@ def forecasts(
 
 
 def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
-    """The forecast model fitted to a rocket's flights for similar plans, each as the next flight."""
+    """The forecast model fitted to a rocket's flights for similar plans, each as the next flight. Raises
+    ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be
+    read, DamagedModel if the hyperprior cannot be read.
+    """
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
     return learn(rocket.history, planned, averaged=rocket.averaged, cds=cds, shared=rocket.shared, draws=draws)
 
@@ -74,7 +77,10 @@ def forecast_plans(
     fitted: FittedForecast,
     paired: bool = True,
 ) -> list[Prediction]:
-    """Simulate the plans of a fit as in `fly_ahead`, corrected by the results of earlier forecasts."""
+    """Simulate the plans of a fit as in `fly_ahead`, corrected by the results of earlier forecasts. Raises
+    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
+    read.
+    """
     made = fly_ahead(fitted, paired=paired)
     corrected = rocket.earlier.corrected(made)
     return [replace(one, left_out=(*rocket.excluded, *one.left_out)) for one in corrected]

@@ -23,7 +23,7 @@ from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.quantities import ShownUnits
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Bool, Flags, Float
 from fieldkit.units import DEGREE
 
 WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
@@ -79,7 +79,8 @@ class Landing:
         return three(self.down.landing_speed[opened] if opened.any() else self.down.landing_speed)
 
     def ellipse(self, level: float = ELLIPSE_LEVEL) -> "LandingEllipse":
-        """The ellipse with a fraction of the landings, for a normal distribution with their mean and covariance."""
+        """The ellipse with a fraction `level` [1] of the landings, for a normal distribution with their mean and
+        covariance."""
         points = np.stack([self.along, self.across])
         variance, axes = np.linalg.eigh(np.cov(points))
         scale = math.sqrt(-2 * math.log(1 - level))
@@ -121,7 +122,7 @@ class LandingEllipse:
         c, s = math.cos(self.turned), math.sin(self.turned)
         return np.stack([self.along + c * u - s * v, self.across + s * u + c * v], axis=-1)
 
-    def inside(self, along: Array, across: Array) -> Array:
+    def inside(self, along: Float[Array, "*any"], across: Float[Array, "*any"]) -> Bool[Flags, "*any"]:
         """Whether points, downwind and to the right [m], are inside the ellipse."""
         c, s = math.cos(self.turned), math.sin(self.turned)
         x, y = along - self.along, across - self.across

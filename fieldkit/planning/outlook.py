@@ -65,7 +65,8 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     """Simulate a plan as often as flights may be declared, with a fraction of the current parachute area [1].
 
     The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum
-    the right uncertainty. Raises ImpossibleFlight for a plan without a mass.
+    the right uncertainty. Raises ImpossibleFlight for a plan without a mass, BadValue for a recovery device
+    or rail direction that cannot be read.
     """
     predictions = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
     fall, shape = fall_of(rocket.history, predictions[0].plan, found), (draws, rule.declared)

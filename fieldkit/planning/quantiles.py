@@ -12,7 +12,7 @@ Three = tuple[float, float, float]
 
 
 def three(draws: Float[Array, "draw"]) -> Three:
-    """Quantiles of the draws that are not nan."""
+    """Quantiles of the draws that are not nan, in their unit."""
     known = draws[np.isfinite(draws)]
     if not known.size:
         return (math.nan,) * 3

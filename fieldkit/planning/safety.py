@@ -71,7 +71,7 @@ def first_thrust(motor: Motor) -> float:
 
 
 def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
-    """Thrust over weight on the pad, for the first half second and for the average thrust. [1]"""
+    """Thrust over weight on the pad at a dry mass [kg], for the first half second and for the average thrust. [1]"""
     weight = (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
     first, average = thrusts(motor)
     return first / weight, average / weight

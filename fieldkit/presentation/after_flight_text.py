@@ -66,7 +66,7 @@ def suggestion_line(found: Suggestion, system: str) -> str:
 
 
 def question(expected: Interval, apogee: float, system: str) -> str:
-    """The question before an implausible apogee is saved."""
+    """The question before an implausible apogee [m] is saved, in the units of a system."""
     return (
         f"The apogee is {measure(APOGEE, apogee, system)}. This flight was expected to reach "
         f"{_interval(expected, system)}.\nSave it as it is?"

@@ -44,7 +44,8 @@ def placed(pad: tuple[float, float], wind_from: float, points: Float[Array, "poi
 
 
 def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: float) -> bytes:
-    """The pad, the most likely landing, the ellipse around it, and some of the landing draws."""
+    """The pad, the most likely landing, the ellipse around it, and some of the landing draws; `pad` is latitude
+    and longitude [deg], `wind_from` an angle from north [deg]."""
     ellipse = found.ellipse()
     outline = placed(pad, wind_from, ellipse.outline())
     centre = placed(pad, wind_from, np.array([[ellipse.along, ellipse.across]]))

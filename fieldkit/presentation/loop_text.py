@@ -197,7 +197,7 @@ def _alone(found: Findings) -> float:
 
 
 def in_odds(chance: float) -> str:
-    """A probability as odds: `9 to 1 on`, `2 to 1 against`."""
+    """A probability [1] as odds: `9 to 1 on`, `2 to 1 against`."""
     odds = min(max(chance, 1 - chance) / max(min(chance, 1 - chance), 1e-9), 1e9)
     text = "more than 999" if odds > 999 else f"{odds:.1f}" if odds < 3 else f"{odds:.0f}"
     return f"{text} to 1 {'on' if chance >= 0.5 else 'against'}"

@@ -120,7 +120,7 @@ def _between(one: "ScoreDifference", digits: int = 1) -> str:
 
 
 def against_the_bar(found: "ScoreReport") -> Iterator[str]:
-    """Whether the scalar correction is beaten, and the rockets on which it is not."""
+    """Whether the scalar correction is beaten, with both mean errors, and the rockets on which it is not."""
     for one in found.against:
         if one.rival == BAR:
             words = {
@@ -128,14 +128,19 @@ def against_the_bar(found: "ScoreReport") -> Iterator[str]:
                 "worse": "WORSE than the scalar correction",
                 "unclear": "Not clearly different from the scalar correction",
             }
-            yield f"{words[one.verdict]}: {_errors(one)}."
+            yield f"{words[one.verdict]}: mean error {_errors(one)}."
+    yield from behind_the_bar(found)
+
+
+def behind_the_bar(found: "ScoreReport") -> Iterator[str]:
+    """The rockets on which the scalar correction is not beaten, with both mean errors."""
     for rocket, one in found.behind:
         chance = ", which may be chance" if one.verdict != "worse" else ""
-        yield f"Not better on {rocket or 'no rocket'}: {_errors(one, mean='')}{chance}."
+        yield f"Not better than the scalar correction on {rocket or 'no rocket'}: {_errors(one)}{chance}."
 
 
-def _errors(one: "Against", mean: str = "mean error ") -> str:
-    return f"{mean}{one.error.ours:.1%} against {one.error.theirs:.1%} on {counted(one.flights, 'flight')}"
+def _errors(one: "Against") -> str:
+    return f"{one.error.ours:.1%} against {one.error.theirs:.1%} on {counted(one.flights, 'flight')}"
 
 
 def histogram(found: "Calibration") -> Iterator[str]:

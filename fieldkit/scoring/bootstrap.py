@@ -117,6 +117,6 @@ def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> Scor
 
 
 def ends_of(values: Float[Array, "resample"]) -> Interval:
-    """The central 90% interval of the resampled figures."""
+    """The central 90% interval of the resampled figures, in their unit."""
     low, high = np.quantile(values, LEVELS)
     return float(low), float(high)

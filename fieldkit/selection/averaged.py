@@ -62,7 +62,9 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
     """Leave-one-out forecasts of every flight by the hypotheses, weighted without that flight, by importance sampling.
 
     If the importance weights are unreliable, the fit is repeated without the flight; if they are for more than
-    `MAX_REFITS` flights, only without those with the most influence, as the shape of the weights' tail shows it.
+    `MAX_REFITS` flights, only without those with the most influence, as the shape of the weights' tail shows it. Raises
+    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
+    read.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     forecasts = [_sampled(one) for one in some]

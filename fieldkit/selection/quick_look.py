@@ -91,7 +91,8 @@ def quick_look(
 ) -> QuickLook:
     """The network's answer for the flights of a rocket, in the order flown.
 
-    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the network cannot be loaded.
+    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the network cannot be loaded, BadValue for
+    a recovery figure or rail direction that cannot be read.
     """
     network = ensemble or load_history()
     last, motor = flown[-1]

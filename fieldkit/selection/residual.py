@@ -85,7 +85,7 @@ def spreads(diagnosis: Diagnosis) -> list[ResidualDistribution]:
 
 
 def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistribution:
-    """The distribution of residuals in the order flown, with p-values."""
+    """The distribution of residuals, in the order flown and in their unit, with p-values."""
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
@@ -164,10 +164,10 @@ def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
 
 
 def associations(
-    error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
+    error: Float[Array, "flight"], numbers: Mapping[str, Float[Array, "flight"]], kinds: Mapping[str, Sequence[str]]
 ) -> list[tuple[str, float, float]]:
-    """Each column's name, statistic and uncorrected p-value for some residuals; nan is not recorded. A group of one
-    flight is left out of the test of its column."""
+    """Each column's name, statistic and uncorrected p-value for some residuals, in any unit; nan is not recorded. A
+    group of one flight is left out of the test of its column."""
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
     for name, values in numbers.items():
@@ -224,7 +224,7 @@ def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
     return {name: model.groups(name) for name in ("motor", "config", "site")}
 
 
-def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
+def columns_of(diagnosis: Diagnosis) -> dict[str, Float[Array, "flight"]]:
     """All recorded numbers of the flights [SI] by header, their flight numbers, hours [h] and expected speeds [m/s]."""
     flights = diagnosis.model.flights
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}

@@ -74,7 +74,8 @@ def try_all(
     """Fit the candidates of every effect in parallel, each from all its starts, starting at the end point of a smaller
     model.
 
-    Candidates with negligible evidence compared with the best of their effect are dropped.
+    Candidates with negligible evidence compared with the best of their effect are dropped. Raises ImpossibleFlight for
+    a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     families = worthy.families
     if not families:
@@ -113,7 +114,9 @@ def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[
 
 def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
     """A model refitted from the end points of its trials: an effect without influence may have led the other terms to a
-    better optimum and must not get the credit."""
+    better optimum and must not get the credit. Raises ImpossibleFlight for a flight without a dry mass and BadValue for
+    a recovery figure or rail direction that cannot be read.
+    """
     count = len(model.terms)
     best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.fit.log_evidence)}
     likely = sorted(best.values(), key=lambda trial: -trial.fit.log_evidence)[:MAX_RESTARTS]

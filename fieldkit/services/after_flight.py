@@ -70,7 +70,9 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Inter
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
     """A flight of the ledger compared with its forecast, None if none can be made, for example for a rocket too heavy
-    for its motor."""
+    for its motor. Raises BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the
+    hyperprior cannot be read.
+    """
     before = _forecast(ledger, motors, flight)
     if before is None or not plausible([flight], motors):
         return None

@@ -26,7 +26,8 @@ def keep_day(
     ledger: Ledger, year: int, day: Day | None = None, site: Site | None = None, dry_mass: float | None = None
 ) -> bool:
     """Save what is given of a contest day of a season, its site, and the dry mass of the plan [kg], as one change;
-    False if nothing changed."""
+    False if nothing changed. Raises BadValue if the saved plan cannot be read.
+    """
     drafts: dict[str, Mapping[str, Any] | Callable[[dict[str, Any]], Mapping[str, Any]]] = (
         {} if day is None else {DAYS: partial(_with_day, year, day)}
     )

@@ -99,7 +99,9 @@ def findings(
     on_progress: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """The findings for a diagnosis; `logs` are as returned by `fieldkit.services.flight_logs.recorded_logs`."""
+    """The findings for a diagnosis; `logs` are as returned by `fieldkit.services.flight_logs.recorded_logs`. Raises
+    BadValue for a recovery figure or rail direction that cannot be read.
+    """
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after

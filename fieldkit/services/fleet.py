@@ -55,7 +55,8 @@ def fleet_prior(
 ) -> "SharedPrior | None":
     """The message of the clean flights of all other rockets of a ledger about the shared terms; None without any.
 
-    `on_progress` is called for each rocket that is fitted again. Raises DamagedModel for an unreadable hyperprior.
+    `on_progress` is called for each rocket that is fitted again. Raises DamagedModel for an unreadable hyperprior,
+    BadValue for a recovery figure or rail direction that cannot be read.
     """
     return fleet_priors(ledger, motors, [rocket], on_progress)[rocket]
 
@@ -63,7 +64,9 @@ def fleet_prior(
 def fleet_priors(
     ledger: Ledger, motors: Catalogue, rockets: Sequence[str], on_progress: ReportProgress = no_op
 ) -> "dict[str, SharedPrior | None]":
-    """`fleet_prior` of several rockets, each fitted at most once. Raises DamagedModel for an unreadable hyperprior."""
+    """`fleet_prior` of several rockets, each fitted at most once. Raises DamagedModel for an unreadable hyperprior,
+    BadValue for a recovery figure or rail direction that cannot be read.
+    """
 
     own = learned()
     made_with = json.dumps([__version__, own.json()], sort_keys=True)

@@ -140,7 +140,8 @@ def predict_plans(
 
     With `decided`, the flyer intends to fly them: saving is a change that can be undone, and the next flight to be
     entered starts from the plan. `on_progress` also reports the fits of other rockets. Raises UnknownMotor, NoFlights
-    for a plan without a rocket if none has flown, and ImpossibleFlight for a plan without a mass.
+    for a plan without a rocket if none has flown, ImpossibleFlight for a plan without a mass, BadValue for a
+    recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     answers: dict[int, Prediction] = {}
     earlier = earlier_forecasts(ledger, motors)
@@ -245,7 +246,7 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     """The forecast of a flight from the other flights of its rocket, as of its place in the order flown; nothing is
     saved.
 
-    A flight that is not in the ledger is the next one. Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
+    A flight that is not in the ledger is the next one. Errors as in `predict_plans`.
     """
     history, plan = flown(ledger, motors, flight.rocket), flight.with_changes(**dict.fromkeys(flight.readouts()))
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]

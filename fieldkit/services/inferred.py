@@ -83,7 +83,10 @@ class FlightInference:
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
-        """The network's answer for each flight alone; `infer` must not leave out any."""
+        """The network's answer for each flight alone; `infer` must not leave out any. Raises ImpossibleFlight for a
+        flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if
+        the hyperprior or the network cannot be read.
+        """
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
         if rockets:
@@ -106,7 +109,9 @@ def _log_normal(mean: float, sd: float) -> tuple[float, float]:
 
 
 def draws(flight: Flight, answer: "QuickAnswer", count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-    """The network's draws of a flight's drag area [m^2] and thrust factor [1]."""
+    """The network's draws of a flight's drag area [m^2] and thrust factor [1]. Raises ImpossibleFlight for a flight
+    without a dry mass.
+    """
     sds = np.array([answer.log_cd[1], answer.log_alpha[1]])
     covariance = np.outer(sds, sds) * np.array([[1.0, answer.correlation], [answer.correlation, 1.0]])
     means = (answer.log_cd[0], answer.log_alpha[0])

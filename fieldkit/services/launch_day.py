@@ -57,7 +57,9 @@ def _plan_drafts(ledger: Ledger, texts: Mapping[str, str]) -> dict[str, dict[str
 
 
 def mass_drafts(ledger: Ledger, dry_mass: float) -> dict[str, dict[str, str]]:
-    """What a dry mass [kg] of the planned next flight changes in the ledger."""
+    """What a dry mass [kg] of the planned next flight changes in the ledger. Raises BadValue if the saved plan
+    cannot be read.
+    """
     mass = answer_text(Flight(dry_mass=dry_mass), "dry_mass")
     plan = planned(ledger, ledger.flights()) or Flight()
     build = {"rocket": plan.rocket, "config": plan.config}
@@ -66,7 +68,10 @@ def mass_drafts(ledger: Ledger, dry_mass: float) -> dict[str, dict[str, str]]:
 
 
 def planned_mass(ledger: Ledger) -> float | None:
-    """The dry mass of the saved plan of the next flight; None if it has none. [kg]"""
+    """The dry mass of the saved plan of the next flight; None if it has none. [kg]
+
+    Raises BadValue if it cannot be read.
+    """
     text = (ledger.draft(PLAN_DRAFT) or {}).get("dry_mass", "")
     mass = plan_changes({"dry_mass": text}).get("dry_mass") if text else None
     return mass if isinstance(mass, float) else None
@@ -74,7 +79,7 @@ def planned_mass(ledger: Ledger) -> float | None:
 
 def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
     """The planned next flight, or else the last flown rocket with a known mass, without flights a rocket with a design,
-    in today's weather; None without flights, plan and designs."""
+    in today's weather; None without flights, plan and designs. Raises BadValue if the saved plan cannot be read."""
     draft = ledger.draft(PLAN_DRAFT) or {}
     designed = ledger.designed() if not flights and not draft else []
     if not flights and not draft and not designed:
@@ -95,7 +100,9 @@ def latest_flights(ledger: Ledger, flights: Sequence[Flight]) -> list[ListedFlig
 
 
 def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
-    """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger."""
+    """The launch day, None without flights and plan. Nothing is computed: everything is read from the ledger.
+    Raises BadValue if the saved plan cannot be read.
+    """
     flights = ledger.flights()
     plan = planned(ledger, flights)
     if plan is None:
@@ -115,7 +122,8 @@ def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
 def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: Flight) -> Prediction:
     """Save the plan of a rocket that has not flown, and the forecast of its first flight.
 
-    Raises UnknownMotor, and ImpossibleFlight for a plan without a dry mass.
+    Raises UnknownMotor, ImpossibleFlight for a plan without a dry mass, BadValue for a file of kits or limits or a
+    recovery figure that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     texts = answer_texts(plan, ("rocket", "config", "dry_mass", "diameter"))
     save_plan(ledger, texts | typed_weather(ledger)[0])

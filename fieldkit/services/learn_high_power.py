@@ -85,7 +85,8 @@ def _positive(text: str) -> float:
 def learn_from_table(table: HighPowerTable, hyperprior: Hyperprior) -> Hyperprior:
     """The hyperprior with its figures for high power fitted to a table, with a record and scores in `about`.
 
-    Raises ImpossibleFlight if a flight cannot be simulated.
+    Raises ImpossibleFlight if a flight cannot be simulated, BadValue for a recovery figure or rail direction that
+    cannot be read.
     """
     departures = [departure(one, hyperprior) for one in table.forecasts]
     start = replace(hyperprior, high_power=1.0, design_drag=DESIGN_DRAG)

@@ -157,7 +157,9 @@ def _weather(ledger: Ledger, name: str) -> str:
 
 
 def with_offers(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
-    """A flight with the default answers for the questions that were not answered, and the names of those filled in."""
+    """A flight with the default answers for the questions that were not answered, and the names of those filled in.
+    Raises BadValue for a saved answer that cannot be read.
+    """
     plan, filled = planned_answers(ledger), list[str]()
     for question in QUESTIONS:
         if question.offered and question.name not in answered and flight.rocket:
@@ -168,7 +170,9 @@ def with_offers(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tu
 
 def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
     """A flight with the dry mass and diameter of its planned flight, of the last flight of its rocket, or of its kit,
-    unless they were answered; and the names of those filled in."""
+    unless they were answered; and the names of those filled in. Raises BadValue for a saved answer that cannot be
+    read.
+    """
     plan, filled = planned_answers(ledger), list[str]()
     for question in QUESTIONS:
         if question.name in BUILD and question.name not in answered and flight.number(question.name) is None:

@@ -31,7 +31,9 @@ SHORTLIST = "shortlist"
 
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
-    """A rocket's flights, designs and settings in a ledger, and the mount of its kit, read once. Raises BadValue."""
+    """A rocket's flights, designs and settings in a ledger, and the mount of its kit, read once. Raises BadValue,
+    DamagedModel if the hyperprior cannot be read.
+    """
     history = flown(ledger, motors, name)
     return Rocket(
         history=tuple(history),

@@ -39,7 +39,8 @@ class QuickForecast:
 def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
     """The network's answer for a rocket's flights; the model in use does not change.
 
-    Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel.
+    Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel, BadValue for a recovery figure or
+    rail direction that cannot be read.
     """
     history = flown(ledger, motors, rocket)
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
@@ -58,7 +59,8 @@ def predict_quickly(
     sampling fails; nothing is saved.
 
     Effects accepted in the loop and the Cds of designs are not used: the network determines effects itself. Raises
-    NoFlights for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass.
+    NoFlights for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass, BadValue for a
+    recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior or the network cannot be read.
     """
     made: list[QuickForecast] = []
     for plan in plans:

@@ -36,7 +36,8 @@ def replayed(
 ) -> list[Forecast]:
     """Forecasts of every clean flight of a ledger from all rockets' earlier flights, in the order flown.
 
-    With `rocket`, only its flights are forecast, and only they determine corrections and stacking weights.
+    With `rocket`, only its flights are forecast, and only they determine corrections and stacking weights. Raises
+    BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     known = ledger.flights()
     ledger.remark(*excluded_flights(known, motors))
@@ -56,7 +57,7 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) ->
     """Predictions of clean flights with an apogee, in the order flown.
 
     The rivals use the same data as the prediction: the rocket's flights at that time, other rockets' earlier flights,
-    and the plan at that time.
+    and the plan at that time. Raises BadValue for a recovery figure or rail direction that cannot be read.
     """
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
     known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean] if scored else []

@@ -81,7 +81,9 @@ class TypedFlight:
         self._ready: PreparedHistory | None = None
 
     def estimate(self, typed: Flight) -> TypedEstimate:
-        """The estimate from the flight as entered so far; all values are finite."""
+        """The estimate from the flight as entered so far; all values are finite. Raises DamagedModel if the network
+        cannot be loaded.
+        """
         with self._lock:
             self._turn_to(typed.rocket)
             if lacks := missing(typed, sum(flight.clean and shows(flight) for flight, _ in self._flown)):

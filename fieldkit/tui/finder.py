@@ -87,9 +87,9 @@ class Finder(Provider):
         host = self._host
         yield Entry("Setting: target", "The target apogee for comparing motors", host.ask_target)
         yield Entry("Setting: rail", "Length and angle of your usual rail", self._ask_rail)
-        yield Entry("Setting: units", "SI, US or mixed; the next one", host.action_next_units)
+        yield Entry("Setting: units", "The next units: SI, US, mixed", host.action_next_units)
         yield Entry("Load the demo rocket", Step.DEMO.value[1], self._load_demo)
-        yield Entry("Setting: theme", "Colors: field, sun, night, terminal; the next one", host.action_next_theme)
+        yield Entry("Setting: theme", "The next colors: field, sun, night, terminal", host.action_next_theme)
 
     def _help(self) -> Iterator[Entry]:
         """Every field explained on a page or beside the decisions, and every equivalent command."""

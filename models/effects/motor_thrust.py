@@ -21,7 +21,7 @@ EFFECT = Effect(
     explains="this motor delivers less or more thrust and impulse than certified",
     unit="fraction of the thrust",
     prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.5),
-    source="certification allows the mean impulse to differ and single motors to scatter by 6.7% (NFPA 1125)",
+    source="mean impulse may differ from the certified one; single motors scatter with an sd of up to 6.7% (NFPA 1125)",
     tell_apart="fly a motor from another lot, or record top speed and peak acceleration",
     setup=setup,
     per="motor",

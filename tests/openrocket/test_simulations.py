@@ -75,8 +75,8 @@ NAMES = {
     "Airstart timing": ("K550W + 3 x I211W", *(f"K550W + 3 x I211W@{start}" for start in (1, 2, 4, 6))),
     "Clustered motors": tuple(f"4 x {name}" for name in ("A8-3", "B4-4", "C6-3", "C6-5", "C6-7")),
 }
-"""Motors of the clusters as fieldkit writes them; an air-start as long before the stored burnout as its curve lasts,
-that of the second to within half a second."""
+"""Motors of the clusters as fieldkit writes them. An airstart lights its motors before the stored burnout by the
+duration of their curve, in the second design to within half a second."""
 LONGER_PODS = ("Pods--powered with recovery deployment", 0)
 """Its booster drops when its B6 ends, 0.15 s before the motors of its pods do, with which it drops here."""
 BOOSTER_ALONE = ("Pods--powered with recovery deployment", 3)

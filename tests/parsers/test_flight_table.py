@@ -279,7 +279,7 @@ def test_a_row_that_is_not_a_flight_is_refused_and_the_others_are_imported() -> 
 
 
 def test_a_row_longer_than_the_header_is_refused_unless_the_rest_is_empty() -> None:
-    assert "found 3 cells under 2 headers" in complaint("rocket,apogee_m", "Swift,281,3")
+    assert "found 3 cells, expected at most 2, one for each header" in complaint("rocket,apogee_m", "Swift,281,3")
     assert flight("rocket,apogee_m", "Swift,281,,").apogee == 281
 
 

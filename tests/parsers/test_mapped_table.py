@@ -450,7 +450,7 @@ def test_maximum_and_sideways_columns_are_not_channels_in_another_language() -> 
 
 
 def beside(second: str, row: str) -> bytes:
-    """A table of times and heights, and another of half as many rows at its right."""
+    """A table of times and heights, and another with half as many rows on its right."""
     left = table("Time (s),Altitude (ft)", "{t:.2f},{ft:.1f}").decode().splitlines()
     right = [second, *(row.format(t=i * 0.025, felt=1.0 + 9 * (1 < i * 0.025 < 2)) for i in range(len(left) // 2))]
     return "\n".join(

@@ -79,8 +79,9 @@ def forward(
     """A forecast of every clean flight with an apogee, from the flights of all rockets before it in the order flown.
 
     With `rocket`, only flights of that rocket are forecast, still from the flights of all. The message of a rocket to
-    the fleet is updated after each of its flights. `hyperprior` replaces the learned one.
-    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the learned hyperprior cannot be read.
+    the fleet is updated after each of its flights. `hyperprior` replaces the learned one. Raises ImpossibleFlight for a
+    flight without a dry mass, DamagedModel if the learned hyperprior cannot be read, BadValue for a recovery figure or
+    rail direction that cannot be read.
     """
     known = hyperprior or learned()
     past: dict[str, list[FlownFlight]] = {}
@@ -142,8 +143,8 @@ def beside_rivals(
     interval: tuple[float, float, float],
     earlier: Sequence[Simulated],
 ) -> Forecast:
-    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights; `draws` and
-    `interval` in m."""
+    """A flight, simulated as planned, with its forecast and the rivals' forecasts from earlier flights; draws of the
+    apogee and its 90% interval with the median [m]."""
     flight = plan.flight
     assert flight.apogee is not None
     return Forecast(
@@ -195,7 +196,8 @@ def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
 
 
 def corrected_coverage(rows: Sequence[Forecast]) -> dict[str, float | None] | None:
-    """Coverage of the corrected intervals, and of the uncorrected ones for the same flights. [1]"""
+    """Coverage of the corrected intervals, of the uncorrected ones for the same flights, the number of these flights
+    and the factor of the last one; None if no interval was corrected. [1]"""
     later = [(row, row.corrected) for row in rows if row.corrected]
     if not later:
         return None

@@ -75,7 +75,8 @@ class Rows:
             self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
 
     def take(self, first: int, numbers: Float[Array, "row channel"], last_lines: list[str]) -> None:
-        """Store a block of complete rows from row `first` on; `last_lines` are its last lines."""
+        """Store a block of complete rows from row `first` on, in the units of the file; `last_lines` are its last
+        lines."""
         self.last = first + len(numbers) - 1
         self._measure_ends(last_lines)
         self._keep(np.arange(first, first + len(numbers)), numbers, [])

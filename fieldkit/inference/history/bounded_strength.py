@@ -16,7 +16,7 @@ _ERFC = np.frompyfunc(erfc, 1, 1)
 def strength_posterior(
     a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array, log_prior_mass: Array
 ) -> tuple[Array, Array, Array]:
-    """Log Bayes factor [nat], posterior mean and standard deviation of a strength, in its unit.
+    """Log Bayes factor [nat], posterior mean and standard deviation of a strength, in its unit; elementwise.
 
     `a` and `b` are the precision of the readouts for the strength and their product with its estimate; `log_prior_mass`
     is the log probability of its prior between the bounds.
@@ -38,7 +38,7 @@ def strength_posterior(
 
 
 def log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
-    """Log of the probability of a normal distribution between two bounds. [nat]
+    """Log of the probability of a normal distribution between two bounds, elementwise. [nat]
 
     Derivation: the difference of its distribution function at the bounds, mirrored where both values would be near 1.
     """

@@ -61,7 +61,8 @@ def check(answer: QuickAnswer, linear: LinearFit | None = None, draws: int = DRA
     """Weight the network's draws for the plan of a history by the forecast model, with more draws if the weights of the
     first are unreliable. `linear` is the model's linear fit, by default the one that the network corrected.
 
-    Raises ValueError for a history of several plans.
+    Raises ValueError for a history of several plans, ImpossibleFlight for a flight without a dry mass, BadValue for a
+    recovery figure or rail direction that cannot be read.
     """
     linear = linear or answer.summary.forecast
     if len(linear.model.flights) != linear.flown + 1:

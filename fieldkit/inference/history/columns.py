@@ -150,7 +150,7 @@ def _before(kinds: Sequence[str], data: Data) -> Float[Array, "plan"]:
 
 
 def shown_evidence(log_bayes: Array | float) -> Array:
-    """Evidence in the form that the network receives. [1]"""
+    """Evidence [nat] in the form that the network receives, elementwise. [1]"""
     limited = np.minimum(np.maximum(log_bayes, -MAX_LOG_BAYES), MAX_LOG_BAYES)
     return np.asarray(np.arcsinh(limited / LOG_BAYES_SCALE))
 

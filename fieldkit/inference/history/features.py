@@ -76,7 +76,9 @@ class PreparedHistory:
 
 
 def prepared(history: History, response: FlightResponse, candidates_of: Candidates) -> PreparedHistory:
-    """The part of a history with a known response that does not depend on its readouts."""
+    """The part of a history with a known response that does not depend on its readouts. Raises ImpossibleFlight for a
+    flight without a dry mass.
+    """
     count = len(history.used_in_fit)
     both = history.flights, history.found, count
     model = history_model(*both, history.selection, declared=False)
@@ -91,7 +93,7 @@ def prepared(history: History, response: FlightResponse, candidates_of: Candidat
 def summarize(
     history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
 ) -> HistorySummary:
-    """The features of one history with a known response."""
+    """The features of one history with a known response. Raises ImpossibleFlight for a flight without a dry mass."""
     ready = prepared(history, response, candidates_of)
     return summarized(ready, ready.flown, names)
 

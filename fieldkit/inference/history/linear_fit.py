@@ -136,8 +136,8 @@ def prepared_fit(model: Model, flown: int) -> PreparedFit:
 def linear_fit(
     ready: PreparedFit, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
 ) -> LinearFit:
-    """The posterior given the flown flights, those in `data`, with the drag moved from `start` to its posterior
-    mean."""
+    """The posterior given the flown flights, those in `data`, with log drag moved from `start` to its
+    posterior mean; both relative to the reference of the response. [1]"""
     model, past, flown = ready.model, ready.past, ready.flown
     level = drag_term(past)
     offset = start

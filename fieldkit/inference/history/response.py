@@ -71,7 +71,8 @@ def secant(effect: Effect) -> tuple[float, ...]:
 def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
     """The response of flights, of any rockets, with coarse thrust curves and steps.
 
-    `area` is the reference area of each flight. [m^2]
+    `area` is the reference area of each flight. [m^2] Raises ImpossibleFlight for a flight without a dry mass and
+    BadValue for a recovery figure or rail direction that cannot be read.
     """
     known = effects()
     count = len(flights)
@@ -149,8 +150,8 @@ def slopes(
 
 
 def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
-    """Values and derivatives for a model's terms at a drag that differs from the reference by `offset`, from the result
-    of `moved_at`."""
+    """Values and derivatives for a model's terms at a log drag that differs from the reference by `offset` [1], from
+    the result of `moved_at`."""
     at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
     at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
     slope = slopes(model.terms, moved)

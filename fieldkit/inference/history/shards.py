@@ -79,7 +79,9 @@ class HistoryTable:
 def summarized(
     found: Sequence[SimulatedHistory], candidates_of: Candidates, names: Sequence[str]
 ) -> Iterator[HistorySummary]:
-    """The summaries of simulated histories; their rockets are simulated in one batch."""
+    """The summaries of simulated histories; their rockets are simulated in one batch. Raises ImpossibleFlight for a
+    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    """
     rockets = {id(one.history.found): one.history for one in found}
     flights = [flight for history in rockets.values() for flight in history.flights]
     motors = [motor for history in rockets.values() for motor in history.found]
@@ -116,7 +118,9 @@ def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Fl
 
 def simulate_shard(plan: ShardPlan) -> bytes:
     """The histories of a shard as a table in numpy's format. Its random numbers depend only on the shard, not on the
-    machine."""
+    machine. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction
+    that cannot be read, DamagedModel if the hyperprior cannot be read.
+    """
     rng = np.random.default_rng(np.random.SeedSequence(plan.seed, spawn_key=(int(plan.held_out), plan.number)))
     choice = stock(_motors(plan.held_out))
     names = effect_names()
@@ -147,7 +151,9 @@ def simulate_table(
     *,
     held_out: bool = False,
 ) -> HistoryTable:
-    """The histories of this number of rockets; shards from an earlier run in the folder are reused."""
+    """The histories of this number of rockets; shards from an earlier run in the folder are reused. Raises
+    DamagedModel if the hyperprior cannot be read.
+    """
     sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
     plans = {
         f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, inclusion, held_out)
@@ -162,7 +168,7 @@ def simulate_table(
 
 
 def table(rows: Float[Array, "history column"]) -> HistoryTable:
-    """Features, effects and truths of rows."""
+    """Features, effects and truths of rows, in the units of their columns."""
     names = effect_names()
     width = len(feature_names(names))
     whole = rows.astype(float)

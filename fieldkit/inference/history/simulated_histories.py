@@ -88,7 +88,8 @@ def simulated_histories(
 
     `inclusion` has the independent prior probabilities of each effect and of `UNEXPLAINED`; an effect that some flights
     cannot show does not change them. `flights` is the number of flights of each, and `selects` chooses the hyperprior;
-    both are random by default.
+    both are random by default. Raises ImpossibleFlight for a flight without a dry mass and DamagedModel if the
+    hyperprior cannot be read.
     """
     some = [_rocket(rng, choice, candidates_of, flights, selects) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]

@@ -37,7 +37,7 @@ def apogee_spread(
 ) -> ScatterWeights:
     """The posterior of the factor from the errors of leave-one-out forecasts.
 
-    `error` is the log of flown over predicted apogee, `known` the variance of the forecast due to the uncertain
+    `error` is the log of flown over predicted apogee [1], `known` the variance of the forecast due to the uncertain
     parameters of the rocket, and `own` the variance due to the scatter of single flights. Flights not `seen` are
     ignored.
     """

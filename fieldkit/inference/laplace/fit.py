@@ -65,11 +65,13 @@ def fit(
     near: bool = False,
     outlier_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearized at its mean; `start` is the starting point.
+    """The posterior of a model given data, linearized at its mean; `start` is the starting point, in the units
+    of the terms.
 
     Without one, the best of several fits from different opening times of the parachute is returned, because readouts
     have a kink when ejection is at apogee. With `near`, the fit converges to the tolerance of a forecast. With
-    `outlier_flights`, the noise of single flights follows a Student t.
+    `outlier_flights`, the noise of single flights follows a Student t. Raises ImpossibleFlight for a flight without a
+    dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
@@ -96,8 +98,9 @@ def fit_lanes(
 ) -> list[Fit]:
     """Several fits of parts of a model in parallel; terms that a lane lacks are zero in it.
 
-    `on_progress` is called with the fraction done. With an initial `flight_weight`, the noise of single flights follows
-    a Student t.
+    `angle_slope` is from `launch_angle_slope`. `on_progress` is called with the fraction done. With an initial
+    `flight_weight` [1], the noise of single flights follows a Student t. Raises ImpossibleFlight for a flight without a
+    dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [DampedSteps(np.asarray(lane.start, float)) for lane in lanes]
@@ -198,7 +201,9 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
 
 
 def refits_without(whole: Fit, rows: Sequence[int]) -> list[Fit]:
-    """Fits without each of some flights, in parallel, starting from the fit to all of them."""
+    """Fits without each of some flights, in parallel, starting from the fit to all of them. Raises ImpossibleFlight for
+    a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    """
     every = tuple(range(len(whole.model.terms)))
     angle_slope = known_angle_slope(whole.model, whole.tangent)
     likely = probable_scales(whole)
@@ -230,7 +235,8 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     each residual separately from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] /
     variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is the part of a readout that
     terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The log evidence
-    is a lower bound. The result has the finer grids of scales of `Hyperprior.refined`.
+    is a lower bound. The result has the finer grids of scales of `Hyperprior.refined`. Raises ImpossibleFlight for a
+    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):

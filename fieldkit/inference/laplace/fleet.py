@@ -38,7 +38,8 @@ class RocketFit:
 def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
     """Fit the clean flights of one rocket without information from others.
 
-    Raises ImpossibleFlight for a flight without a dry mass.
+    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
+    cannot be read.
     """
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     model = replace(base_model(flights, found, hyperprior), coarse=True)

@@ -64,7 +64,9 @@ class Sampled:
 
 def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
     """A fit's evidence and leave-one-out forecasts by importance sampling with the simulator; more draws are made if
-    the weights of the first are unreliable."""
+    the weights of the first are unreliable. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a
+    recovery figure or rail direction that cannot be read.
+    """
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
     flown = _flown(fit, scales, rng, draws)
     first = _weighed(fit, scales, flown)

@@ -81,7 +81,8 @@ def learn_hyperprior(
 
     Random effects that the start lacks are not added. The standard deviation of the reading scale is not learned,
     because one device does not determine it. `begin` is the initial value of the iteration, by default the start. The
-    result includes the uncertainty of each mean.
+    result includes the uncertainty of each mean. Raises ImpossibleFlight for a flight without a dry mass and BadValue
+    for a recovery figure or rail direction that cannot be read.
     """
     start, found = replace(start, mean_sds={}), replace(begin or start, mean_sds={})
     for round_ in range(rounds):
@@ -112,7 +113,11 @@ def mean_sds(flyers: Sequence[SharedPrior], hyperprior: Hyperprior) -> dict[str,
 
 
 def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
-    """Log marginal likelihood of all flights given the means, near the mode of each rocket's terms. [nat]"""
+    """Log marginal likelihood of all flights given the means, near the mode of each rocket's terms. [nat]
+
+    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
+    cannot be read.
+    """
     hyperprior = replace(hyperprior, mean_sds={})
     return float(sum(joint_evidence([_alone(_fitted(flown, hyperprior)) for flown in fleet]) for fleet in fleets))
 

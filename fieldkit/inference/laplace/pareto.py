@@ -15,7 +15,8 @@ MIN_TAIL = 5
 
 def smoothed(log_weight: Float[Array, "draw"]) -> tuple[Float[Array, "draw"], float]:
     """Log weights with the tail replaced by the expected order statistics of the fitted Pareto distribution, and its
-    shape k; infinite if too few draws have any weight."""
+    shape k: infinity if too few draws have any weight, minus infinity if the largest weights are equal. [log 1],
+    [1]"""
     count = len(log_weight)
     tail = int(min(0.2 * count, 3 * np.sqrt(count)))
     order = np.argsort(log_weight)

@@ -128,7 +128,7 @@ def solve(
 ) -> Fit:
     """The normal posterior for every pair of scales, with the readouts linear around a point.
 
-    `flight_weight` is the expected precision of each whole flight relative to an ordinary one (see
+    `flight_weight` is the expected precision of each whole flight relative to an ordinary one [1] (see
     `fieldkit.inference.laplace.outlier_flights`). With `which`, the result has only those pairs of scales, for an
     unfinished fit.
     """
@@ -177,7 +177,7 @@ def flight_evidence(
     flight_weight: Float[Array, "flight"] | None = None,
     which: Int[Integers, "scale"] | None = None,
 ) -> FlightEvidence:
-    """The information in each flight's readouts, linear around a point; `flight_weight` and `which` as in `solve`."""
+    """The information in each flight's readouts, linear around a point; other arguments and units as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
     readouts = used_readouts(data.seen)
     seen = data.seen[:, readouts]

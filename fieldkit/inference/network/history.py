@@ -101,7 +101,8 @@ def checked(ensemble: "Ensemble") -> "Ensemble":
 def response_of(history: History) -> FlightResponse:
     """The response of a history's flights and plan, from one batch of simulated flights.
 
-    Raises ImpossibleFlight for a flight without a dry mass.
+    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
+    cannot be read.
     """
     return respond(history.flights, history.found, reference_area(history.flights, len(history.used_in_fit)))
 
@@ -110,7 +111,8 @@ def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensembl
     """The network's answer for one history, by default the shipped network's.
 
     Effects that the network was not trained with are not in the answer. Raises ImpossibleFlight for a flight without a
-    dry mass, DamagedModel if the network cannot be loaded.
+    dry mass, DamagedModel if the network cannot be loaded, BadValue for a recovery figure or rail direction that cannot
+    be read.
     """
     network = ensemble or load_history()
     summary = summarize(history, response_of(history), candidates_of, tuple(network.card["effects"]))

@@ -54,7 +54,8 @@ class HistoryAnswer:
 
 
 def answer(parts: Float[Array, "history member part"], effects: int) -> HistoryAnswer:
-    """Probabilities and quantiles averaged over members; drag and thrust as the moments of their mixture."""
+    """Probabilities and quantiles averaged over members; drag and thrust as the moments of their mixture. [1],
+    log apogee [log m]"""
     chances = 1 / (1 + np.exp(-parts[..., : effects + OVERALL_OUTPUTS]))
     mean = chances.mean(axis=1)
     first = effects + OVERALL_OUTPUTS
@@ -84,7 +85,7 @@ def monotone(raw: Float[Array, "*many level"]) -> Float[Array, "*many level"]:
     return np.concatenate([below, middle, above], axis=-1)
 
 
-def quantile_draws(quantiles: Sequence[float] | Array, count: int) -> Float[Array, "draw"]:
+def quantile_draws(quantiles: Sequence[float] | Float[Array, "level"], count: int) -> Float[Array, "draw"]:
     """Equally likely values of a distribution with these quantiles at `LEVELS` and normal tails, in the unit of the
     quantiles."""
     levels = (np.arange(count) + 0.5) / count

@@ -35,7 +35,7 @@ def excess_sd(observed: Observed) -> Float[Array, "flight seen"]:
 def plausible(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[Array, "flight seen"]) -> list[Observed]:
     """`DRAWS` versions of the flights as the usual altimeter could have shown them.
 
-    `mean` and `sd` are the prediction of each readout from the others, on the scale of `shown`.
+    `mean` and `sd` are the prediction of each readout from the others, in the units of `shown`.
     """
     middle, spread = _combined(observed, mean, sd)
     rng = np.random.default_rng(0)
@@ -45,7 +45,8 @@ def plausible(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[A
 
 
 def likeliest(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[Array, "flight seen"]) -> Observed:
-    """The flights as the usual altimeter most likely showed them; `mean` and `sd` as in `plausible`."""
+    """The flights as the usual altimeter most likely showed them; `mean` and `sd` as in `plausible`, in its
+    units."""
     return _moved(observed, _combined(observed, mean, sd)[0])
 
 

@@ -124,7 +124,7 @@ def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
-    """Bounds that contain nearly all simulated flights."""
+    """Bounds of features that contain 99.96% of simulated flights, in the units of the features."""
     bounds = np.percentile(columns, [0.02, 99.98], axis=0)
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 

@@ -110,7 +110,7 @@ class HistoryTargets:
 
 
 def standardized(table: HistoryTable, truth: str, mean: str, sd: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """The truth relative to the linear fit, in its standard deviations, limited."""
+    """The truth relative to the linear fit, in its standard deviations, limited; one entry per history. [1]"""
     z = (table.truth(truth) - table.truth(mean)) / table.truth(sd)
     return np.asarray(np.clip(z, -MAX_TARGET_SDS, MAX_TARGET_SDS))
 

@@ -70,6 +70,7 @@ class Network:
 def network(members: int, widths: tuple[int, ...], ranges: Float[Array, "output 2"], drop: float) -> Network:
     """An untrained network; `widths` runs from the number of features to the last hidden layer.
 
+    `ranges` are the bounds of each output, in its unit; `drop` is the fraction of activations dropped in training [1].
     Weights and biases start uniform within one over the root of the number of inputs, as in torch's layers.
     """
 

@@ -38,7 +38,7 @@ def train_paper(
     """Simulate, train, export into a new folder, and return the results of `fieldkit train --json`.
 
     The same seed gives the same graph on the same machine. Raises BadValue for an unknown schedule, too few flights, or
-    a folder that already contains an ensemble.
+    a folder that already contains an ensemble, FieldkitError if the ensemble cannot be written.
     """
     plan = _checked(schedule, n_train)
     claim(out)

@@ -58,7 +58,9 @@ def drop_parts(out: Path) -> None:
 
 
 def fly_part(part: SimulationPart) -> bytes:
-    """The flights of a part as bytes. Its random numbers depend only on the part, not on the machine."""
+    """The flights of a part as bytes. Its random numbers depend only on the part, not on the machine. Raises
+    BadValue for an unknown effect.
+    """
     stream = np.random.SeedSequence(part.seed, spawn_key=(0, part.number))
     known, _ = split_motors()
     return packed(simulate(np.random.default_rng(stream), known, part.count, part.effects))

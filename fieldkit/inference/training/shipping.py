@@ -27,7 +27,9 @@ def claim(out: Path) -> None:
 
 
 def ship(out: Path, graph: bytes, card: Mapping[str, Any]) -> list[str]:
-    """Write graph and card, the card last because it has the digests of the rest. Returns the paths."""
+    """Write graph and card, the card last because it has the digests of the rest. Returns the paths. Raises
+    FieldkitError if a file cannot be written.
+    """
     digests = {GRAPH: hashlib.sha256(graph).hexdigest()}
     text = json.dumps({**card, "digests": digests}, indent=2, allow_nan=False)
     write_all({out / GRAPH: graph, out / CARD: f"{text}\n".encode()})

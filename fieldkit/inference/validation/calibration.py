@@ -56,7 +56,8 @@ def score(
 ) -> tuple[dict[str, Any], Float[Array, "flight"]]:
     """Log density, errors of the median, coverage, ranks and expected coverage of posteriors with known truths.
 
-    The first parameter is the logarithm of a drag area, the second is alpha, whose median is returned too.
+    The first parameter is the logarithm of a drag area [log m^2], the second is alpha [1], whose median is returned
+    too.
     """
     blocks = [slice(first, first + BLOCK) for first in range(0, len(truth), BLOCK)]
     figures = np.concatenate([_figures(density.rows(block), truth[block]) for block in blocks])

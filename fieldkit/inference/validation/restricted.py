@@ -139,7 +139,8 @@ class Exact:
 
 
 def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
-    """The grid with `cells` per axis, and Gauss-Hermite nodes of the burn time if it is uncertain."""
+    """The grid with `cells` per axis, and Gauss-Hermite nodes of the log burn time if its standard
+    deviation [1] is above zero."""
     centres = (np.arange(cells) + 0.5) / cells
     cd, alpha = np.meshgrid(CD_RANGE[0] + np.ptp(CD_RANGE) * centres, ALPHA_RANGE[0] + np.ptp(ALPHA_RANGE) * centres)
     cd, alpha = cd.ravel(), alpha.ravel()

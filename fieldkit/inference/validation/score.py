@@ -16,7 +16,7 @@ LEVELS = {"one_sd": 1.0, "50": 0.67449, "90": 1.64485}
 def score(
     ensemble: "Ensemble", features: Float[Array, "flight feature"], truth: Float[Array, "flight output"]
 ) -> dict[str, Any]:
-    """Errors of the mean and coverage of the spread, for each output by name."""
+    """Errors of the mean and coverage of the spread, for each output by name, in its unit."""
     mean, spread = ensemble(features)
     error = mean - truth
     return {
