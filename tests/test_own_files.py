@@ -84,8 +84,9 @@ def test_a_cell_beyond_the_limit_of_tables_is_refused(tmp_path: Path) -> None:
     before = csv.field_size_limit(131_072)
     try:
         (tmp_path / FILE_NAME).write_text("maker,designation,field,value\n" + "x" * 200_000)
-        with pytest.raises(BadValue, match=FILE_NAME):
-            read_own_corrections(tmp_path)
+        rows, (error,) = read_own_corrections(tmp_path)
+        assert not rows
+        assert FILE_NAME in str(error)
         with pytest.raises(BadValue, match=r"tests\.csv"):
             compare_tests(catalogue(), b"manufacturer,designation\n" + b"x" * 200_000, "tests.csv")
     finally:

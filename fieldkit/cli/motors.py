@@ -197,17 +197,20 @@ def _added(file: Path) -> "list[Motor]":
 def _compared(file: Path, json: bool) -> None:
     """Print the figures that differ from a table of tests, largest difference first."""
     from fieldkit.motors.comparison import compare_tests
+    from fieldkit.motors.corrections import QUANTITIES
+    from fieldkit.motors.motor import delays_text
     from fieldkit.services.imports import read_file
 
     found = compare_tests(known_motors(), read_file(file), file.name)
     if json:
-        figures = [one.json() for one in found.differences]
-        print_json({"rows": found.rows, "motors": found.motors, "unknown": found.unknown, "differences": figures})
+        counts = {"rows": found.rows, "motors": found.motors, "unknown": found.unknown}
+        figures, delays = ([one.json() for one in ones] for ones in (found.differences, found.delays))
+        print_json({**counts, "differences": figures, "delays": delays})
         return
     rows = [
         (
             f"{one.motor.maker} {one.motor.designation}",
-            f"{one.field}",
+            f"{QUANTITIES[one.field][0]}, {one.unit}",
             rounded(one.listed),
             rounded(one.tested),
             f"{one.ratio:+.0%}",
@@ -217,6 +220,10 @@ def _compared(file: Path, json: bool) -> None:
     ]
     headers = ("motor", "figure", "catalog", "tested", "off", "basis")
     print_table(headers, rows, numbers=headers[2:5])
+    for one in found.delays:
+        motor = f"{one.motor.maker} {one.motor.designation}"
+        listed, tested = delays_text(one.motor.delays), delays_text(one.tested)
+        say(f"{motor}: delays {listed}; tested {tested} ({one.basis or 'test'})")
     complain(
         f"{counted(found.rows, 'test')} of {counted(found.motors, 'motor')}; "
         f"differences of more than 5%: {len(found.differences)}"
@@ -234,7 +241,8 @@ def _own_corrections(json: bool) -> None:
 
     folder = motor_folder()
     file = correction_file(folder)
-    rows = read_own_corrections(folder)
+    known_motors()  # reports the rows that cannot be used
+    rows, _ = read_own_corrections(folder)
     if json:
         shown = [{"maker": one.maker, "motor": one.designation, "lot": one.lot, "date": one.date} for one in rows]
         more = [one.correction.json() for one in rows]
@@ -281,7 +289,7 @@ def _list(found: "list[Motor]") -> None:
             f"{motor.maker} {motor.designation}",
             f"{motor.diameter * 1e3:g}",
             rounded(motor.total_impulse),
-            rounded(motor.average_thrust),
+            rounded(motor.rated_thrust),
             f"{motor.burn_time:.3g}",
             rounded(mass.from_si(motor.loaded_mass)),
             delays_text(motor.delays),

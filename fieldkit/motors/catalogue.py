@@ -3,7 +3,7 @@
 import gzip
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.errors import UnknownMotor
+from fieldkit.errors import BadValue, FieldkitError, UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
 from fieldkit.motors.listing import Listing, Listings
@@ -122,23 +122,31 @@ class Catalogue:
             listings[motor.name] = (_own(motor), *listings.get(motor.name, ()))
         return Catalogue(MappingProxyType(listings), self.about, self.lots)
 
-    def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
-        """The same catalog with the user's own corrections. Raises UnknownMotor that names the row of a motor that
-        is not in it, FieldkitError for an impossible value."""
-        own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
-        for number, row in enumerate(rows, start=2):
+    def with_corrections(self, rows: Iterable[OwnCorrection]) -> tuple["Catalogue", list[FieldkitError]]:
+        """The same catalog with the user's own corrections, and an error for each row that cannot be applied."""
+        rows, errors = list(rows), list[FieldkitError]()
+        types = self._corrected([row for row in rows if not row.lot], errors)
+        listings = {
+            name: tuple([_with_motor(one, types.pop(_lot_key(one, ""), None)) for one in group])
+            for name, group in self.listings.items()
+        }  # a user's own motor comes before a shipped one of the same designation, and is the one that is found
+        made = Catalogue(MappingProxyType(listings), self.about)
+        lots = made._corrected([row for row in rows if row.lot], errors)
+        return replace(made, lots=MappingProxyType(lots)), errors
+
+    def _corrected(
+        self, rows: Iterable[OwnCorrection], errors: list[FieldkitError]
+    ) -> dict[tuple[str, str, str], Motor]:
+        """The motors that rows correct, by maker, designation and lot; errors are added to a list."""
+        found: dict[tuple[str, str, str], Motor] = {}
+        for row in rows:
             try:
                 motor = self.find(f"{row.maker} {row.designation}").motor
-            except UnknownMotor as error:
-                raise UnknownMotor(f"{FILE_NAME}, row {number}: {error}") from error
-            own.setdefault((motor.maker, motor.designation, row.lot.casefold()), []).append(row)
-        listings = {
-            name: tuple([_corrected(one, own.get((one.maker, one.designation, ""), ())) for one in group])
-            for name, group in self.listings.items()
-        }
-        made = Catalogue(MappingProxyType(listings), self.about)
-        lots = {key: corrected(made.find(f"{key[0]} {key[1]}").motor, own[key]) for key in own if key[2]}
-        return replace(made, lots=MappingProxyType(lots))
+                key = _lot_key(motor, row.lot)
+                found[key] = corrected(found.get(key, motor), row)
+            except FieldkitError as error:
+                errors.append(BadValue(f"{FILE_NAME}, row {row.number}: {error}"))
+        return found
 
 
 _LOT = re.compile(r"[\s,;(](?:lot|batch)(?:\s+no\.?)?[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
@@ -150,7 +158,7 @@ def split_lot(text: str) -> tuple[str, str]:
     return (text[: found.start()].rstrip(" \t,;("), found[1]) if found else (text, "")
 
 
-def _lot_key(motor: Motor, lot: str) -> tuple[str, str, str]:
+def _lot_key(motor: Motor | Listing, lot: str) -> tuple[str, str, str]:
     """The key of a motor in `Catalogue.lots`."""
     return motor.maker, motor.designation, lot.casefold()
 
@@ -159,12 +167,9 @@ def _no_figures(lot: str) -> str:
     return f"no figures for lot {printable(lot)} in your corrections: treated like any other of its type"
 
 
-def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:
-    """A listing with the user's corrections to its motor; unchanged if there are none."""
-    if not rows:
-        return listing
-    motor = corrected(listing.motor(), rows)
-    return replace(listing, motor=lambda: motor, delays=motor.delays)
+def _with_motor(listing: Listing, motor: Motor | None) -> Listing:
+    """A listing with a corrected motor; unchanged without one."""
+    return listing if motor is None else replace(listing, motor=lambda: motor, delays=motor.delays)
 
 
 @cache

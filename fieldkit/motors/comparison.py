@@ -1,7 +1,9 @@
 """Compare the catalog with a table of tests: certification letters, stated values, curves.
 
-The table has one row per test, with the columns `manufacturer`, `designation`, `common_name` and those of `FIGURES`;
-its `note` may start with `basis=letter`, `basis=stated` or `basis=curve`, of which the best is used.
+The table has one row per test, with the columns `manufacturer`, `designation`, `common_name`, `delays` and those of
+`FIGURES`; its `note` may start with `basis=letter`, `basis=stated` or `basis=curve`, of which the best is used, and
+curves of `file class cert` before others. A mass that a note calls doubtful is not compared. Neither is the propellant
+mass of a curve of Cesaroni, or of AeroTech's Redline: such files state the mass lost, with liner, delay and charge.
 """
 
 import csv
@@ -11,7 +13,7 @@ from dataclasses import dataclass
 
 from fieldkit.errors import AmbiguousMotor, BadValue, UnknownMotor
 from fieldkit.motors.catalogue import Catalogue
-from fieldkit.motors.motor import Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.motors.names import maker_of
 
 FIGURES: Mapping[str, tuple[str, str]] = {
@@ -23,8 +25,12 @@ FIGURES: Mapping[str, tuple[str, str]] = {
     "loaded_g": ("loaded_g", "g"),
 }
 """Columns of a table of tests: the corresponding field of a correction, and its unit."""
-BASES = ("letter", "stated", "curve")
-"""What the values of a row are based on, best first."""
+BASES = ("letter", "stated", "curve", "curve")
+"""What the values of a row are based on, best first; the last is a curve that is no certification."""
+_CERTIFIED = "file class cert"
+_DOUBTFUL = "mass of the file doubtful"
+MASSES = {"propellant_g": "propellant", "loaded_g": "loaded"}
+"""Columns of masses, and the words for them in a note that calls one doubtful."""
 DIFFERENCE = 0.05
 """Smallest relative difference that is reported: the measured scatter of a motor type. [1]"""
 NAMES = ("manufacturer", "designation", "common_name")
@@ -63,13 +69,35 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
+class DelayDifference:
+    """Delays that a test document of a motor lists, at least one of which the catalog lacks. [s]"""
+
+    motor: Motor
+    tested: tuple[float, ...]
+    basis: str
+    source: str
+
+    def json(self) -> dict[str, object]:
+        """Ready for JSON."""
+        return {
+            "maker": self.motor.maker,
+            "motor": self.motor.designation,
+            "catalogue": delays_text(self.motor.delays),
+            "tested": delays_text(self.tested),
+            "basis": self.basis,
+            "source": self.source,
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class CatalogueComparison:
-    """Result for a table of tests: rows, motors found, unknown names, and values that differ."""
+    """Result for a table of tests: rows, motors found, unknown names, and values and delays that differ."""
 
     rows: int
     motors: int
     unknown: tuple[str, ...]
     differences: tuple[Difference, ...]
+    delays: tuple[DelayDifference, ...]
 
 
 def compare_tests(catalogue: Catalogue, content: bytes, name: str) -> CatalogueComparison:
@@ -85,22 +113,55 @@ def compare_tests(catalogue: Catalogue, content: bytes, name: str) -> CatalogueC
         raise BadValue(f"{name}, row {table.line_num + 1}: found {error}, expected a table of tests") from error
     if not set(NAMES[:2]) <= set(table.fieldnames or ()):
         raise BadValue(f"{name}: found the columns {table.fieldnames}, expected manufacturer, designation and figures")
-    tests: dict[int, tuple[Motor, dict[str, list[tuple[int, float, str]]]]] = {}
-    unknown, rows = [], 0
+    tests: dict[int, list[_Test]] = {}
+    unknown = []
     for number, row in enumerate(lines, start=2):
-        rows += 1
         motor = _motor(catalogue, row)
         if motor is None:
             unknown.append(" ".join(row.get(key) or "" for key in NAMES[:2]).strip())
-            continue
-        _, figures = tests.setdefault(id(motor), (motor, {}))
-        basis = _basis(row.get("note") or "")
-        for column in FIGURES:
-            if (value := _number(row.get(column), f"{name}, row {number}, {column}")) is not None:
-                figures.setdefault(column, []).append((basis, value, row.get("source") or name))
-    found = [one for motor, figures in tests.values() for one in _differences(motor, figures)]
+        else:
+            tests.setdefault(id(motor), []).append(_test(motor, row, f"{name}, row {number}", name))
+    found = [one for of_motor in tests.values() for one in _differences(of_motor)]
     found.sort(key=lambda one: -abs(one.ratio))
-    return CatalogueComparison(rows, len(tests), tuple(dict.fromkeys(unknown)), tuple(found))
+    delays = tuple(one for of_motor in tests.values() if (one := _delay_difference(of_motor)))
+    return CatalogueComparison(len(lines), len(tests), tuple(dict.fromkeys(unknown)), tuple(found), delays)
+
+
+@dataclass(frozen=True, slots=True)
+class _Test:
+    """A row: its motor, the place of its basis in `BASES`, its values by column, delays [s], and source."""
+
+    motor: Motor
+    basis: int
+    figures: Mapping[str, float]
+    delays: tuple[float, ...]
+    source: str
+
+
+def _test(motor: Motor, row: Mapping[str, str | None], where: str, table: str) -> _Test:
+    note = row.get("note") or ""
+    basis = _basis(note)
+    doubtful = {column for column, word in MASSES.items() if f"{word} {_DOUBTFUL}" in note}
+    if basis >= BASES.index("curve") and _states_mass_lost(motor):
+        doubtful.add("propellant_g")
+    values = {column: _number(row.get(column), f"{where}, {column}") for column in FIGURES}
+    figures = {column: value for column, value in values.items() if value is not None and column not in doubtful}
+    return _Test(motor, basis, figures, _delays(row.get("delays") or ""), row.get("source") or table)
+
+
+def _states_mass_lost(motor: Motor) -> bool:
+    """Whether curve files of this motor state the mass lost to burnout instead of the propellant."""
+    return motor.maker == "Cesaroni" or (motor.maker == "AeroTech" and motor.propellant == "Redline")
+
+
+_ONE_DELAY = re.compile(r"(\d+)A?|P")
+
+
+def _delays(text: str) -> tuple[float, ...]:
+    """Delays as a table has them: `4,7,10`, `P`, `14A`; empty if one is not understood. [s]"""
+    found = [_ONE_DELAY.fullmatch(part.strip()) for part in text.split(",")]
+    seconds = [float(one[1]) if one[1] else PLUGGED_DELAY for one in found if one]
+    return tuple(sorted(seconds)) if len(seconds) == len(found) else ()
 
 
 def listed_figures(motor: Motor) -> dict[str, float]:
@@ -115,18 +176,38 @@ def listed_figures(motor: Motor) -> dict[str, float]:
     }
 
 
-def _differences(motor: Motor, figures: Mapping[str, Sequence[tuple[int, float, str]]]) -> list[Difference]:
-    listed, found = listed_figures(motor), []
-    for column, tests in figures.items():
-        best = min(basis for basis, _, _ in tests)
-        values = [value for basis, value, _ in tests if basis == best]
-        tested = sum(values) / len(values)
-        if listed[column] > 0 and abs(tested / listed[column] - 1) > DIFFERENCE:
-            field, unit = FIGURES[column]
-            source = next(source for basis, _, source in tests if basis == best)
-            basis = BASES[best] if best < len(BASES) else ""
-            found.append(Difference(motor, field, unit, listed[column], tested, basis, source))
+def _differences(tests: Sequence[_Test]) -> list[Difference]:
+    """The values of one motor that differ: of each column, the mean of the tests with the best basis."""
+    motor, found = tests[0].motor, []
+    listed = listed_figures(motor)
+    for column, (field, unit) in FIGURES.items():
+        having = [one for one in tests if column in one.figures]
+        best = [one for one in having if one.basis == min(each.basis for each in having)]
+        if not best or listed[column] <= 0:
+            continue
+        tested = sum(one.figures[column] for one in best) / len(best)
+        if abs(tested / listed[column] - 1) > DIFFERENCE:
+            found.append(Difference(motor, field, unit, listed[column], tested, _named(best[0]), best[0].source))
     return found
+
+
+def _delay_difference(tests: Sequence[_Test]) -> DelayDifference | None:
+    """The delays of one motor by its best document that states any, if the catalog lacks one of them.
+
+    A document that has only the longest delay says nothing about those drilled from it.
+    """
+    stated = [one for one in tests if one.delays]
+    if not stated:
+        return None
+    best = min(stated, key=lambda one: one.basis)
+    motor = best.motor
+    if set(best.delays) <= set(motor.delays):
+        return None
+    return DelayDifference(motor, best.delays, _named(best), best.source)
+
+
+def _named(test: _Test) -> str:
+    return BASES[test.basis] if test.basis < len(BASES) else ""
 
 
 _SOLD_DELAYS = re.compile(r"-\d+(?:,\d+)+([A-Z]*)$")
@@ -148,8 +229,10 @@ def _motor(catalogue: Catalogue, row: Mapping[str, str | None]) -> Motor | None:
 
 
 def _basis(note: str) -> int:
+    """The place in `BASES` of what a note says a row is based on, beyond its end if it does not."""
     start = note.strip().removeprefix("basis=")
-    return next((place for place, basis in enumerate(BASES) if start.startswith(basis)), len(BASES))
+    place = next((place for place, basis in enumerate(BASES) if start.startswith(basis)), len(BASES))
+    return place + (place == BASES.index("curve") and _CERTIFIED not in note)
 
 
 def _number(text: str | None, where: str) -> float | None:

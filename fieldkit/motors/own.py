@@ -39,13 +39,10 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
 def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
     """The shipped motors plus the user's own, and the errors of the user's files that cannot be read."""
     motors, errors = own_motors(folder)
-    known = catalogue()
-    try:
-        rows = read_own_corrections(folder)
-        known = known.with_corrections(rows) if rows else known
-    except FieldkitError as error:
-        errors.append(error)
-    return (known.with_motors(motors) if motors else known), errors
+    rows, unread = read_own_corrections(folder)
+    known = catalogue().with_motors(motors) if motors else catalogue()
+    known, unused = known.with_corrections(rows) if rows else (known, [])
+    return known, [*errors, *unread, *unused]
 
 
 def import_file(path: Path, folder: Path) -> list[Motor]:

@@ -2,24 +2,30 @@
 
 Its columns are those of the shipped table (maker, designation, field, was, value, confidence, source), plus two that
 may be empty: `lot`, as printed on the motor, and `date`, its date of manufacture. A row with a lot applies only to that
-lot, which is given with the motor's name: `F24-4W lot 0412`.
+lot, which is given with the motor's name: `F24-4W lot 0412`. Spreadsheets may save it with semicolons or tabs, and
+with decimal commas. A row that cannot be used is reported, and does not affect the others.
 """
 
 import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fieldkit import files
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.file_lock import changing
-from fieldkit.motors.corrections import QUANTITIES, Correction
+from fieldkit.motors.corrections import CONFIDENCES, QUANTITIES, Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 
 HEADER = "maker,designation,field,was,value,confidence,source,lot,date\n"
 FILE_NAME = "motor_corrections.csv"
+NEEDED_COLUMNS = {"maker", "designation", "field", "value"}
+"""Columns without which a row means nothing."""
+SEPARATORS = (",", ";", "\t")
+"""Separators of columns that spreadsheets write."""
 OWN_FIELDS = (*QUANTITIES, "delays")
 """Fields that a user can correct."""
 LONGEST_DELAY = 100.0
@@ -28,13 +34,15 @@ LONGEST_DELAY = 100.0
 
 @dataclass(frozen=True, slots=True)
 class OwnCorrection:
-    """One row: the motor and, if it applies only to one lot, that lot and its date of manufacture."""
+    """One row and its number in the file: the motor and, if it applies only to one lot, that lot and its date of
+    manufacture."""
 
     maker: str
     designation: str
     lot: str
     date: str
     correction: Correction
+    number: int
 
     def text(self) -> str:
         """The correction in a line; the previous value only if its row has one."""
@@ -51,43 +59,57 @@ def correction_file(folder: Path) -> Path:
     return file
 
 
-def read_own_corrections(folder: Path) -> list[OwnCorrection]:
-    """The rows of the user's table, empty if there is no table. Raises BadValue that names the row and the column."""
+def read_own_corrections(folder: Path) -> tuple[list[OwnCorrection], list[FieldkitError]]:
+    """The rows of the user's table, and an error for each row that cannot be read; nothing if there is no table."""
     file = folder / FILE_NAME
     if not file.exists():
-        return []
+        return [], []
     try:
-        rows = list(csv.DictReader(files.read_own(file).splitlines()))
+        lines = files.read_own(file).removeprefix("\ufeff").splitlines()
+        table = csv.DictReader(lines, delimiter=_separator(lines))
+        rows = list(enumerate(table, start=2))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise BadValue(f"{FILE_NAME}: found {error}, expected a table") from error
-    return [_row(row, number) for number, row in enumerate(rows, start=2)]
+        return [], [BadValue(f"{FILE_NAME}: found {error}, expected a table")]
+    if missing := NEEDED_COLUMNS - {name.strip() for name in table.fieldnames or () if name}:
+        return [], [BadValue(f"{FILE_NAME}: found no column {', '.join(sorted(missing))}, expected {HEADER.strip()}")]
+    found: list[OwnCorrection] = []
+    errors: list[FieldkitError] = []
+    for number, row in rows:
+        try:
+            found.append(_row(row, number))
+        except BadValue as error:
+            errors.append(error)
+    return found, errors
 
 
-def _row(row: Mapping[str, str | None], number: int) -> OwnCorrection:
-    text = {key: (value or "").strip() for key, value in row.items() if key and isinstance(value, str | None)}
+def _separator(lines: Sequence[str]) -> str:
+    """The separator of a table: the one that its heading has most of."""
+    heading = lines[0] if lines else ""
+    return max(SEPARATORS, key=heading.count)
+
+
+def _row(row: Mapping[str | None, Any], number: int) -> OwnCorrection:
+    text = {key.strip(): value.strip() for key, value in row.items() if key and isinstance(value, str)}
     field, value = text.get("field", ""), text.get("value", "")
+    confidence = text.get("confidence") or "sure"
     where = f"{FILE_NAME}, row {number}"
     if field not in OWN_FIELDS:
         raise BadValue(f"{where}, field: found {field[:30]!r}, expected one of {', '.join(OWN_FIELDS)}")
+    if confidence not in CONFIDENCES:
+        raise BadValue(f"{where}, confidence: found {confidence[:30]!r}, expected one of {', '.join(CONFIDENCES)}")
     if field == "delays":
         _delays(value, where)
     else:
-        _figure(value, where)
-    one = Correction(
-        field,
-        text.get("was", ""),
-        value,
-        text.get("confidence") or "sure",
-        text.get("source") or f"your own {FILE_NAME}",
-    )
+        value = f"{_figure(value, where):.12g}"
+    one = Correction(field, text.get("was", ""), value, confidence, text.get("source") or f"your own {FILE_NAME}")
     return OwnCorrection(
-        text.get("maker", ""), text.get("designation", ""), text.get("lot", ""), text.get("date", ""), one
+        text.get("maker", ""), text.get("designation", ""), text.get("lot", ""), text.get("date", ""), one, number
     )
 
 
 def _figure(value: str, where: str) -> float:
     try:
-        number = float(value)
+        number = float(value.replace(",", "."))
     except ValueError:
         number = float("nan")
     if not 0 < number < 1e6:
@@ -105,17 +127,15 @@ def _delays(value: str, where: str) -> tuple[float, ...]:
     raise BadValue(f"{where}, value: found {value[:20]!r}, expected delays such as 4,6,8 or P")
 
 
-def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:
-    """The motor with the values of all rows that are not open, and with the corrections added to its own. Raises
-    BadValue for delays that cannot be read, FieldkitError for a propellant mass not below the loaded one.
+def corrected(motor: Motor, one: OwnCorrection) -> Motor:
+    """The motor with the value of a row, unless it is open, and with the correction added to its own.
+
+    Raises FieldkitError for a mass that the motor cannot have.
     """
-    reported = []
-    for one in rows:
-        was = one.correction.was or _listed(motor, one.correction.field)
-        reported.append(replace(one.correction, was=was, source=_source(one)))
-        if one.correction.applied:
-            motor = _with(motor, one)
-    return replace(motor, corrections=(*motor.corrections, *reported))
+    was = one.correction.was or _listed(motor, one.correction.field)
+    reported = replace(one.correction, was=was, source=_source(one))
+    changed = _with(motor, one) if one.correction.applied else motor
+    return replace(changed, corrections=(*motor.corrections, reported))
 
 
 def _listed(motor: Motor, field: str) -> str:

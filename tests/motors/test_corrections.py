@@ -64,6 +64,10 @@ FIGURES: dict[str, dict[str, float]] = {
     "F52C": {"certified_peak": 74.6, "total_impulse": 66.2},
     "H13ST": {"certified_peak": 50.4, "total_impulse": 211.2},
     "K1100T": {"certified_peak": 1245.0},
+    "56F31-12A": {"propellant_mass": 0.032, "loaded_mass": 0.102},
+    "41F36-11A": {"propellant_mass": 0.035, "loaded_mass": 0.104},
+    "6026M1670-P": {"propellant_mass": 3.101, "loaded_mass": 5.231},
+    "RATT J160": {"propellant_mass": 0.3279, "loaded_mass": 0.544},
     "G80T AeroTech": {"certified_average": 77.99},
     "I110-LW": {"propellant_mass": 0.289, "loaded_mass": 0.588},
     "I175WS": {"propellant_mass": 0.168},
@@ -100,6 +104,8 @@ def test_figures_on_which_documents_disagree_are_reported_and_not_changed() -> N
     assert {"total_impulse_ns", "loaded_g"} <= {one.field for one in unapplied}
     assert "945.2; 935.24 N s in another document (open" in unapplied[0].text()
     assert _motor("Quest B6W").loaded_mass == pytest.approx(0.0193)
+    for name in ("I316-SF", "AeroTech J1799N", "J275W", "AeroTech K250W", "L952W", "M6000ST"):
+        assert [one.applied for one in _motor(name).corrections if one.field == "total_impulse_ns"] == [False]
     assert _motor("H123W AeroTech").delays == (4.0, 6.0, 8.0, 10.0)
 
 
@@ -159,7 +165,13 @@ def test_the_table_of_corrections_is_complete() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "impulse", "peak", "burn"), [("F115SN", 79.15, 146.7, 0.69), ("G73C", 128.64, 89.9, 1.85)]
+    ("name", "impulse", "peak", "burn"),
+    [
+        ("F115SN", 79.15, 146.7, 0.69),
+        ("G73C", 128.64, 89.9, 1.85),
+        ("J550ST", 732.0, 649.0, 1.31),
+        ("N3120X-PS", 10329.0, 4084.0, 3.31),
+    ],
 )
 def test_a_motor_added_from_a_letter_has_its_impulse_peak_and_burn_time(
     name: str, impulse: float, peak: float, burn: float
@@ -245,6 +257,14 @@ def test_the_scatter_of_tests_is_that_among_tests_of_one_motor() -> None:
         _test(total * (1 + off), CERT, name=name) for name, total in (("A8", 2.0), ("B6", 4.0)) for off in (0, 0.04)
     ]
     assert tool.scatter([*tests, _test(9.0, USER)]) == pytest.approx(1.4826 * 0.0392 / 2**0.5, rel=0.01)
+
+
+def test_a_search_prints_the_average_thrust_that_rules_refer_to(capsys: pytest.CaptureFixture[str]) -> None:
+    """The G80T is certified with 77.99 N and its curve averages more than 80: the latter would read as high power."""
+    assert main(["motors", "AeroTech G80T"]) == 0
+    shown = capsys.readouterr().out
+    assert "77.99" in shown
+    assert f"{_motor('AeroTech G80T').average_thrust:.4g}" not in shown
 
 
 def test_corrections_are_shown_with_their_motor(capsys: pytest.CaptureFixture[str]) -> None:

@@ -96,7 +96,7 @@ def test_a_correction_states_the_catalogs_figure_even_if_its_row_does_not(tmp_pa
     assert f"instead of {before.total_impulse:.4g}" in lines["total_impulse_ns"]
     assert f"instead of {before.loaded_mass * 1e3:.4g}" in lines["loaded_g"]
     assert not any("none" in line for line in lines.values())
-    assert not any("instead" in one.text() for one in read_own_corrections(tmp_path))
+    assert not any("instead" in one.text() for one in read_own_corrections(tmp_path)[0])
 
 
 @pytest.mark.parametrize(
@@ -118,6 +118,63 @@ def test_an_invalid_row_is_named_and_does_not_stop_anything(tmp_path: Path, row:
     assert motors.resolve("F24W").motor.total_impulse == catalogue().resolve("F24W").motor.total_impulse
 
 
+def test_a_row_that_cannot_be_used_does_not_affect_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bad = (
+        "AeroTech,F99X,loaded_g,,60,sure,x,,\n"
+        "AeroTech,F24W,loaded_g,,60,certain,x,,\n"
+        "AeroTech,F24W,loaded_g,,1,sure,x,,\n"
+    )
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    folder = tmp_path / "motors"
+    folder.mkdir()
+    (folder / FILE_NAME).write_text(HEADER + bad + ROWS)
+    motors, errors = known_motors(folder)
+    assert motors.resolve("F24W").motor.total_impulse == 45.0
+    assert motors.resolve("F24W lot 0412").motor.total_impulse == 50.0
+    assert {str(error).split(":")[0] for error in errors} == {
+        f"{FILE_NAME}, row 2",
+        f"{FILE_NAME}, row 3, confidence",
+        f"{FILE_NAME}, row 4",
+    }
+    assert main(["motors", "--corrections"]) == 0
+    assert len(capsys.readouterr().err.splitlines()) == len(errors)
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path, separator: str) -> None:
+    rows = [
+        HEADER.strip().split(","),
+        ["AeroTech", "F24W", "total_impulse_ns", "", "45,5", "sure", "my stand", "0412", "2025-03-01"],
+        ["AeroTech", "F24W", "delays", "", "4,7,9", "sure", "the bag", "", ""],
+    ]
+    text = "\n".join(separator.join(row) for row in rows)
+    (tmp_path / FILE_NAME).write_text(f"\ufeff{text}\n", encoding="utf-8")
+    motors, errors = known_motors(tmp_path)
+    assert not errors
+    assert motors.resolve("F24W").motor.delays == (4.0, 7.0, 9.0)
+    assert motors.resolve("F24W lot 0412").motor.total_impulse == pytest.approx(45.5)
+
+
+def test_a_table_without_the_needed_columns_is_named(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_text("maker,motor,field,value\nAeroTech,F24W,loaded_g,60\n")
+    _, (error,) = known_motors(tmp_path)
+    assert "found no column designation" in str(error)
+
+
+ENG = "Q77 24 70 5-7 0.02 0.06 Homemade\n 0.05 50\n 0.9 40\n 1.0 0\n;\n"
+
+
+def test_a_motor_of_the_flyers_own_has_lots_too(tmp_path: Path) -> None:
+    (tmp_path / "own.eng").write_text(ENG.replace("Q77", "F77"))
+    (tmp_path / FILE_NAME).write_text(HEADER + "Homemade,F77,total_impulse_ns,,41,sure,my stand,2,\n")
+    motors, errors = known_motors(tmp_path)
+    assert not errors
+    assert motors.resolve("F77 lot 2").motor.total_impulse == pytest.approx(41)
+    assert motors.resolve("F77").motor.total_impulse != pytest.approx(41)
+
+
 TESTS = (
     "manufacturer,designation,common_name,tested_impulse_ns,tested_average_n,propellant_g,source,note\n"
     "AeroTech,F24W,F24,60,,,a stand,basis=curve\n"
@@ -134,6 +191,41 @@ def test_letters_take_precedence_over_curves_and_unknown_motors_are_named() -> N
     (one,) = found.differences
     assert (one.field, one.tested, one.basis) == ("total_impulse_ns", 53.0, "letter")
     assert one.ratio == pytest.approx(53.0 / one.listed - 1)
+
+
+def test_a_certified_curve_takes_precedence_over_another() -> None:
+    head = "manufacturer,designation,tested_impulse_ns,source,note\n"
+    rows = "AeroTech,F24W,60,a user,basis=curve; file class user\nAeroTech,F24W,52,NAR,basis=curve; file class cert\n"
+    (one,) = compare_tests(catalogue(), (head + rows).encode(), "tests.csv").differences
+    assert (one.tested, one.source, one.basis) == (52.0, "NAR", "curve")
+
+
+def test_masses_that_mean_something_else_are_not_compared() -> None:
+    """Curve files of Cesaroni and of Redline motors state the mass lost, and notes call single masses doubtful."""
+    head = "manufacturer,designation,propellant_g,loaded_g,note\n"
+    rows = (
+        "Cesaroni,25E75-17A,16,60,basis=curve\n"
+        "AeroTech,H148R,147.8,,basis=curve\n"
+        "AeroTech,F24W,25.3,80,basis=curve; loaded mass of the file doubtful\n"
+        "Cesaroni,26E31-15A,16.9,,basis=letter\n"
+    )
+    found = compare_tests(catalogue(), (head + rows).encode(), "tests.csv").differences
+    assert {(one.motor.designation, one.field) for one in found} == {
+        ("25E75-17A", "loaded_g"),
+        ("F24W", "propellant_g"),
+        ("26E31-15A", "propellant_g"),
+    }
+
+
+def test_delays_that_the_catalog_lacks_are_listed() -> None:
+    head = "manufacturer,designation,delays,note\n"
+    rows = (
+        'AeroTech,F24W,"4,7,9",basis=letter\n'  # 9 is missing
+        "AeroTech,H283ST,15A,basis=letter\n"  # only the longest, to be drilled
+        "AeroTech,F39T,soon,basis=letter\n"
+    )
+    (one,) = compare_tests(catalogue(), (head + rows).encode(), "tests.csv").delays
+    assert (one.motor.designation, one.tested, one.json()["catalogue"]) == ("F24W", (4.0, 7.0, 9.0), "4, 7")
 
 
 @pytest.mark.parametrize(("text", "named"), [("a,b\n1,2\n", "columns"), (TESTS.replace("60", "many"), "row 2")])
@@ -166,5 +258,6 @@ def test_certification_letters_agree_with_the_catalog() -> None:
     found = compare_tests(catalogue(), content, "motor_tests.csv")
     assert found.rows == 781
     assert len(found.unknown) < 20
+    assert {one.motor.designation for one in found.delays} == {"H148R", "H165R", "H238T", "H242T"}  # sold longer now
     letters = [one for one in found.differences if one.basis == "letter" and one.field == "total_impulse_ns"]
     assert len(letters) <= 4
