@@ -80,7 +80,7 @@ def finals(
         found = plan.motor()
         rule = season_rule(season_year(season)).announced(None, announced)
         if between is not None:
-            rule = replace(rule, finals_range=(between[0] * FOOT, between[1] * FOOT))
+            rule = replace(rule, finals_range=(between[0] * FOOT, between[1] * FOOT), finals_never=None)
         flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
         table = finals_table(flown, rule, finals_targets(rule))
         approved = approved_motors(rule.year, data_file("seasons"))

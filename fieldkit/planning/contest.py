@@ -28,7 +28,9 @@ FIRST_MONTH = 6
 """The month of the year before in which a season starts. [1]"""
 MOST_DECLARED = 100
 """Largest number of flights that may be declared. [1]"""
-_TEXTS = ("eggs", "body", "launch", "finals", "mark", "source")
+_BY_HAND = ("eggs", "body", "launch", "motors", "altimeter")
+"""Rules of a season that the program cannot check."""
+_TEXTS = (*_BY_HAND, "finals", "mark", "source")
 """Keys of a season that are text."""
 
 
@@ -37,8 +39,9 @@ class Season:
     """The rules of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` flights count.
 
     `mass` and `impulse` are upper limits on the pad, `length` a lower limit; None if the season sets none. `eggs`,
-    `body`, `launch` and `finals` are its other rules, `finals_range` the targets that finals may have [m]. `mark` is
-    the reliability of its text, `marks` that of less reliable limits, by name.
+    `body`, `launch`, `motors`, `altimeter` and `finals` are its other rules, `finals_range` the targets that
+    finals may have, except `finals_never` [m]. `mark` is the reliability of its text, `marks` that of less reliable
+    limits, by name.
     """
 
     year: int
@@ -56,8 +59,11 @@ class Season:
     eggs: str = ""
     body: str = ""
     launch: str = ""
+    motors: str = ""
+    altimeter: str = ""
     finals: str = ""
     finals_range: tuple[float, float] | None = None
+    finals_never: float | None = None
     mark: str = "U"
     source: str = ""
     marks: Mapping[str, str] = field(default_factory=dict)
@@ -94,8 +100,8 @@ class Season:
 
     @property
     def by_hand(self) -> list[tuple[str, str]]:
-        """Its rules about eggs, body and launch, which the program cannot check, each with its name."""
-        return [(name, text) for name in ("eggs", "body", "launch") if (text := getattr(self, name))]
+        """Its rules that the program cannot check, each with its name."""
+        return [(name, text) for name in _BY_HAND if (text := getattr(self, name))]
 
 
 def seasons(own: Path | None = None) -> list[int]:
@@ -157,6 +163,7 @@ def season(year: int, own: Path | None = None) -> Season:
             impulse=_limit(most, "impulse_ns", 1.0),
             length=_limit(most, "length_mm_at_least", 1e-3),
             finals_range=_finals(rule.get("finals_ft")),
+            finals_never=_limit(rule, "finals_never_ft", FOOT),
             marks={str(name): str(mark) for name, mark in rule.get("marks", {}).items()},
             remarks=printable(str(rule.get("remarks", ""))),
             **{key: printable(str(rule[key])) for key in _TEXTS if key in rule},

@@ -117,11 +117,13 @@ def trials(
 
 
 def finals_targets(rule: Season) -> list[float]:
-    """Targets that finals may have, every five feet; the season's target if its rules have no range. [m]"""
+    """Targets that finals may have, every five feet, without one that is never announced; the season's target if its
+    rules have no range. [m]"""
     if rule.finals_range is None:
         return [rule.target]
     low, high = rule.finals_range
-    return [float(one) for one in np.arange(low, high + 0.5 * STEP, STEP)]
+    every = [float(one) for one in np.arange(low, high + 0.5 * STEP, STEP)]
+    return [one for one in every if rule.finals_never is None or abs(one - rule.finals_never) > 0.5 * FOOT] or every
 
 
 def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) -> list[FinalsRow]:

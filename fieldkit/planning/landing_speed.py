@@ -1,13 +1,16 @@
-"""The safety line of the speed at landing: whether the parachute is too small or too large.
+"""The safety lines of the descent: whether the parachute is too small or too large, and drogue and main of a rocket
+with both.
 
 Derivation: drag balances weight, so the speed is inversely proportional to the parachute's diameter.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from fieldkit.flight.recovery import Device
+from fieldkit.flight.recovery import Device, Recovery
 from fieldkit.physics.descent import DescentResult
-from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck, speed
+from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck, Verdict, length, speed
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.limits import Limits
 
@@ -42,6 +45,31 @@ def landing_speed_line(
     if found < slow.value:
         return SafetyCheck(NAME, "caution", text, slow.source)
     return _too_fast(text, mass * found**2 / 2, limits)
+
+
+def two_device_lines(
+    recovery: Recovery, mass: float, density: float, fall: Fall, limits: Limits
+) -> Iterator[SafetyCheck]:
+    """The speed under a drogue near the ground, and the height at which the main opens, of a rocket of a landing mass
+    [kg] in air of a density at the pad [kg/m^3], against guidance; nothing for a rocket with one device."""
+    if recovery.main_altitude is None or fall.drogue is None:
+        return
+    slow, fast = limits["drogue_speed_slow"], limits["drogue_speed"]
+    found = fall.drogue.usual_speed(mass, density)
+    text = f"usual {speed(slow.value)} to {speed(fast.value)}"
+    if fall.drogue.assumed:
+        yield SafetyCheck("drogue speed", "unknown", f"{speed(found)} assumed; enter it; {text}", fast.source)
+    else:
+        why, limit = (": drifts far", slow) if found < slow.value else (": strains the main", fast)
+        inside = slow.value <= found <= fast.value
+        verdict: Verdict = "ok" if inside else "caution"
+        yield SafetyCheck("drogue speed", verdict, f"{speed(found)}; {text}{'' if inside else why}", limit.source)
+    low, high = limits["main_altitude_low"], limits["main_altitude"]
+    wanted = f"usual {length(low.value)} to {length(high.value)}"
+    limit, verdict = (low if recovery.main_altitude < low.value else high), "caution"
+    if low.value - 1e-6 <= recovery.main_altitude <= high.value + 1e-6:
+        verdict = "ok"
+    yield SafetyCheck("main altitude", verdict, f"opens at {length(recovery.main_altitude)}; {wanted}", limit.source)
 
 
 def _remedy(found: float, limits: Limits) -> str:

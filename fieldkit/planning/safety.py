@@ -43,7 +43,7 @@ from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.planning.governed import governed
 from fieldkit.planning.landing import Landing, landing
-from fieldkit.planning.landing_speed import landing_speed_line
+from fieldkit.planning.landing_speed import landing_speed_line, two_device_lines
 from fieldkit.planning.limits import Limit, Limits
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.rules import RuleSet, rule_sets
@@ -108,7 +108,7 @@ def safety_lines(
     sets = known_rules() if rules is None else rules
     governed_by = governed(build, three(prediction.true_apogee)[2], site, sets, day)
     down = landing(prediction, fall)
-    device, mass = recovery_of(plan).device, landing_mass(plan, prediction.found)
+    recovery, mass = recovery_of(plan), landing_mass(plan, prediction.found)
     density = float(air_at_pads([plan]).density[0])
     lines = [
         _rail(prediction.rail_speed, plan, limits),
@@ -121,7 +121,8 @@ def safety_lines(
         rule_lines.distance_line(governed_by, site.people),
         rule_lines.bystander_line(governed_by, site.bystanders),
         _ejection(prediction, limits),
-        landing_speed_line(down.down, device, mass, density, fall, limits),
+        *two_device_lines(recovery, mass, density, fall, limits),
+        landing_speed_line(down.down, recovery.device, mass, density, fall, limits),
         _temperature(plan, limits),
         rule_lines.mass_line(governed_by),
         rule_lines.class_line(governed_by),

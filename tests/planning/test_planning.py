@@ -59,6 +59,8 @@ NAMES = [
     "recovery",
     "misfire",
     "more than ten at once",
+    "air law",
+    "materials",
 ]
 ANYWHERE = Site()
 FALL = Fall(float(np.log(9.0)), 0.1, 8)

@@ -244,6 +244,26 @@ def test_an_altimeter_that_opens_a_drogue_at_apogee_needs_no_delay(prediction: P
     assert line(delay=0.0).verdict == "unsafe"  # a booster has no charge
 
 
+@pytest.mark.parametrize(
+    ("main", "drogue", "verdicts"),
+    [
+        ("150", "20", ("ok", "ok")),
+        ("61", "15.3", ("ok", "ok")),  # just above 200 ft and 50 ft/s
+        ("60", "15.2", ("caution", "caution")),
+        ("457", "45.7", ("ok", "ok")),  # just below 1,500 ft and 150 ft/s
+        ("458", "45.8", ("caution", "caution")),
+        ("150", "", ("unknown", "ok")),
+    ],
+)
+def test_drogue_and_main_are_checked(prediction: Prediction, main: str, drogue: str, verdicts: tuple[str, str]) -> None:
+    """Source: student launch teams, the IREC design guide, and Eggtimer's least altitude for deployment."""
+    extra = {"main_altitude_m": main} | ({"drogue_speed_mps": drogue} if drogue else {})
+    one = replace(prediction, plan=prediction.plan.with_changes(extra=extra))
+    lines = {line.name: line for line in safety_lines(one, Site(), fall_of([], one.plan, FOUND), limits())}
+    assert (lines["drogue speed"].verdict, lines["main altitude"].verdict) == verdicts
+    assert "drogue speed" not in {line.name for line in safety_lines(prediction, Site(), usual(), limits())}
+
+
 def test_figures_are_only_in_the_units_of_the_flyer(prediction: Prediction) -> None:
     lines = safety_lines(prediction, Site(size=300.0, people=20.0, ceiling=500.0), usual(), limits())
     metric, american = (

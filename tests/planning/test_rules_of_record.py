@@ -19,6 +19,7 @@ from fieldkit.planning.classification import build_of, why_high_power
 from fieldkit.planning.contest import season, seasons
 from fieldkit.planning.contest_flight import judged_duration
 from fieldkit.planning.delay import drill_of, offered
+from fieldkit.planning.finals import finals_targets
 from fieldkit.planning.limits import limits
 from fieldkit.planning.rules import Rule, rule_sets
 from fieldkit.units import FOOT, MILE
@@ -157,6 +158,10 @@ LIMITS = [
     ("Stability", "stability_most", r"above about 2.5-(\d) weathercocks", 1.0),
     ("Descent, model", "landing_speed_slow", r"about (\d)-6 m/s", 1.0),
     ("Descent, large", "landing_speed", r"landing under (\d+) ft/s", FOOT),
+    ("Descent, student launch", "drogue_speed_slow", r"drogue about (\d+)-55 ft/s", FOOT),
+    ("Descent, large", "drogue_speed", r"drogue 75-(\d+) ft/s", FOOT),
+    ("Descent, large", "main_altitude", r"main by ([\d,]+) ft", FOOT),
+    ("Minimum altitude for Eggtimer deployment", "main_altitude_low", r"^(\d+) ft", FOOT),
     ("Descent, student launch", "landing_energy", r"at most 75 ft lbf \((\d+) J\)", 1.0),
 ]
 """Rows of the table of guidance, the threshold they are the source of, the figure, and its unit in SI."""
@@ -167,7 +172,7 @@ def test_guidance_that_is_not_law(topic: str, name: str, figure: str, unit: floa
     (row,) = [row for row in table("Topic", "Value") if row[0] == topic]
     found = re.search(figure, row[1])
     assert found, row[1]
-    assert limits()[name].value == pytest.approx(float(found[1]) * unit)
+    assert limits()[name].value == pytest.approx(number(found[1]) * unit)
 
 
 def test_the_program_warns_of_an_opening_speed_sooner_than_the_guidance() -> None:
@@ -389,6 +394,39 @@ def test_the_words_of_the_high_power_code() -> None:
     assert rule("nar_high_power", "sparky motors").text.mark == "T"
 
 
+def test_what_else_the_safety_codes_say() -> None:
+    rows = {row[0]: row for row in table("Rule", "Figure", "Quote")}
+    assert "no targets" in rows["Sky"][1]
+    assert "no targets" in rule("nar_model", "sky").text.words
+    assert "safety key out" in rows["Misfire"][1]
+    assert "safety key out" in rule("nar_model", "misfire").text.words
+    assert rows["Recovery"][1] == "streamer or parachute, undamaged, flame-resistant wadding"
+    for word in ("streamer", "parachute", "undamaged", "flame-resistant wadding"):
+        assert word in rule("nar_model", "recovery").text.words
+    letter = section("* For certification flights", "* The older limit")
+    quote = re.search(r'"([^"]+)"', letter)
+    assert quote
+    assert quote[1] in rule("nar_high_power", "certification").text.words
+    (level,) = [row for row in table("Level", "Classes") if row[0] == "1"]
+    assert "high-power F, G" in level[1]
+    assert "F and G of high power" in rule("nar_high_power", "certification").text.words
+
+
+def test_the_altimeters_of_a_contest_of_the_nar() -> None:
+    fact, words = section("NAR Sporting Code 20.2", "So every NAR"), rule("nar_contest", "altimeter").text.words
+    assert '"accuracy of 1 percent of recorded altitude or 2 meters, whichever is greater"' in fact
+    assert "accuracy of 1 percent of recorded altitude or 2 meters, whichever is greater" in words
+    for there, here in (
+        ("at least 16 bit", "at least 16 bits"),
+        ("at least once a minute before launch", "at least once a minute"),
+        ("resolution 1 m or better", "1 m"),
+        ("at least 10 samples/s", "10 samples a second"),
+        ("rejects ejection spikes", "ignores the ejection"),
+    ):
+        assert there in fact
+        assert here in words
+
+
 def test_the_law_of_the_united_states() -> None:
     fact, law = section("## 3. US air law", "## 4."), SETS["faa"].classes
     assert f"at most {law['class1_propellant_g']:g} g (4.4 oz)" in fact
@@ -398,12 +436,21 @@ def test_the_law_of_the_united_states() -> None:
     assert "greater of 1/4 of the maximum expected altitude or 457 m (1,500 ft)" in fact
     assert (away.of_altitude, away.rows[0].value / FOOT) == (0.25, pytest.approx(1500))
     assert away.rows[0].value == pytest.approx(457, abs=0.5)
+    assert "slow-burning propellant; paper, wood, breakable plastic; no substantial metal" in fact
+    words = rule("faa", "materials").text.words
+    assert "slow-burning propellant, made of paper, wood or breakable plastic, without substantial metal" in words
+    assert rule("faa", "materials").classes == (1,)
+    assert "(101.23): suborbital, not into foreign airspace, unmanned, no hazard to people, property, aircraft" in fact
+    words = rule("faa", "air law").text.words
+    assert words == "suborbital, not into foreign airspace, unmanned, no hazard to people, property or aircraft"
+    assert rule("faa", "air law").classes == ()  # all of them
+    assert all(one.text.mark == "O" for one in SETS["faa"].rules)
     words = rule("faa", "sky").text.words
     for there, here in (
         ("five-tenths cloud", "five-tenths cloud"),
         ("visibility under 5 miles", "visibility under five miles"),
         ("between sunset and sunrise", "between sunset and sunrise"),
-        ("within 5 nautical miles", "within five nautical miles"),
+        ("within 5 nautical miles (9.26 km)", "within five nautical miles (9.26 km)"),
         ("a person of 18 or more in charge", "a person of 18 years or more in charge"),
     ):
         assert there in fact
@@ -459,7 +506,25 @@ def test_the_score_of_a_flight() -> None:
 def test_the_finals_of_2027() -> None:
     (row,) = [row for row in table("Season", "Target, ft") if row[0] == "2027"]
     low, high = map(float, re.findall(r"(\d{3})-(\d{3})", row[6])[0])
-    assert season(2027).finals_range == pytest.approx((low * FOOT, high * FOOT))
+    rules = season(2027)
+    assert rules.finals_range == pytest.approx((low * FOOT, high * FOOT))
+    assert "never 800" in row[6]
+    assert rules.finals_never == pytest.approx(800 * FOOT)
+    assert [one for one in finals_targets(rules) if abs(one / FOOT - 800) < 1] == []
+
+
+def test_the_motors_altimeters_and_dates_of_a_season() -> None:
+    motors, dates = section("Motors: total impulse", "2027 launch:"), section("2027 launch:", "Approved altimeters")
+    assert "F or smaller, on the season's approved list, single use or reload, unaltered apart from" in motors
+    assert "2026: 4 June 2025; 2027: some 24/40 reloads were taken off" in motors
+    for year, words in ((2026, "list of 4 June 2025"), (2027, "some 24/40 reloads were taken")):
+        assert season(year).motors.startswith("F or smaller on the season's list")
+        assert words in season(year).motors
+    assert "Deadlines 6 Dec 2026 and 4 Apr 2027, finals 15 May 2027" in dates
+    for day in ("6 December 2026", "4 April 2027", "15 May 2027"):
+        assert day in season(2027).remarks
+    assert "no temperature correction is provided for" in section("Altitude: the reading", "| Season")
+    assert "without a correction for temperature" in season(2027).altimeter
 
 
 def test_an_altimeter_assumes_the_standard_atmosphere() -> None:
