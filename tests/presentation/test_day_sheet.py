@@ -1,6 +1,7 @@
 """The day sheet: a row for each plan, and every check that did not pass."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,32 @@ def test_a_row_summarizes_a_plan_with_its_failed_checks_below(planned: PlannedFl
     american = text_of(day_sheet("Saturday", SITE, [planned], ".svg", "US"))
     assert "field 984 ft" in american
     assert "field 300 m" not in american
+
+
+def test_the_columns_and_marks_are_explained(planned: PlannedFlight) -> None:
+    sheet = text_of(day_sheet("Saturday", SITE, [planned], ".svg"))
+    for words in ("charge: seconds after (+) or before (-) apogee", "⊘ unsafe, ! caution, ? not checked"):
+        assert words in sheet
+
+
+def test_what_is_unknown_for_every_flight_is_said_once(planned: PlannedFlight) -> None:
+    alone = text_of(day_sheet("Saturday", SITE, [planned], ".svg"))
+    assert alone.count("to be checked by you") == 1
+    assert "every flight" not in alone
+    other = replace(planned, lines=[line for line in planned.lines if line.name != "sky"])
+    sheet = text_of(day_sheet("Saturday", SITE, [other, planned], ".svg"))
+    assert sheet.count("to be checked by you") == 2
+    assert "every flight  ? not checked, or to be checked by you: " in sheet
+    assert re.search(r"<!-- {4}\? not checked, or to be checked by you: sky -->", sheet) is not None
+
+
+def test_names_that_differ_at_their_ends_stay_different(planned: PlannedFlight) -> None:
+    one = planned.prediction
+    plans = [one.plan.with_changes(flight_id=f"qualification-{n}") for n in (11, 12)]
+    several = [replace(planned, prediction=replace(one, plan=plan)) for plan in plans]
+    sheet = text_of(day_sheet("Saturday", SITE, several, ".svg"))
+    assert "<!-- qual…on-11 -->" in sheet
+    assert "<!-- qual…on-12 -->" in sheet
 
 
 def test_many_flights_take_several_pages_and_no_line_is_lost(planned: PlannedFlight) -> None:

@@ -40,15 +40,21 @@ HEADERS = (
     "checks",
     "flown: apogee, time",
 )
-WIDTHS = (0.06, 0.11, 0.12, 0.065, 0.07, 0.115, 0.065, 0.085, 0.085, 0.065, 0.16)
+WIDTHS = (0.075, 0.11, 0.12, 0.065, 0.07, 0.115, 0.065, 0.085, 0.085, 0.065, 0.145)
 """Column widths as fractions of the page's width. [1]"""
 LANDSCAPE = (11.69, 8.27)
 """Width and height of a page. [inch]"""
 ROWS = 12
 """Maximum number of flights on a page. [1]"""
-LINE, LINES = 165, 54
+LEGEND = (
+    "90%, and in parentheses: from 5 to 95%. charge: seconds after (+) or before (-) apogee. lands: from the pad, "
+    f"the median. checks: {MARKS['unsafe']} unsafe, {MARKS['caution']} caution, {MARKS['unknown']} not checked."
+)
+"""What the columns mean, below the notes."""
+UNCHECKED = f"{MARKS['unknown']} not checked, or to be checked by you: "
+LINE, LINES = 165, 53
 """Length of the lines below the table [character], and the number of lines on a page without a table."""
-TABLE_TOP, ROW_HEIGHT, LINE_HEIGHT, FOOT_OF_PAGE = 0.85, 0.034, 0.0155, 0.065
+TABLE_TOP, ROW_HEIGHT, LINE_HEIGHT, FOOT_OF_PAGE = 0.85, 0.034, 0.0155, 0.08
 """Top of the table, heights of its rows and of the lines below, and the bottom margin, as fractions of the page's
 height. [1]"""
 
@@ -111,6 +117,7 @@ def _more(title: str, rows: Sequence[str]) -> Figure:
 
 def _lines(figure: Figure, top: float, rows: Sequence[str]) -> None:
     figure.text(0.03, top, "\n".join(rows), fontsize=7.5, va="top", family="monospace")
+    figure.text(0.03, 0.045, LEGEND, fontsize=8, va="bottom")
     figure.text(0.03, 0.02, ADVICE_NOTE, fontsize=9, fontweight="bold")
 
 
@@ -170,7 +177,7 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
     early, usual, late = three(one.down.duration)
     motor = plan.motor or prediction.found.motor.designation
     return (
-        shortened(one.name, 9),
+        _both_ends(one.name, 10),
         shortened(f"{plan.rocket} {plan.config}".strip(), 17),
         shortened(motor, 19),
         "" if mass is None else shown.mass(mass),
@@ -182,6 +189,12 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
         _verdicts(one.lines),
         "",
     )
+
+
+def _both_ends(text: str, most: int) -> str:
+    """A name with at most this number of characters, without its middle: names of one day often differ at the end."""
+    text, half = printable(text), most // 2
+    return text if len(text) <= most else f"{text[: most - half - 1]}…{text[-half:]}"
 
 
 def _charge(prediction: Prediction) -> str:
@@ -203,15 +216,16 @@ def _verdicts(lines: Sequence[SafetyCheck]) -> str:
 
 
 def _plan_rows(planned: Sequence[PlannedFlight], own: Sequence[str], shown: ShownUnits) -> list[str]:
-    """Each flight's `own` site and weather if they differ, the recommended rail angle, its safety checks that did not
-    pass, and the names of the unknown ones."""
-    lines_below: list[str] = []
-    for one, day in zip(planned, own, strict=True):
+    """The names of the checks that are unknown for every flight; then each flight's `own` site and weather if they
+    differ, the recommended rail angle, its safety checks that did not pass, and the names of its own unknown ones."""
+    unknown = [[line.name for line in one.lines if line.verdict == "unknown"] for one in planned]
+    shared = [name for name in unknown[0] if len(planned) > 1 and all(name in names for names in unknown)]
+    lines_below = [f"every flight  {UNCHECKED}{', '.join(shared)}"] if shared else []
+    for one, day, names in zip(planned, own, unknown, strict=True):
         rail = [rail_in_words(choice, shown) for choice in one.rail[:1]] or [f"none: {one.no_rail}"] * bool(one.no_rail)
         lines_below.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
         lines_below += [f"   {day}"] if day else []
         lines_below += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
-        unknown = [line.name for line in one.lines if line.verdict == "unknown"]
-        if unknown:
-            lines_below.append(f"   {MARKS['unknown']} not checked, or to be checked by you: {', '.join(unknown)}")
+        if rest := [name for name in names if name not in shared]:
+            lines_below.append(f"   {UNCHECKED}{', '.join(rest)}")
     return [row for text in lines_below for row in fill(printable(text), LINE, subsequent_indent="      ").splitlines()]

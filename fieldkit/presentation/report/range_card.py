@@ -17,6 +17,8 @@ from fieldkit.units import UNITS
 
 LINE = 108
 """Length of the lines of safety checks. [character]"""
+NOTE_LINE, NOTE_INDENT = 60, 12
+"""Length of the lines of the forecast, and the indent of those that continue one, below its text. [character]"""
 TITLE_LINE, TITLE_ROW = 60, 0.02
 """Length of the lines of the title [character], and their height as a fraction of the page's height. [1]"""
 FONT = 7.5
@@ -43,11 +45,11 @@ def _drawn(
     title = fill(printable(words[0]), TITLE_LINE)
     top = 0.935 - TITLE_ROW * title.count("\n")
     figure.text(0.06, 0.965, title, fontsize=14, fontweight="bold", va="top")
-    notes_below = "\n".join(_wrapped(line, 60) for line in words[1:])
+    notes_below = "\n".join(_wrapped(line, NOTE_LINE, NOTE_INDENT) for line in words[1:])
     figure.text(0.06, top, notes_below, fontsize=FONT, va="top", family="monospace")
     below = min(CHECKS_TOP, top - ROW * (notes_below.count("\n") + 2))
     worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
-    safety = "\n".join(_wrapped(line.words(system), LINE) for line in worst_first)
+    safety = "\n".join(_wrapped(line.words(system), LINE, 4) for line in worst_first)
     figure.text(0.06, below, "Safety lines", fontsize=11, fontweight="bold", va="top")
     safety = f"{safety}\n\n{ADVICE_NOTE}"
     room = (below - 2 * ROW - FOOT_OF_PAGE) / (ROW * (safety.count("\n") + 1))
@@ -58,8 +60,8 @@ def _drawn(
     return content.getvalue()
 
 
-def _wrapped(text: str, width: int) -> str:
-    return fill(printable(text), width, subsequent_indent="    ", drop_whitespace=True)
+def _wrapped(text: str, width: int, indent: int) -> str:
+    return fill(printable(text), width, subsequent_indent=" " * indent, drop_whitespace=True)
 
 
 def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
@@ -82,4 +84,4 @@ def _map(figure: Figure, found: Landing, site: Site, unit: str) -> None:
     axes.set_xlabel(f"right of the wind [{unit}]", fontsize=7)
     axes.set_ylabel(f"downwind [{unit}]", fontsize=7)
     axes.tick_params(labelsize=6)
-    axes.legend(fontsize=6, loc="lower right", framealpha=1.0)
+    axes.legend(fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
