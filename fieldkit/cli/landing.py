@@ -69,7 +69,7 @@ def landing(
         name = f"{prediction.plan.rocket} on {motor_in_words(prediction.plan, found)}"
         if wind_from is None:
             complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
-        content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from)
+        content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from, system())
         files.write(kml, content, force=replaces[kml])
         complain(f"Wrote the landing ellipse to {kml}")
     if card is not None:

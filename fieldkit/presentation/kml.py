@@ -10,6 +10,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.planning.landing import Landing
+from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 
@@ -17,6 +18,16 @@ EARTH_RADIUS = 6371008.8
 """Mean radius of the Earth (IUGG). [m]"""
 MAX_POINTS = 2000
 """Maximum number of points of a track, evenly selected. [1]"""
+
+RED = "0000ff"
+"""Color of what is drawn: blue, green, red as KML writes it, after the opacity."""
+STYLES = {
+    "area": f"<LineStyle><color>ff{RED}</color><width>2</width></LineStyle>"
+    f"<PolyStyle><color>33{RED}</color></PolyStyle>",
+    "draw": "<IconStyle><scale>0.4</scale></IconStyle>",
+    "track": f"<LineStyle><color>ff{RED}</color><width>3</width></LineStyle>",
+}
+"""Styles by id: without one, a map viewer fills an area with opaque white, and marks every point with a large pin."""
 
 
 def read_place(text: str) -> tuple[float, float]:
@@ -43,24 +54,28 @@ def placed(pad: tuple[float, float], wind_from: float, points: Float[Array, "poi
     return np.stack([longitude, latitude], axis=-1)
 
 
-def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: float) -> bytes:
-    """The pad, the most likely landing, the ellipse around it, and some of the landing draws; `pad` is latitude
-    and longitude [deg], `wind_from` an angle from north [deg]."""
+def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: float, system: str = "SI") -> bytes:
+    """The pad, the most likely landing, the ellipse around it, and some of the landing draws; `pad` is latitude and
+    longitude [deg], `wind_from` an angle from north [deg], and the wind is described in the units of a system."""
     ellipse = found.ellipse()
     outline = placed(pad, wind_from, ellipse.outline())
     centre = placed(pad, wind_from, np.array([[ellipse.along, ellipse.across]]))
     drawn = placed(pad, wind_from, np.stack([found.along, found.across], axis=-1)[:100])
     marks = "".join(f"<Point><coordinates>{_places(point[None])}</coordinates></Point>" for point in drawn)
+    wind = f"wind from {wind_from:g} degrees, {ShownUnits(system).speed(found.wind or 0.0)} at the pad"
     parts = [
-        f"<description>wind from {wind_from:g} degrees, {found.wind or 0.0:.1f} m/s at the pad</description>",
+        f"<description>{escape(wind)}</description>",
+        _style("area"),
+        _style("draw"),
         _placemark("pad", f"<Point><coordinates>{pad[1]:.7f},{pad[0]:.7f}</coordinates></Point>"),
         _placemark("center of the landings", f"<Point><coordinates>{_places(centre)}</coordinates></Point>"),
         _placemark(
             f"{ellipse.level:.0%} of landings",
             "<Polygon><outerBoundaryIs><LinearRing><coordinates>"
             f"{_places(outline)}</coordinates></LinearRing></outerBoundaryIs></Polygon>",
+            "area",
         ),
-        _placemark("simulated landings", f"<MultiGeometry>{marks}</MultiGeometry>"),
+        _placemark("simulated landings", f"<MultiGeometry>{marks}</MultiGeometry>", "draw"),
     ]
     return _document(name, parts)
 
@@ -68,8 +83,8 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
 def track_kml(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
-    """A satellite track, with its altitude above sea level [m] if recorded. Raises BadValue if there are no
-    positions."""
+    """A satellite track, with its altitude above sea level [m] if recorded, and its ends on the ground. Raises BadValue
+    if there are no positions."""
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if altitude is not None:
         known &= np.isfinite(altitude)
@@ -80,7 +95,11 @@ def track_kml(
     columns = [longitude[rows], latitude[rows], *([altitude[rows]] if altitude is not None else [])]
     mode = "<altitudeMode>absolute</altitudeMode>" if altitude is not None else "<tessellate>1</tessellate>"
     path = f"<LineString>{mode}<coordinates>{_places(np.stack(columns, axis=-1))}</coordinates></LineString>"
-    return _document(name, [_placemark("track", path)])
+    ends = [
+        _placemark(end, f"<Point><coordinates>{longitude[row]:.7f},{latitude[row]:.7f}</coordinates></Point>")
+        for end, row in (("first position", rows[0]), ("last position", rows[-1]))
+    ]
+    return _document(name, [_style("track"), _placemark("track", path, "track"), *ends])
 
 
 def _places(points: Float[Array, "point axis"]) -> str:
@@ -89,8 +108,13 @@ def _places(points: Float[Array, "point axis"]) -> str:
     )
 
 
-def _placemark(name: str, geometry: str) -> str:
-    return f"<Placemark><name>{escape(printable(name))}</name>{geometry}</Placemark>"
+def _style(name: str) -> str:
+    return f'<Style id="{name}">{STYLES[name]}</Style>'
+
+
+def _placemark(name: str, geometry: str, style: str = "") -> str:
+    look = f"<styleUrl>#{style}</styleUrl>" if style else ""
+    return f"<Placemark><name>{escape(printable(name))}</name>{look}{geometry}</Placemark>"
 
 
 def _document(name: str, parts: Sequence[str]) -> bytes:

@@ -49,10 +49,31 @@ def test_a_landing_has_a_pad_a_center_an_ellipse_and_some_draws() -> None:
     assert b"\x1b" not in content
 
 
+def test_the_map_shows_below_the_ellipse_and_each_style_is_defined() -> None:
+    """Without a style an area is opaque white: it hides the field."""
+    down = DescentResult(*[np.ones(20)] * 7)
+    along = 300 + np.linspace(-9, 9, 20)
+    found = Landing(along, np.cos(along), np.ones(20), down, lambda _: down, 4.4704)
+    landed = landing_kml("Comet", found, (47.5, 8.7), 270.0, "US")
+    assert b"10.0 mph at the pad" in landed
+    for content in (landed, track_kml("3", np.array([47.0, 47.1]), np.array([8.0, 8.1]), None)):
+        root = ElementTree.fromstring(content)
+        styles = {one.get("id"): one for one in root.iter(f"{SPACE}Style")}
+        used = {(one.text or "").removeprefix("#") for one in root.iter(f"{SPACE}styleUrl")}
+        assert used == set(styles)
+        for placemark in root.iter(f"{SPACE}Placemark"):
+            if placemark.find(f"{SPACE}Polygon") is not None:
+                fill = styles["area"].find(f"{SPACE}PolyStyle/{SPACE}color")
+                assert fill is not None
+                assert int((fill.text or "ff")[:2], 16) < 128
+
+
 def test_a_track_has_altitudes_above_sea_level_and_omits_missing_positions() -> None:
     latitude = np.array([47.0, np.nan, 47.001, 0.0, 47.002])
     longitude = np.array([8.0, 8.0, 8.001, 0.0, 8.002])
-    (track,) = coordinates(track_kml("3", latitude, longitude, np.array([400.0, 1, 500, 0, 410])))
+    content = track_kml("3", latitude, longitude, np.array([400.0, 1, 500, 0, 410]))
+    track, first, last = coordinates(content)
+    assert (first, last) == ([(8.0, 47.0)], [(8.002, 47.002)])
     assert track == [(8.0, 47.0, 400.0), (8.001, 47.001, 500.0), (8.002, 47.002, 410.0)]
     with pytest.raises(BadValue, match="no GPS positions"):
         track_kml("3", np.full(4, np.nan), np.full(4, np.nan), None)
@@ -73,6 +94,7 @@ def test_the_track_of_a_flight_is_written(tmp_path: Path, capsys: pytest.Capture
     id = next(word for word in capsys.readouterr().out.split() if word.startswith("flight-") or word.isdecimal())
     out = tmp_path / "track.kml"
     assert main([*ledger, "track", id, "--out", str(out)]) == 0
-    (track,) = coordinates(out.read_bytes())
+    track, *ends = coordinates(out.read_bytes())
+    assert [end[0] for end in ends] == [track[0][:2], track[-1][:2]]
     assert len(track) > 2
     assert main([*ledger, "track", id, "--out", str(out)]) == 1  # the file exists
