@@ -34,9 +34,6 @@ app = typer.Typer()
 MIN_AREA = 0.01
 """Smallest area of a parachute relative to the one flown. [1]"""
 
-ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
-"""Line above the safety checks of the finals."""
-
 
 def finals(
     context: typer.Context,
@@ -60,6 +57,7 @@ def finals(
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
     from fieldkit.presentation.finals_text import (
+        ENDS_NOTE,
         FINALS_NOTES,
         finals_basis,
         finals_failures,

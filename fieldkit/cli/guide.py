@@ -1,6 +1,7 @@
 """What `fieldkit motors --fit` prints: every motor that fits a rocket, and how it would fly."""
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import typer
@@ -193,19 +194,25 @@ def _print_checks(choices: "list[MotorChoice]", names: Names, *, every: bool) ->
                     say_wrapped(f"  {names[choice.motor]}: {line.words(system())}", "    ")
         return
     motors_by_check: "dict[tuple[Verdict, str], list[str]]" = {}
+    by_eye: dict[str, None] = {}
     for choice in choices:
         for line in choice.lines:
-            motors_by_check.setdefault((line.verdict, line.name), []).append(names[choice.motor])
+            if line.by_eye:
+                by_eye[line.name] = None
+            else:
+                motors_by_check.setdefault((line.verdict, line.name), []).append(names[choice.motor])
     everywhere = [
         name for (verdict, name), motors in motors_by_check.items() if verdict == "unknown" and _all(motors, choices)
     ]
     for verdict in reversed(SEVERITY[1:]):
-        for (of, check), motors in motors_by_check.items():
-            if of == verdict and check not in everywhere:
-                named = _in_short(motors, [names[one.motor] for one in choices])
-                say_wrapped(f"  {MARKS[verdict]} {check}: {verdict}: {named}", "    ")
+        some = {check: motors for (of, check), motors in motors_by_check.items() if of == verdict}
+        for checks, motors in _of_the_same({name: some[name] for name in some if name not in everywhere}):
+            named = _in_short(motors, [names[one.motor] for one in choices])
+            say_wrapped(f"  {MARKS[verdict]} {', '.join(checks)}: {verdict}: {named}", "    ")
     if everywhere:
         say_wrapped(f"  ? not checked, inputs missing: {', '.join(everywhere)}", "    ")
+    if by_eye:
+        say_wrapped(f"  ? check yourself, where they apply: {', '.join(by_eye)}", "    ")
     say("  values, limits, and rules of each motor: --all")
 
 
@@ -227,8 +234,16 @@ def _print_excluded(excluded_motors: "list[MotorChoice]", names: Names) -> None:
     for choice in excluded_motors:
         for line in choice.why_not:
             reasons.setdefault(line.name, []).append(names[choice.motor])
-    for reason, excluded in reasons.items():
-        say_wrapped(f"  excluded by {reason}: {', '.join(excluded)}", "    ")
+    for why, excluded in _of_the_same(reasons):
+        say_wrapped(f"  excluded by {', '.join(why)}: {', '.join(excluded)}", "    ")
+
+
+def _of_the_same(motors_by_check: Mapping[str, list[str]]) -> list[tuple[list[str], list[str]]]:
+    """The names of checks that concern the same motors together, with these motors."""
+    together: dict[tuple[str, ...], list[str]] = {}
+    for check, motors in motors_by_check.items():
+        together.setdefault(tuple(motors), []).append(check)
+    return [(checks, list(motors)) for motors, checks in together.items()]
 
 
 def _called(motor: "Motor", known: "Catalogue") -> str:

@@ -41,6 +41,13 @@ def finals_rows(table: Sequence[FinalsRow], found: Found, system: str = "SI") ->
     ]
 
 
+def finals_lines(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """The table as lines of text, numbers below the ends of their headers."""
+    widths = [max(map(len, column)) for column in zip(headers, *rows, strict=True)]
+    for cells in (headers, *rows):
+        yield "  ".join(cell.rjust(width) for cell, width in zip(cells, widths, strict=True))
+
+
 def finals_heading(plan: Flight, found: Found, rule: Season, fall: Fall, system: str = "SI") -> Iterator[str]:
     """Rocket, motor, season, and the day with its weather in the units of a system, above the table; and that the
     parachute is assumed, if it is."""
@@ -75,6 +82,8 @@ def finals_failures(lines: Sequence[SafetyCheck]) -> str:
     return f"checks that are not ok: {failed}" if failed else ""
 
 
+ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
+"""Line above the safety checks of the finals."""
 FINALS_NOTES = (
     "parachute: area relative to the one flown. *: at the limit of the masses and areas tried; a wider range may be "
     "better. "

@@ -125,6 +125,23 @@ def test_a_guide_without_a_rail_or_a_ceiling_states_that_neither_was_checked(
     assert "excluded by its height" in text
 
 
+def test_the_same_motors_are_listed_once_and_what_only_the_flyer_can_check_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A G motor is too heavy and has too much impulse for a contest: it was listed under either."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    body = ["--dry-mass", "540g", "--diameter", "66mm", "--mount", "24mm", "--season", "2027"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Fresh", *body, "--class", "F-G"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "excluded by contest mass, contest impulse: " in text
+    assert text.count("144G65-8A") == 1
+    assert "! class, certification: caution: " in text
+    missing, by_eye = text.split("? not checked, inputs missing: ")[1].split("? check yourself, where they apply: ")
+    assert "motor temperature" in missing
+    assert "sky" not in missing
+    assert "sky, recovery" in by_eye
+
+
 def test_motors_that_fit_are_safe_and_sensible_and_the_others_have_a_reason(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -143,7 +160,8 @@ def test_motors_that_fit_are_safe_and_sensible_and_the_others_have_a_reason(
     assert "excluded by ceiling" in text
     that_fit = [one for one in found if one["fits"]]
     for check in {line["check"] for one in that_fit for line in one["safety"] if line["verdict"] == "caution"}:
-        assert text.count(f"! {check}: caution: ") == 1, "one line per check, however many motors it concerns"
+        lines = re.findall(rf"! (?:[a-z ]+, )*{check}(?:, [a-z ]+)*: caution: ", text)
+        assert len(lines) == 1, "one line per check, however many motors it concerns"
     weak = [one["motor"] for one in that_fit if verdict_of(one, "thrust to weight") == "caution"]
     assert f"! thrust to weight: caution: {', '.join(weak)} " in text
 

@@ -56,7 +56,7 @@ def test_the_columns_and_marks_are_explained(planned: PlannedFlight) -> None:
         assert words in sheet
 
 
-def test_what_is_unknown_for_every_flight_is_said_once(planned: PlannedFlight) -> None:
+def test_checks_that_are_unknown_for_every_flight_are_listed_once(planned: PlannedFlight) -> None:
     alone = text_of(day_sheet("Saturday", SITE, [planned], ".svg"))
     assert alone.count("to be checked by you") == 1
     assert "every flight" not in alone

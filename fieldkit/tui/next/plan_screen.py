@@ -1,4 +1,4 @@
-"""Decide: after the choice of a motor, its delay, the ballast, the points of a contest, and the saved forecasts."""
+"""Decide: after the choice of a motor, its delay, the ballast, points of a contest, finals, and the saved forecasts."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -27,19 +27,22 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import AIMS, Decision
+from fieldkit.tui.next.finals_answer import finals_answer
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import answered, hanging
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
 
-VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score")
+VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Finals")
+FINALS = VIEWS.index("Finals")
+"""The place of the table of finals, which is computed only here. [1]"""
 AREA_RATIOS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Fractions of the parachute's area to choose from. [1]"""
 
 
 class PlanScreen(PageScreen):
-    """Six answers in one place; left and right, or their names, switch between them."""
+    """Seven answers in one place; left and right, or their names, switch between them."""
 
     NAME = "next_flight"
     TITLE = "Decide"
@@ -48,7 +51,8 @@ class PlanScreen(PageScreen):
         "when each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. Ballast: "
         "the mass to add or remove to meet the target (g). Contest: the expected points by a "
         "season's rule. Landing: where it lands relative to the field, and the best rail angle. Saved: your saved "
-        "forecasts. Score: how good they were. Forecasts are advice: the range safety officer decides.",
+        "forecasts. Score: how good they were. Finals: mass and parachute for each target that finals may announce. "
+        "Forecasts are advice: the range safety officer decides.",
         (
             ("delay", "The best delay is the one least likely to deploy too fast for the parachute."),
             (
@@ -79,6 +83,7 @@ class PlanScreen(PageScreen):
             "fieldkit contest --season 2027 --motor F24 --parachute 85% --target 785ft --window 37-40 --cut 60",
             "fieldkit contest --season 2027 --declared 4,5,6",
             "fieldkit sites FIELD --size 400m --ceiling 3000ft",
+            "fieldkit finals --motor F24 --season 2027 --card finals.pdf",
             "fieldkit predictions",
             "fieldkit score",
         ),
@@ -188,6 +193,8 @@ class PlanScreen(PageScreen):
             return decision.noted(decision.contest(ledger, self._season, AREA_RATIOS[self._area_ratio], day))
         if view == 3:
             return decision.noted(decision.landing())
+        if view == FINALS:
+            return decision.noted(finals_answer(decision, self._season, day))
         if view == 4:
             return decision.saved_forecasts(ledger, self.resources.motors)
         return decision.fared(ledger, self.resources.motors)
@@ -210,7 +217,8 @@ class PlanScreen(PageScreen):
         """Choose the next or previous season."""
         years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
-        self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
+        points = self._view == FINALS or (self._view == 1 and AIMS[self._aim] == "points")
+        self.action_view(self._view if points else 2)
 
     def action_area(self, by: int) -> None:
         """Choose a larger or smaller parachute."""
