@@ -7,6 +7,8 @@ from typing import Any
 
 from fieldkit.flight.flight import Flight
 
+STAGED = "staged"
+"""The tag of a flight on several stages, whose dry mass may include boosters that another plan does not carry."""
 INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
 """Fields that a plan inherits from the last flight of its rocket and configuration if it has no value of its own."""
 
@@ -37,7 +39,8 @@ class Start:
 
 
 def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
-    """A plan with missing mass, diameter and rail length filled in from the last flight of its configuration.
+    """A plan with missing mass, diameter and rail length filled in from the last flight of its configuration; not the
+    mass of a flight with boosters.
 
     For a configuration that has not flown, they come from its starting configuration, if known.
     """
@@ -47,7 +50,8 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
     same_config = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED_FIELDS:
-        value = next((v for flight in reversed(same_config) if (v := flight.number(name)) is not None), None)
+        like = [flight for flight in same_config if name != "dry_mass" or STAGED not in flight.tags]
+        value = next((v for flight in reversed(like) if (v := flight.number(name)) is not None), None)
         if plan.number(name) is None and value is not None:
             missing[name] = value
     return plan.with_changes(**missing)

@@ -10,11 +10,13 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.plausibility import middles
+from fieldkit.flight.start import STAGED
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger, StoredPrediction
 from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.motors.motor import without_motor
 from fieldkit.motors.names import parse, with_delay
+from fieldkit.motors.several import names_stages
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import without_delay
@@ -122,10 +124,15 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
 
 
 def _of_last_build(ledger: Ledger, flight: Flight, name: str) -> str:
-    """A figure from the rocket's last flight that has it (for the dry mass, in the same configuration); empty if there
-    is none."""
+    """A figure from the rocket's last flight that has it; empty if there is none. For the dry mass, in the same
+    configuration, and with boosters only if this flight has them too."""
+    staged = names_stages(flight.motor)
+
+    def weighs_the_same(one: Flight) -> bool:
+        return one.config == flight.config and (STAGED in one.tags) == staged
+
     same = (one for one in reversed(ledger.flights(flight.rocket)) if one.number(name) is not None)
-    last = next((one for one in same if name != "dry_mass" or one.config == flight.config), None)
+    last = next((one for one in same if name != "dry_mass" or weighs_the_same(one)), None)
     return answer_text(last, name) if last else ""
 
 
