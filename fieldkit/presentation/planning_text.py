@@ -51,6 +51,10 @@ def _way(plan: Flight) -> str:
     return RAIL_WAYS.get(degrees, f"{degrees}° to the right of into the wind")
 
 
+LEAST_LISTED = 0.01
+"""Lowest probability of a flight that hits the ground before its charge fires that is listed. [1]"""
+
+
 def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, system: str = "SI") -> Iterator[str]:
     """The coast time, and every delay from best to worst; `fast` is the speed limit at ejection [m/s].
 
@@ -71,6 +75,8 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
+    if any(one.lands_first >= LEAST_LISTED and isfinite(one.after_apogee[1]) for one in judged.delays):
+        yield "  Some flights hit the ground before the charge: time and speed are of the others."
     yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
 
 
@@ -193,7 +199,8 @@ def _delay(one: Delay, shown: ShownUnits) -> str:
     name = f"{one.delay:g} s" + ("" if one.on_sale else "*")
     if not isfinite(middle):
         return f"{name:<7}  the rocket hits the ground first"
+    grounded = f"  {one.lands_first:.0%} hit the ground" if one.lands_first >= LEAST_LISTED else ""
     return (
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
-        f"  {shown.speed(one.speed[1], 0):>8}  {one.too_fast:>8.0%}"
+        f"  {shown.speed(one.speed[1], 0):>8}  {one.too_fast:>8.0%}{grounded}"
     )

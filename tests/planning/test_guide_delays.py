@@ -1,8 +1,12 @@
 """The motor guide: ejection times refer to the coast without a charge, and flown motors are marked."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.motors import Found, catalogue
@@ -33,3 +37,14 @@ def test_a_motor_flown_with_a_longer_delay_than_listed_has_been_flown() -> None:
     rocket = Rocket(((flight, printed),), ())
     (choice,) = guide(rocket, Flight(rocket="Swift", dry_mass=0.6, diameter=0.04), [listed], limits(), Site())
     assert choice.flown
+
+
+def test_a_delay_that_often_outlasts_the_flight_is_marked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """14 s on a rocket that coasts for 5: the flights whose charge fires at all looked like one that fires 6 s late."""
+    plan = ["--motor", "H128W-14A", "--dry-mass", "1800g", "--diameter", "4in", "--rail-length", "8ft"]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "delay", "--rocket", "Cert", *plan]) == 0
+    text = capsys.readouterr().out
+    rows = {line.split()[0]: line for line in text.splitlines() if line.startswith("  ") and " s" in line[:9]}
+    assert re.search(r"\d\d% hit the ground", rows["14"])
+    assert "hit the ground" not in rows["6"]
+    assert "time and speed are of the others" in " ".join(text.split())

@@ -522,7 +522,7 @@ def test_the_motors_altimeters_and_dates_of_a_season() -> None:
         assert words in season(year).motors
     assert "Deadlines 6 Dec 2026 and 4 Apr 2027, finals 15 May 2027" in dates
     for day in ("6 December 2026", "4 April 2027", "15 May 2027"):
-        assert day in season(2027).remarks
+        assert day in season(2027).finals
     assert "no temperature correction is provided for" in section("Altitude: the reading", "| Season")
     assert "without a correction for temperature" in season(2027).altimeter
 
