@@ -110,6 +110,11 @@ class Prediction:
         """Median time from apogee to the ejection charge; None without a delay. [s]"""
         return median(self.eject)
 
+    @property
+    def grounded(self) -> float:
+        """Probability that the rocket flies and hits the ground before its charge fires. [1]"""
+        return float(np.mean(~np.isfinite(self.eject_speed) & (self.true_apogee > 0)))
+
 
 def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Float[Array, "level"]:
     """The same as np.quantile, in the unit of the values; np.quantile is slower and imports masked arrays."""

@@ -256,7 +256,7 @@ def _ejection(prediction: Prediction, limits: Limits) -> SafetyCheck:
     if delay == 0:
         return SafetyCheck(name, "unsafe", "a booster motor (delay 0) has no charge for a parachute", limit.source)
     fired = np.isfinite(prediction.eject_speed)
-    crashed = float(np.mean(~fired & (prediction.true_apogee > 0)))
+    crashed = prediction.grounded
     chance = float(np.mean(np.nan_to_num(prediction.eject_speed) > limit.value)) + crashed
     text = f"{speed(three(prediction.eject_speed)[1], 0)}; " if fired.any() else ""
     text += f"{chance:.0%} chance of more than {speed(limit.value, 0)}"

@@ -61,7 +61,8 @@ def ejection_in_words(prediction: Prediction) -> str:
         charge = "" if eject is None else f"; the motor's charge {_when(eject)}"
         return f"by an altimeter at apogee{charge}"
     if eject is not None:
-        return _when(eject)
+        grounded = prediction.grounded
+        return _when(eject) + (f"; {grounded:.0%} chance of hitting the ground first" if grounded >= 0.01 else "")
     plan, found = prediction.plan, prediction.found
     delay = plan.delay if plan.delay is not None else found.delay
     if delay is None:

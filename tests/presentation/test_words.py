@@ -38,6 +38,9 @@ def test_the_reason_why_no_charge_fires_is_named() -> None:
     assert ejection_in_words(forecast("F39")).startswith("delay unknown")
     assert ejection_in_words(forecast("F24-P")) == "none: a plugged motor has no charge"
     assert ejection_in_words(forecast("F24-4W", delay=90.0)) == "none: the rocket hits the ground first"
+    assert re.search(
+        r"after apogee; \d+% chance of hitting the ground first", ejection_in_words(forecast("F24-4W", delay=13.0))
+    )
     assert ejection_in_words(forecast("F24-4W", dry_mass=30.0)) == "none: the rocket does not leave the pad"
 
 
