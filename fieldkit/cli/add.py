@@ -66,13 +66,15 @@ app.command()(add)
 
 
 def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight":
+    from fieldkit.motors.several import tagged
+
     weighed = {} if lift_off_mass is None else {LIFT_OFF: lift_off_mass}
     flight = Flight().with_changes(**read_settings(changes | weighed, MotorCheck()))
     if not flight.rocket:
         raise BadValue("rocket: found nothing, expected the rocket's name")
     if weighed:
         note_dry_mass(flight)
-    return flight
+    return tagged(flight)
 
 
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":

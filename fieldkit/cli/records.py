@@ -171,10 +171,15 @@ def edit(
     A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
     lift_off_mass=620g is the mass weighed with the motor, from which the dry mass follows.
     """
+    from fieldkit.motors.several import tagged
+
     settings = split_settings(changes)
     with open_ledger(context) as ledger:
         before = ledger.flight(flight)
-        after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
+        changed = read_settings(settings, MotorCheck(), before)
+        if "motor" in changed:
+            changed = {"tags": tagged(before.with_changes(**changed)).tags} | changed
+        after = ledger.edit(flight, **changed)
         (id,) = ledger.ids([after])
     if LIFT_OFF in settings:
         note_dry_mass(after)

@@ -13,7 +13,7 @@ from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rej
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
 from fieldkit.motors import catalogue
-from fieldkit.motors.several import names_several, names_stages
+from fieldkit.motors.several import tagged
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -96,21 +96,12 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
     """The flight that a reading describes, with a name. Raises DamagedLog if it was not a flight."""
-    flight = _tagged(_weighed(_flight(reading), reading))
+    flight = tagged(_weighed(_flight(reading), reading))
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
         raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
     _check_motor(flight, reading, check_motor)
     return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight, reading.clocks))
-
-
-def _tagged(flight: Flight) -> Flight:
-    """A flight with a tag for a cluster or stages, if its motor field names several."""
-
-    if not names_several(flight.motor):
-        return flight
-    tag = "staged" if names_stages(flight.motor) else "cluster"
-    return flight.with_changes(tags=tuple(dict.fromkeys((*flight.tags, tag))))
 
 
 def _weighed(flight: Flight, reading: Reading) -> Flight:

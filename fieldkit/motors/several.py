@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.errors import BadValue, UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.flight.start import STAGED
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor
 from fieldkit.motors.names import MAX_NAME, count_first, is_cluster
 from fieldkit.motors.search import Found
@@ -50,6 +52,21 @@ def names_several(text: str) -> bool:
 def names_stages(text: str) -> bool:
     """Whether a text names several stages, as in `D12-0/C6-7`."""
     return len(_stages(text)) > 1
+
+
+def tag_of_several(motor: str) -> str:
+    """The tag of a flight on several motors by the text of its motor; empty for a single one."""
+    if not names_several(motor):
+        return ""
+    return STAGED if names_stages(motor) else "cluster"
+
+
+def tagged(flight: Flight) -> Flight:
+    """A flight with a tag for a cluster or stages, if its motor field names several."""
+    tag = tag_of_several(flight.motor)
+    if not tag:
+        return flight
+    return flight.with_changes(tags=tuple(dict.fromkeys((*flight.tags, tag))))
 
 
 def _stages(text: str) -> list[str]:

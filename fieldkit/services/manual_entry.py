@@ -16,7 +16,7 @@ from fieldkit.ledger import Added, Ledger, StoredPrediction
 from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.motors.motor import without_motor
 from fieldkit.motors.names import parse, with_delay
-from fieldkit.motors.several import names_stages
+from fieldkit.motors.several import names_stages, tag_of_several
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import without_delay
@@ -107,7 +107,7 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
     """The default answer from the planned flight (see `planned_answers`) or from the last similar flight, as text to
     edit."""
     if question.name == "tags":
-        return "cluster" if is_cluster(flight.motor) else ""
+        return tag_of_several(flight.motor)
     if not question.offered:
         return ""
     if question.name in plan and _is_planned(flight, question, plan):

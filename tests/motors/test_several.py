@@ -383,3 +383,10 @@ def test_a_plan_on_one_motor_does_not_take_the_mass_of_a_flight_with_boosters(
     assert main([*ledger, "flights", "--json"]) == 0
     added = json.loads(capsys.readouterr().out)["flights"][2:]
     assert [one["dry_mass_g"] for one in added] == [120, 190]
+    assert [one["tags"] for one in added] == ["", "staged"]
+    assert main([*ledger, "edit", added[0]["flight_id"], "motor=2 x C6-5"]) == 0
+    assert main([*ledger, "edit", added[1]["flight_id"], "motor=C6-5", "tags=staged"]) == 0
+    capsys.readouterr()
+    assert main([*ledger, "flights", "--json"]) == 0
+    edited = json.loads(capsys.readouterr().out)["flights"][2:]
+    assert [one["tags"] for one in edited] == ["cluster", "staged"]

@@ -416,9 +416,7 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
     assert "% low" in out
     assert "the range safety officer decides" in out
     for check, verdict in (("ground wind", "unsafe"), ("ceiling", "unsafe"), ("motor temperature", "caution")):
-        assert re.search(
-            rf"{check}(?:, [a-z ]+)*: {verdict}", out
-        )
+        assert re.search(rf"{check}(?:, [a-z ]+)*: {verdict}", out)
     if command[0] == "ballast":
         assert "1 g more -" in out
     assert "ceiling of " not in out  # the waiver is the day's, not the site's
