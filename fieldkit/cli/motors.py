@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
+from fieldkit.cli.motor_tables import print_comparison, print_own_corrections
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import dashed, takes_plan
-from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import UnknownMotor
 from fieldkit.quantities import SYSTEMS, counted, rounded
@@ -117,10 +118,10 @@ def motors(
     from fieldkit.motors import describe
 
     if compare is not None:
-        _compared(compare, json)
+        print_comparison(compare, json)
         return
     if corrections:
-        _own_corrections(json)
+        print_own_corrections(json)
         return
     if import_ is not None:
         found = _added(import_)
@@ -192,70 +193,6 @@ def _added(file: Path) -> "list[Motor]":
     remarks = [remark for motor in found for remark in motor.remarks]
     complain("\n".join([f"Added {counted(len(found), 'motor')} from {file}", *remarks]))
     return found
-
-
-def _compared(file: Path, json: bool) -> None:
-    """Print the figures that differ from a table of tests, largest difference first."""
-    from fieldkit.motors.comparison import compare_tests
-    from fieldkit.motors.corrections import QUANTITIES
-    from fieldkit.motors.motor import delays_text
-    from fieldkit.services.imports import read_file
-
-    found = compare_tests(known_motors(), read_file(file), file.name)
-    if json:
-        counts = {"rows": found.rows, "motors": found.motors, "unknown": found.unknown}
-        figures, delays = ([one.json() for one in ones] for ones in (found.differences, found.delays))
-        print_json({**counts, "differences": figures, "delays": delays})
-        return
-    rows = [
-        (
-            f"{one.motor.maker} {one.motor.designation}",
-            f"{QUANTITIES[one.field][0]}, {one.unit}",
-            rounded(one.listed),
-            rounded(one.tested),
-            f"{one.ratio:+.0%}",
-            one.basis,
-        )
-        for one in found.differences[:MAX_LISTED_MOTORS]
-    ]
-    headers = ("motor", "figure", "catalog", "tested", "off", "basis")
-    print_table(headers, rows, numbers=headers[2:5])
-    for one in found.delays:
-        motor = f"{one.motor.maker} {one.motor.designation}"
-        listed, tested = delays_text(one.motor.delays), delays_text(one.tested)
-        say(f"{motor}: delays {listed}; tested {tested} ({one.basis or 'test'})")
-    complain(
-        f"{counted(found.rows, 'test')} of {counted(found.motors, 'motor')}; "
-        f"differences of more than 5%: {len(found.differences)}"
-    )
-    if len(found.differences) > MAX_LISTED_MOTORS:
-        complain(f"the {MAX_LISTED_MOTORS} largest differences are listed, --json has all")
-    if found.unknown:
-        complain(f"not in the catalog: {', '.join(found.unknown[:5])}{' and more' if len(found.unknown) > 5 else ''}")
-
-
-def _own_corrections(json: bool) -> None:
-    """Print the flyer's own corrections and their file, which is created if missing."""
-    from fieldkit.motors.own_corrections import HEADER, OWN_FIELDS, correction_file, read_own_corrections
-    from fieldkit.paths import motor_folder
-
-    folder = motor_folder()
-    file = correction_file(folder)
-    known_motors()  # reports the rows that cannot be used
-    rows, _ = read_own_corrections(folder)
-    if json:
-        shown = [{"maker": one.maker, "motor": one.designation, "lot": one.lot, "date": one.date} for one in rows]
-        more = [one.correction.json() for one in rows]
-        print_json({"file": str(file), "corrections": [a | b for a, b in zip(shown, more, strict=True)]})
-        return
-    say(f"{file}")
-    for one in rows:
-        lot = f" lot {one.lot}" if one.lot else ""
-        say(f"  {one.maker} {one.designation}{lot}{f' of {one.date}' if one.date else ''}: {one.text()}")
-    if not rows:
-        say(f"  one row per figure: {HEADER.strip()}")
-        say_wrapped(f"  field: {', '.join(OWN_FIELDS)}", "    ")
-        say_wrapped("  lot and date: for a row about one lot, named with the motor: F24-4W lot 0412", "    ")
 
 
 def _about(json: bool) -> None:

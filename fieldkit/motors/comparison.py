@@ -27,8 +27,8 @@ FIGURES: Mapping[str, tuple[str, str]] = {
 """Columns of a table of tests: the corresponding field of a correction, and its unit."""
 BASES = ("letter", "stated", "curve", "curve")
 """What the values of a row are based on, best first; the last is a curve that is no certification."""
-_CERTIFIED = "file class cert"
-_DOUBTFUL = "mass of the file doubtful"
+_CERTIFICATION = "file class cert"
+_DOUBTFUL_MASS = "mass of the file doubtful"
 MASSES = {"propellant_g": "propellant", "loaded_g": "loaded"}
 """Columns of masses, and the words for them in a note that calls one doubtful."""
 DIFFERENCE = 0.05
@@ -141,7 +141,7 @@ class _Test:
 def _test(motor: Motor, row: Mapping[str, str | None], where: str, table: str) -> _Test:
     note = row.get("note") or ""
     basis = _basis(note)
-    doubtful = {column for column, word in MASSES.items() if f"{word} {_DOUBTFUL}" in note}
+    doubtful = {column for column, word in MASSES.items() if f"{word} {_DOUBTFUL_MASS}" in note}
     if basis >= BASES.index("curve") and _states_mass_lost(motor):
         doubtful.add("propellant_g")
     values = {column: _number(row.get(column), f"{where}, {column}") for column in FIGURES}
@@ -232,7 +232,7 @@ def _basis(note: str) -> int:
     """The place in `BASES` of what a note says a row is based on, beyond its end if it does not."""
     start = note.strip().removeprefix("basis=")
     place = next((place for place, basis in enumerate(BASES) if start.startswith(basis)), len(BASES))
-    return place + (place == BASES.index("curve") and _CERTIFIED not in note)
+    return place + (place == BASES.index("curve") and _CERTIFICATION not in note)
 
 
 def _number(text: str | None, where: str) -> float | None:
