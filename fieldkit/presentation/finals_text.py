@@ -85,8 +85,8 @@ def finals_failures(lines: Sequence[SafetyCheck]) -> str:
 ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
 """Line above the safety checks of the finals."""
 FINALS_NOTES = (
-    "parachute: area relative to the one flown. *: at the limit of the masses and areas tried; a wider range may be "
-    "better. "
+    "parachute: area relative to the one flown or entered. *: at the limit of the masses and areas tried; a wider "
+    "range may be better. "
     "apogee, seconds: 5 to 95%. points: mean per flight.",
     "Weigh on the pad; the altimeter's reading counts.",
 )
