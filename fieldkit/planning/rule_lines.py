@@ -190,7 +190,7 @@ def class_line(governed_by: Governed) -> SafetyCheck:
         return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", source, words, "O")
     if not governed_by.why and governed_by.legal in (None, 1):
         return SafetyCheck("class", "ok", f"{text}: {name}, a model rocket", source)
-    waiver = ", which needs a waiver" if governed_by.legal == 2 else ""
+    waiver = ", which needs an authorization (waiver) in controlled airspace" if governed_by.legal == 2 else ""
     high = f"high power because of {governed_by.why}" if governed_by.why else "not high power under club rules"
     return SafetyCheck("class", "caution", f"{text}: {name}{waiver}, {high}", source)
 

@@ -214,7 +214,7 @@ def test_a_motor_left_in_the_sun_and_a_steep_rail_are_reported(prediction: Predi
         ("F24W", 0.4, "ok", "class 1, a model rocket"),
         ("F24W", 1.6, "caution", "class 2"),
         ("H128W", 0.9, "caution", "class 1, high power because of more than 160 N s"),
-        ("J350W", 3.0, "caution", "class 2, which needs a waiver"),
+        ("J350W", 3.0, "caution", "class 2, which needs an authorization (waiver) in controlled airspace"),
     ],
 )
 def test_the_class_depends_on_propellant_and_mass(
