@@ -55,13 +55,19 @@ class Governed:
     def reminders(self) -> list[Rule]:
         """The rules that no value of a plan can be checked against."""
         every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES or not rule.rows]
-        burned = {motor.propellant for motor in self.build.motors}
         return [
             rule
             for rule in every
-            if (not rule.classes or self.legal in rule.classes)
-            and (not rule.propellants or burned & set(rule.propellants))
+            if (not rule.classes or self.legal in rule.classes) and (not rule.propellants or self._burns(rule))
         ]
+
+    def cleared_times(self) -> float:
+        """How much wider the cleared area around the pad must be with these motors than the table says. [1]"""
+        return max((rule.cleared_times for one in self.sets for rule in one.rules if self._burns(rule)), default=1.0)
+
+    def _burns(self, rule: Rule) -> bool:
+        """Whether a motor of this build burns a propellant of a rule."""
+        return any(motor.propellant in rule.propellants for motor in self.build.motors)
 
 
 def governed(

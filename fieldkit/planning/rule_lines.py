@@ -144,7 +144,9 @@ def distance_line(governed_by: Governed, people: float | None) -> SafetyCheck:
         if build.complex and row.complex is not None:
             text += " because the rocket is complex"
         if row.cleared is not None:
-            text += f", {length(row.cleared)} across cleared around the pad"
+            times = governed_by.cleared_times()
+            sparks = f", {times:g} times as wide because of sparks" if times > 1 else ""
+            text += f", {length(times * row.cleared)} across cleared around the pad{sparks}"
         if people is None:
             return _check(name, "unknown", f"{text}; distance not given", rule, row)
         verdict: Verdict = "ok" if people >= needed - 1e-6 else "unsafe"

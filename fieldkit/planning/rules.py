@@ -82,7 +82,7 @@ class Rule:
     `propellants` are those of the motors it applies to, empty for all. `most` is whether values are upper or lower
     limits; `of_altitude` is the lower limit as a fraction of the expected altitude [1]. A rule without rows is only
     text. `only` are bounds on its applicability. `pad_inside` is whether the edges of a field must be as far from the
-    pad as people.
+    pad as people. `cleared_times` is the factor by which the cleared diameter of the distance table is larger [1].
     """
 
     check: str
@@ -96,6 +96,7 @@ class Rule:
     of: str
     propellants: tuple[str, ...] = ()
     pad_inside: bool = False
+    cleared_times: float = 1.0
 
     def row(self, impulse: float, altitude: float) -> RuleRow | None:
         """The row for an installed impulse [N s] and an expected altitude [m]; None beyond the table."""
@@ -261,4 +262,5 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
         of=printable(title),
         propellants=texts(table.get("propellants", ()), "propellants"),
         pad_inside=bool(table.get("pad_inside", False)),
+        cleared_times=number(table.get("cleared_times", 1.0), "cleared_times"),
     )

@@ -172,6 +172,15 @@ def test_there_is_no_spark_warning_for_a_motor_without_sparks() -> None:
     assert "throws sparks" in under_rules("60F50-13A", 0.5).why
 
 
+def test_a_motor_that_throws_sparks_needs_a_wider_cleared_area() -> None:
+    """Source: the table's 50 ft, times 1.5."""
+    sparky, plain = (
+        rule_lines.distance_line(under_rules(name, 0.9), None).words("US") for name in ("93G80-14A", "H128W")
+    )
+    assert "75 ft across cleared around the pad, 1.5 times as wide because of sparks" in sparky
+    assert "50 ft across cleared around the pad; distance" in plain
+
+
 def test_the_law_of_classes_2_and_3_is_quoted() -> None:
     classes = SETS["faa"].classes
     assert [classes[name] for name in ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")] == [
