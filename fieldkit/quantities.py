@@ -15,15 +15,15 @@ from fieldkit.spelled_units import with_unit as with_unit
 SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "SI": {},
-        "US": {"m": "ft", "m/s": "mph", "g": "oz", "mm": "in", "c": "f", "hpa": "inhg"},
-        "mixed": {"m": "ft", "m/s": "mph", "c": "f"},
+        "US": {"m": "ft", "m/s": "mph", "g": "oz", "mm": "in", "c": "f", "hpa": "inhg", "J": "ft lbf"},
+        "mixed": {"m": "ft", "m/s": "mph", "c": "f", "J": "ft lbf"},
     }
 )
 """The unit shown instead of a column's; columns not listed keep theirs. Acceleration stays in g."""
 
 DECIMALS: Mapping[str, int] = MappingProxyType(
     {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
-    | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2}
+    | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2, "J": 0, "ft lbf": 0}
 )
 """Decimal digits by unit."""
 
@@ -52,7 +52,9 @@ def number(column: Column, value: float, system: str) -> str:
     return f"{units.unit(column.quantity, unit).from_si(value):.{places}f}"
 
 
-QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "g": "mass", "N s": "impulse"}
+QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "g": "mass", "N s": "impulse"} | {
+    "J": "energy"
+}
 """The quantity of a unit."""
 
 

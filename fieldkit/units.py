@@ -127,7 +127,7 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
     "angle": {"deg": Unit(DEGREE), "rad": Unit(1.0), "°": Unit(DEGREE)},
     "fraction": {"pct": Unit(0.01), "%": Unit(0.01), "fraction": Unit(1.0)},
     "impulse": {"ns": Unit(1.0)},
-    "energy": {"j": Unit(1.0)},
+    "energy": {"j": Unit(1.0), "ftlbf": Unit(FOOT * POUND * STANDARD_GRAVITY)},
     "number": {"": Unit(1.0)},
     "per length": {"1/km": Unit(1e-3), "pkm": Unit(1e-3), "1/m": Unit(1.0)},
 }

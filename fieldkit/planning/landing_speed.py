@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.flight.recovery import Device, Recovery
 from fieldkit.physics.descent import DescentResult
-from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck, Verdict, length, speed
+from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck, Verdict, figure, length, speed
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.limits import Limits
 
@@ -84,5 +84,5 @@ def _too_fast(text: str, energy: float, limits: Limits) -> SafetyCheck:
     hard = limits["landing_energy"]
     if energy <= hard.value:
         return SafetyCheck(NAME, "caution", text, limits["landing_speed"].source)
-    text += f"; {energy:.0f} J if it lands in one piece, at most {hard.value:.0f} J"
+    text += f"; {figure(energy, 'J')} if it lands in one piece, at most {figure(hard.value, 'J')}"
     return SafetyCheck(NAME, "unsafe", text, hard.source)

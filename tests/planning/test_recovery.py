@@ -34,6 +34,7 @@ from fieldkit.planning.landing import (
     rail_choices,
     wind_that_holds,
 )
+from fieldkit.planning.landing_speed import _too_fast
 from fieldkit.planning.limits import limits
 from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.safety import safety_lines
@@ -437,6 +438,27 @@ def test_the_range_card_has_the_conditions_of_its_forecast(tmp_path: Path, capsy
         assert prediction in card_text
     assert ", Moor" in card_text
     assert "as if every motor" in card_text
+
+
+def test_many_failed_checks_use_the_width_of_the_range_card(tmp_path: Path) -> None:
+    """They were printed in letters of half the size, wrapped at the width of the usual ones."""
+    card, body = tmp_path / "card.svg", ["--rocket", "Bad", "--dry-mass", "6kg", "--diameter", "150mm"]
+    day = ["--wind", "10m/s", "--rail-angle", "25", "--rail-length", "1m", "--field-size", "90m", "--people", "9m"]
+    day += ["--bystanders", "30m", "--waiver", "90m", "--motor-temperature", "45c", "--rules", "NAR,Tripoli,FAA,CAR"]
+    day += ["--main-altitude", "30m", "--drogue-speed", "6m/s", "--main-speed", "12m/s", "--stability-cal", "0.5"]
+    plan = ["landing", "--motor", "2 x I316-17", *day, *body]
+    assert main(["--ledger", str(tmp_path / "ledger.db"), *plan, "--card", str(card)]) == 0
+    rows = re.findall(r"<!--(.*?)-->", card.read_text(encoding="utf-8"), flags=re.DOTALL)
+    checks = [text.strip() for text in rows[rows.index(" Safety lines ") :]]
+    assert len(checks) > 45
+    assert 120 < max(map(len, checks)) < 170
+
+
+def test_the_energy_of_a_landing_is_in_the_units_of_the_flyer() -> None:
+    """12 m/s with 6 kg are 432 J, or 319 foot-pounds of force."""
+    line = _too_fast("fast", 6 * 12.0**2 / 2, limits())
+    assert "432 J if it lands in one piece, at most 102 J" in line.words("SI")
+    assert "319 ft lbf if it lands in one piece, at most 75 ft lbf" in line.words("US")
 
 
 def test_two_devices_are_opened_by_an_altimeter_and_an_early_charge_is_a_caution(

@@ -23,6 +23,8 @@ TITLE_LINE, TITLE_ROW = 60, 0.02
 """Length of the lines of the title [character], and their height as a fraction of the page's height. [1]"""
 FONT = 7.5
 """Size of the text; safety checks that would not fit on the page are smaller. [pt]"""
+LEAST_FONT = 3.0
+"""Smallest text of the safety checks, which no plan reaches. [pt]"""
 CHECKS_TOP, ROW, FOOT_OF_PAGE = 0.62, 0.0113, 0.02
 """Highest position of the safety checks below the map, height of a line of text, and bottom margin, as fractions of the
 page's height. [1]"""
@@ -49,15 +51,24 @@ def _drawn(
     figure.text(0.06, top, notes_below, fontsize=FONT, va="top", family="monospace")
     below = min(CHECKS_TOP, top - ROW * (notes_below.count("\n") + 2))
     worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
-    safety = "\n".join(_wrapped(line.words(system), LINE, 4) for line in worst_first)
     figure.text(0.06, below, "Safety lines", fontsize=11, fontweight="bold", va="top")
-    safety = f"{safety}\n\n{ADVICE_NOTE}"
-    room = (below - 2 * ROW - FOOT_OF_PAGE) / (ROW * (safety.count("\n") + 1))
-    figure.text(0.06, below - 2 * ROW, safety, fontsize=FONT * min(room, 1.0), va="top", family="monospace")
+    texts = [*(line.words(system) for line in worst_first), "", ADVICE_NOTE]
+    safety, size = _fitted(texts, (below - 2 * ROW - FOOT_OF_PAGE) / ROW)
+    figure.text(0.06, below - 2 * ROW, safety, fontsize=size, va="top", family="monospace")
     _map(figure, found, site, ShownUnits(system).length_unit)
     content = BytesIO()
     figure.savefig(content, format=suffix.lstrip("."), dpi=130)
     return content.getvalue()
+
+
+def _fitted(texts: Sequence[str], rows: float) -> tuple[str, float]:
+    """Texts wrapped to the width of the page, and the largest size at which they fill at most a number of rows of
+    `FONT` [pt]: smaller letters leave room for longer lines."""
+    for size in np.arange(FONT, LEAST_FONT, -0.25):
+        wrapped = "\n".join(_wrapped(text, int(LINE * FONT / size), 4) for text in texts)
+        if (wrapped.count("\n") + 1) * size <= rows * FONT:
+            break
+    return wrapped, float(size)
 
 
 def _wrapped(text: str, width: int, indent: int) -> str:
