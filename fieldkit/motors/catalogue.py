@@ -164,7 +164,8 @@ def _lot_key(motor: Motor | Listing, lot: str) -> tuple[str, str, str]:
 
 
 def _no_figures(lot: str) -> str:
-    return f"no figures for lot {printable(lot)} in your corrections: treated like any other of its type"
+    own = f"no figures for lot {printable(lot)} in your corrections"
+    return f"{own}: it has those of its type; flights on it show its thrust"
 
 
 def _with_motor(listing: Listing, motor: Motor | None) -> Listing:
