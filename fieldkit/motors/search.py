@@ -18,6 +18,11 @@ _SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 """Propellant letters and delay in the wrong order, as in `F24-W4`."""
 _ENDING = re.compile(r"\d[A-Z]*-([A-Z]+)$")
 """Letters after the hyphen of a name, which is where its delay belongs: `C6-R`."""
+LETTER_DELAYS = {"S": "4 or 6", "M": "4 to 10", "L": "6 to 14", "X": "10 to 18"}
+"""Delays that AeroTech's letters stand for: short, medium, long, extra long. [s]
+
+Source: transcription by others; the seconds are on the package.
+"""
 _WORD = 3
 """Minimum number of letters for a word to be a maker and not a propellant."""
 _SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
@@ -250,7 +255,9 @@ def _doubtful_delay(name: Name, listing: Listing, text: str) -> str:
         return ""
     if burns(ending[1], listing.propellant):
         return ""
-    return f"{text.strip()!r}: found {ending[1]!r} as the delay, expected seconds, or P for plugged"
+    seconds = LETTER_DELAYS.get(ending[1]) if listing.maker == "AeroTech" else None
+    meaning = f" ({seconds} s by the maker's letters)" if seconds else ""
+    return f"{text.strip()!r}: found {ending[1]!r} as the delay{meaning}, expected seconds, or P for plugged"
 
 
 def _table(listings: Sequence[Listing]) -> str:

@@ -18,6 +18,7 @@ from fieldkit.cli.session import MotorCheck
 from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Flight
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
 from fieldkit.services import manual_entry
 from fieldkit.services.manual_entry import DRAFT
 
@@ -125,6 +126,7 @@ def test_a_delay_that_cannot_be_read_is_noted(add: Add, file: Path) -> None:
     status, _, err = add([], "--rocket", "Astra", "--motor", "C6-R", "--dry-mass", "40g", "--apogee", "200m")
     assert status == 0
     assert "note: 'C6-R': found 'R' as the delay, expected seconds, or P for plugged" in " ".join(err.split())
+    assert "found 'M' as the delay (4 to 10 s by the maker's letters), expected" in catalogue().doubt("H128W-M")
     assert flights_in(file)[0].delay is None
 
 

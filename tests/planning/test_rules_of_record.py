@@ -13,6 +13,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.motors import catalogue
 from fieldkit.motors.delay_tolerance import delay_tolerance
+from fieldkit.motors.search import LETTER_DELAYS
 from fieldkit.physics.atmosphere import altimeter_gain
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.planning.classification import build_of, why_high_power
@@ -549,6 +550,11 @@ def test_the_tolerance_of_a_delay() -> None:
     assert "+-1.5 s up to 7.5 s nominal, 20 % to 15 s, never more than 3 s" in fact
     nominal = np.array([3.0, 7.5, 10.0, 15.0, 20.0])
     assert delay_tolerance(nominal) == pytest.approx([1.5, 1.5, 2.0, 3.0, 3.0])
+
+
+def test_what_the_letters_of_a_delay_stand_for() -> None:
+    assert "Letter codes S 4, 6; M 4-10; L 6-14; X 10-18 (T)" in section("* AeroTech delay drilling", "* Cesaroni")
+    assert LETTER_DELAYS == {"S": "4 or 6", "M": "4 to 10", "L": "6 to 14", "X": "10 to 18"}
 
 
 def test_what_may_be_drilled() -> None:
