@@ -60,7 +60,7 @@ NAMES = [
     "recovery",
     "misfire",
     "more than ten at once",
-    "air law",
+    "general air law",
     "materials",
 ]
 ANYWHERE = Site()

@@ -442,9 +442,9 @@ def test_the_law_of_the_united_states() -> None:
     assert "slow-burning propellant, made of paper, wood or breakable plastic, without substantial metal" in words
     assert rule("faa", "materials").classes == (1,)
     assert "(101.23): suborbital, not into foreign airspace, unmanned, no hazard to people, property, aircraft" in fact
-    words = rule("faa", "air law").text.words
+    words = rule("faa", "general air law").text.words
     assert words == "suborbital, not into foreign airspace, unmanned, no hazard to people, property or aircraft"
-    assert rule("faa", "air law").classes == ()  # all of them
+    assert rule("faa", "general air law").classes == ()  # all of them
     assert all(one.text.mark == "O" for one in SETS["faa"].rules)
     words = rule("faa", "sky").text.words
     for there, here in (
