@@ -14,6 +14,7 @@ from tests.pressing import at_home, opened, press, text_of, typed
 CHECK_SHAPES = False
 
 
+@pytest.mark.thorough
 async def test_finals_have_a_table_for_each_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = at_home(tmp_path, monkeypatch)
     with Ledger.open(file) as ledger:
