@@ -19,7 +19,6 @@ from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
-from fieldkit.tui.widgets.dialogs import HelpScreen, key_list
 from fieldkit.tui.widgets.table import Table
 
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
@@ -194,6 +193,8 @@ class PageScreen(AskingScreen):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
+        from fieldkit.tui.widgets.dialogs import HelpScreen, key_list
+
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, key_list(self)))
 
     def action_copy(self) -> None:
