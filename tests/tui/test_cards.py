@@ -18,7 +18,7 @@ from fieldkit.tui.next.intervals import Interval, Intervals, bar
 from fieldkit.tui.setup import setup_card
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import grouped, placed
-from fieldkit.tui.widgets.table import fitted
+from fieldkit.tui.widgets.table import Head, fitted
 from tests.pressing import frozen, opened, press, season, typed, words
 
 pytestmark = pytest.mark.fast
@@ -99,9 +99,10 @@ def test_a_site_shows_its_air_and_what_its_safety_checks_lack() -> None:
 
 
 def test_overlong_text_shows_its_beginning_or_its_end() -> None:
-    assert fitted("flight-dd2afbb08f", 8, False) == "flight-…"
-    assert fitted("flight-dd2afbb08f", 8, False, True) == "…afbb08f"
-    assert fitted("12", 4, True, True) == "  12"
+    assert fitted("flight-dd2afbb08f", 8, Head("id", 8)) == "flight-…"
+    assert fitted("flight-dd2afbb08f", 8, Head("id", 8, tail=True)) == "…afbb08f"
+    assert fitted("pnut_tarc2023_f7.pf2", 13, Head("file", 13, middle=True)) == "pnut…3_f7.pf2"
+    assert fitted("12", 4, Head("id", 4, True, tail=True)) == "  12"
 
 
 async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path) -> None:

@@ -290,6 +290,18 @@ async def test_a_flight_is_edited_in_the_form_of_the_add_page_and_typos_are_ques
             assert ledger.flight("2").apogee == pytest.approx(281.3)
 
 
+async def test_a_flight_is_edited_from_the_list_and_escape_leaves_at_once_what_is_over_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "e", *["down"] * 4, "ctrl+u", *typed("201m"), "ctrl+s", "_")
+        assert "Saved flight 12: apogee" in words(pilot)
+        await press(pilot, "t", "enter")
+        await press(pilot, "u")
+        assert "Undone: tag" in words(pilot)
+        await press(pilot, "escape")
+        assert table_keys(pilot)[0] == "12"
+        assert "201.0" in words(pilot)
+
+
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "y")

@@ -16,7 +16,7 @@ from textual.widgets import Input, Static
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_rows import Row, Shown, columns, read_rows, scale_of
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, headings, read_rows, scale_of
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
@@ -26,7 +26,7 @@ from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.line import Line
-from fieldkit.tui.widgets.table import Head, Table
+from fieldkit.tui.widgets.table import Table
 
 if TYPE_CHECKING:
     from fieldkit.inference.network.flights import Inferred
@@ -54,6 +54,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
+        Binding("e", "edit", "Edit", tooltip="Edit this flight", show=False),
         Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
@@ -164,19 +165,15 @@ class FlightsScreen(PageScreen):
         rows = [row for row in self._rows.values() if all(word in row.hay for word in words)]
         system = self.resources.settings.units
         shown = self._shown()
-        place, arrow = self._sorted_by(shown), "▼" if self._down else "▲"
-        heads = [
-            Head(c.title + (arrow if n == place else ""), c.width, c.right, tail=c.title == "id")
-            for n, c in enumerate(shown)
-        ]
+        place = self._sorted_by(shown)
         self.query_one(Table).empty = NOT_FOUND if words else NO_FLIGHTS
         self.query_one(Table).show(
-            heads,
+            headings(shown, place, falls=self._down),
             [row.id for row in sorted(rows, key=shown[place].order, reverse=self._down)],
             lambda id: [column.text(self._rows[id], system) for column in shown],
         )
         unit = spelled(unit_of(cards.APOGEE, system))
-        self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · {unit}"))
+        self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · apogee in {unit}"))
         self._beside()
 
     def _row(self) -> Row | None:
@@ -274,22 +271,26 @@ class FlightsScreen(PageScreen):
 
     def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
-        row = self._row()
-        if row is not None:
+        if (row := self._row()) is not None:
             from fieldkit.tui.flights.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
 
+    def action_edit(self) -> None:
+        """Edit the flight under the cursor."""
+        if (row := self._row()) is not None:
+            from fieldkit.tui.flights.edit_form import ask_changes
+
+            ask_changes(self, row.id, row.flight, lambda _: None)
+
     def action_remove(self) -> None:
         """Remove the flight under the cursor."""
-        row = self._row()
-        if row is not None:
+        if (row := self._row()) is not None:
             remove(self, row.id)
 
     def action_report(self) -> None:
         """Write the report of the day of the flight under the cursor, or of the flight if no day is known."""
-        row = self._row()
-        if row is not None:
+        if (row := self._row()) is not None:
             day = row.flight.date_time
             ask_report(self, f"{day:%Y-%m-%d}" if day else row.id)
 

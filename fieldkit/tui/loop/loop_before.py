@@ -3,13 +3,18 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from textual.content import Content
 
 from fieldkit import units
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
-from fieldkit.quantities import spelled, unit_of
+from fieldkit.physics.effect import Effect
+from fieldkit.quantities import in_system, spelled, unit_of
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
+
+RARE = 2.0
+"""Standard deviations of a prior that an effect rarely exceeds. [1]"""
 
 
 def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
@@ -29,9 +34,33 @@ def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
     )
 
 
-def effects_before(about: str, tried: Sequence[tuple[str, str]]) -> Hanging:
+def effects_before(about: str, tried: Sequence[Effect]) -> Hanging:
     """What a fingerprint is, and each effect that a search would try, with what it does to a flight."""
-    return stacked([Hanging(((0, Content(about)),)), cards.lines("What a search tries", tried, 26)])
+    pairs = [(effect.title, effect.explains) for effect in tried]
+    return stacked([Hanging(((0, Content(about)),)), cards.lines("What a search tries", pairs, 26)])
+
+
+def rows_before(tried: Sequence[Effect], system: str) -> dict[str, tuple[str, ...]]:
+    """A row for each effect that a search would try, by its title: the title, and how large it may be in the units of a
+    system."""
+    return {effect.title: (effect.title, _size(effect, system)) for effect in tried}
+
+
+def _size(effect: Effect, system: str) -> str:
+    """The strength that an effect rarely exceeds by its prior: `up to 10% of the height`."""
+    prior = effect.prior
+    ends = np.clip([prior.mean - RARE * prior.sd, prior.mean + RARE * prior.sd], prior.low, prior.high)
+    largest = float(np.max(np.abs(effect.strength(ends))))
+    whole = effect.unit.removeprefix("fraction ")
+    if whole != effect.unit:
+        return f"up to {largest:.0%} {whole}"
+    return f"up to {in_system(f'{largest:.0f} {effect.unit}', system)}"
+
+
+def explained_before(effect: Effect) -> Content:
+    """What an effect does to a flight, and what to fly or record to recognize it."""
+    explained = f"{effect.explains[:1].upper()}{effect.explains[1:]}."
+    return Content.assemble((effect.title, "b $primary"), f"\n{explained}\ntest     {effect.tell_apart}")
 
 
 def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[list[tuple[float, float]], str]:

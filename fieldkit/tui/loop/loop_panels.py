@@ -9,9 +9,17 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.physics.effect import Effect
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
-from fieldkit.tui.loop.loop_before import before_search, draw_apogees, effects_before, flown_apogees
+from fieldkit.tui.loop.loop_before import (
+    before_search,
+    draw_apogees,
+    effects_before,
+    explained_before,
+    flown_apogees,
+    rows_before,
+)
 from fieldkit.tui.loop.loop_look import PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
     draw_points,
@@ -50,6 +58,7 @@ class Panels(Container):
         super().__init__(id="panels")
         self.found: Findings | None = None
         self._system, self._why = "SI", ""
+        self._tried: dict[str, Effect] = {}
 
     def compose(self) -> Iterable[Widget]:
         """One frame per panel."""
@@ -119,12 +128,11 @@ class Panels(Container):
     @on(Table.Moved, "#ranking")
     def _at_length(self, message: Table.Moved) -> None:
         """Show the effect under the cursor, in full."""
-        known = self.found is not None and message.key is not None
-        caption = (
-            effect_at_length(self.found.diagnosis, message.key, self._system)
-            if self.found is not None and known
-            else ""
-        )
+        caption: Content | str = ""
+        if self.found is not None and message.key is not None:
+            caption = effect_at_length(self.found.diagnosis, message.key, self._system)
+        elif message.key in self._tried:
+            caption = explained_before(self._tried[message.key])
         self.query_one("#at-length", Static).update(caption)
 
     def show_before(self, standing: Standing, system: str) -> None:
@@ -133,6 +141,10 @@ class Panels(Container):
             about = self._why or TEXT_BEFORE_RUN["verdict"]
             self.query_one("#verdict", Static).update(before_search(about, standing.flights))
             self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
+            self._tried = {effect.title: effect for effect in standing.tried}
+            rows = rows_before(standing.tried, system)
+            heads = [Head("effect that S looks for", 0), Head("size", 28)]
+            self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
             points, unit = flown_apogees(standing.flights, system)
             self.query_one("#residuals", Plot).show(partial(draw_apogees, points, unit) if points else None)
 
