@@ -72,6 +72,12 @@ def test_an_interval_on_its_own_scale_spans_the_full_width(ends: list[float], wi
         assert set(line) <= set("├─●┤")
 
 
+def test_an_arrow_points_to_what_is_beyond_a_scale() -> None:
+    assert bar(Interval("", 50.0, 150.0, 250.0), 0.0, 100.0, 11) == "     ├────→"
+    assert bar(Interval("", -50.0, 50.0, 250.0), 0.0, 100.0, 11) == "←────●────→"
+    assert bar(Interval("", 150.0, 180.0, 250.0), 0.0, 100.0, 11) == "          →"
+
+
 def test_intervals_share_one_scale_with_ends_and_ticks_below() -> None:
     rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
     lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()

@@ -35,8 +35,7 @@ class Field(Horizontal):
     DEFAULT_CSS = """
     Field { height: 1; }
     Field > Label { width: 22; }
-    Field > Input, Field > Input:focus { width: 15; height: 1; padding: 0; border: none; border-left: outer $border; }
-    Field.-text > Input, Field.-text > Input:focus { width: 24; }
+    Field > Input, Field > Input:focus { width: 19; height: 1; padding: 0; border: none; border-left: outer $border; }
     Field > .note { width: 1fr; height: 1; padding: 0 0 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     Field.-short > Label { width: auto; padding: 0 1 0 0; }
     Field.-short > Input, Field.-short > Input:focus { width: 1fr; }
@@ -45,8 +44,7 @@ class Field(Horizontal):
     """
 
     def __init__(self, question: Question, *, short: bool = False, text: str = "") -> None:
-        kind = "-short" if short else "-text" if question.column is None else ""
-        super().__init__(id=f"field-{question.name}", classes=kind)
+        super().__init__(id=f"field-{question.name}", classes="-short" if short else "")
         self.question, self._meant, self._noted = question, text, ""
         self._filled = printable(text)
 

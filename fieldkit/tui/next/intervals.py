@@ -90,11 +90,15 @@ class Intervals(Visual):
 
 
 def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
-    """An interval on a scale from `start` to `end`: `├──●──┤`, with `◎` at the marks and `◆` at the result."""
+    """An interval on a scale from `start` to `end`: `├──●──┤`, with `◎` at the marks and `◆` at the result; an arrow
+    points to what is beyond the scale."""
     line = [" "] * width
     low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
     line[low : high + 1] = "─" * (high - low + 1)
-    line[low], line[high], line[middle] = "├", "┤", "●"
+    line[low] = "├" if row.low >= start else "←"
+    line[high] = "┤" if row.high <= end else "→"
+    if start <= row.middle <= end:
+        line[middle] = "●"
     for mark in marks:
         if start <= mark <= end:
             at = _cell(mark, start, end, width)
