@@ -75,9 +75,9 @@ async def test_the_flights_page_draws_forecast_flown_and_target_beside_the_card(
 async def test_without_a_target_motors_show_their_interval_instead_of_a_distance(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "_")
-        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject"]
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject", "s"]
         await press(pilot, "g", *typed("800ft"), "enter", "_")
-        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject"]
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject", "s"]
 
 
 @pytest.mark.thorough
@@ -142,7 +142,7 @@ def test_a_scale_shows_its_ends_if_there_is_room() -> None:
     scale = HeightScale(131.1, 297.7, 243.84)
     wide = heading(60, scale, "SI")
     assert len(wide) == 60
-    assert wide.startswith("131.1 ")
+    assert wide.startswith("131.1 m ")
     assert wide.endswith(" 297.7 m")
     assert heading(60, scale, "US").endswith(" 977 ft")
     assert "131.1" not in heading(30, scale, "SI")

@@ -118,7 +118,9 @@ def _owner(resources: "Resources", flights: tuple[Flight, ...]) -> str:
 
 
 def by_keys(trouble: str) -> str:
-    """An error message with the key m instead of the equivalent command option."""
+    """An error message with the key m instead of the equivalent command option; the page says itself that m maps the
+    columns of a table that no parser recognizes."""
+    trouble = re.sub(r"; a table of samples is read with --map .*", "", trouble)
     return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
 
 
@@ -183,7 +185,8 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
 
 def _unnamed(look: Look, note: str) -> str:
     """A note without the name of its file, which is above it; with it if several files are read together."""
-    return printable(shortened(note).removeprefix(f"{look.path.name}: "))
+    name = look.path.name
+    return printable(shortened(note).removeprefix(f"{name}: ").removeprefix(f"{name}, "))
 
 
 def _lack(flights: tuple[Flight, ...], name: str) -> bool:

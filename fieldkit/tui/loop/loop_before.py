@@ -1,15 +1,15 @@
 """The Loop page before a search: what would be compared, the flown apogees, and the effects that would be tried."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from textual.content import Content
 
-from fieldkit import units
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
 from fieldkit.physics.effect import Effect
 from fieldkit.quantities import in_system, spelled, unit_of
+from fieldkit.tui.setup.setup_card import draw_apogees
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 
@@ -47,14 +47,14 @@ def rows_before(tried: Sequence[Effect], system: str) -> dict[str, tuple[str, ..
 
 
 def _size(effect: Effect, system: str) -> str:
-    """The strength that an effect rarely exceeds by its prior: `up to 10% of the height`."""
+    """The strength that an effect rarely exceeds by its prior: `10% of the height`."""
     prior = effect.prior
     ends = np.clip([prior.mean - RARE * prior.sd, prior.mean + RARE * prior.sd], prior.low, prior.high)
     largest = float(np.max(np.abs(effect.strength(ends))))
     whole = effect.unit.removeprefix("fraction ")
     if whole != effect.unit:
-        return f"up to {largest:.0%} {whole}"
-    return f"up to {in_system(f'{largest:.0f} {effect.unit}', system)}"
+        return f"{largest:.0%} {whole}"
+    return in_system(f"{largest:.0f} {effect.unit}", system)
 
 
 def explained_before(effect: Effect) -> Content:
@@ -63,21 +63,10 @@ def explained_before(effect: Effect) -> Content:
     return Content.assemble((effect.title, "b $primary"), f"\n{explained}\ntest     {effect.tell_apart}")
 
 
-def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[list[tuple[float, float]], str]:
-    """The apogee of each flight that a search would compare, by its place among all flights of the rocket from 1, and
-    the unit of a system in which it is given."""
-    name = unit_of(cards.APOGEE, system)
-    unit = units.unit(cards.APOGEE.quantity, name)
-    known = [
-        (float(place), unit.from_si(flight.apogee))
-        for place, flight in enumerate(flights, 1)
-        if flight.clean and flight.apogee is not None
-    ]
-    return known, spelled(name)
-
-
-def draw_apogees(points: Sequence[tuple[float, float]], unit: str, plt: Any, ink: Any) -> None:
-    """Draw apogees against the flight."""
-    across, up = zip(*points, strict=True)
-    plt.scatter(across, up, marker="●", color=ink.mark)
-    plt.ylabel(unit)
+def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[str, Callable[..., None] | None]:
+    """The apogees of all flights of a rocket in the order flown, as a caption and a drawing; no drawing of fewer than
+    two."""
+    known = [flight for flight in flights if flight.apogee is not None]
+    unit = spelled(unit_of(cards.APOGEE, system))
+    caption = f"Apogee [{unit}], flight by flight; ✗ tagged. After S: flown minus forecast, against a column (v)"
+    return caption, partial(draw_apogees, known, None, system) if len(known) > 1 else None

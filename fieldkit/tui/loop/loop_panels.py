@@ -14,7 +14,6 @@ from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
 from fieldkit.tui.loop.loop_before import (
     before_search,
-    draw_apogees,
     effects_before,
     explained_before,
     flown_apogees,
@@ -36,7 +35,7 @@ from fieldkit.tui.widgets.table import Head, Table
 TEXT_BEFORE_RUN = {
     "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
     "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
-    "against": "Flown apogee, flight by flight. After S: residuals, flown minus forecast, against a column (v)",
+    "against": "",
     "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
@@ -143,10 +142,11 @@ class Panels(Container):
             self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
             self._tried = {effect.title: effect for effect in standing.tried}
             rows = rows_before(standing.tried, system)
-            heads = [Head("effect that S looks for", 0), Head("size", 28)]
+            heads = [Head("effect that S looks for", 0), Head("up to", 30)]
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
-            points, unit = flown_apogees(standing.flights, system)
-            self.query_one("#residuals", Plot).show(partial(draw_apogees, points, unit) if points else None)
+            caption, draw = flown_apogees(standing.flights, system)
+            self.query_one("#against", Static).update(Content(caption))
+            self.query_one("#residuals", Plot).show(draw)
 
     def show_versions(self, standing: Standing, system: str) -> None:
         """Show the models of the rocket, and which is in use."""

@@ -136,7 +136,8 @@ def ranking_rows(diagnosis: Diagnosis, system: str) -> dict[str, tuple[str, ...]
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            strength = strength_in_words(mean, sd, item.best.unit, system).split()[:3]
+            words = strength_in_words(mean, sd, item.best.unit, system).split()
+            strength = words[: 3 if "%" in words[2] else 4]  # with its unit, without what it is a fraction of
             rows[str(place)] = (
                 place.in_words,
                 f"{item.probability:.0%}",

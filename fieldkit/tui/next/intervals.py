@@ -142,7 +142,8 @@ def heading(width: int, scale: HeightScale, system: str) -> str:
     aim, sign = (f", target {TARGET}", f" {TARGET}") if scale.target else ("", "")
     long = f"forecast, flown {FLOWN}{aim}"
     low, high = (number(BY_NAME["apogee"], end, system) for end in (scale.low, scale.high))
-    last = f"{high} {spelled(unit_of(BY_NAME['apogee'], system))}"
+    unit = spelled(unit_of(BY_NAME["apogee"], system))
+    low, last = f"{low} {unit}", f"{high} {unit}"
     if scale.low < scale.high != 1.0 and len(low) + len(long) + len(last) + 4 <= width:
         return f"{low}{long:^{width - len(low) - len(last)}}{last}"
     return long if len(long) <= width else f"forecast {FLOWN}{sign}"
