@@ -56,7 +56,7 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
 def add_site(page: PageScreen) -> None:
     """Open a form for a site at which nothing has flown yet."""
     system = page.resources.settings.units
-    form = Form("A new site", site_form.NEW, {}, site_form.units(system), site_form.read)
+    form = Form("A new site", site_form.NEW_SITE, {}, site_form.units(system), site_form.read)
     page.app.push_screen(form, partial(_site_added, page))
 
 

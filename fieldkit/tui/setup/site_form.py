@@ -25,7 +25,7 @@ QUESTIONS = (
     *ROOM,
 )
 
-NEW = (
+NEW_SITE = (
     Question("site", "Site", "Its name, which Add and plans then offer."),
     Question("site_elevation", "Site elevation", BY_NAME["site_elevation"].help),
     *ROOM,
