@@ -462,7 +462,7 @@ async def test_settings_are_remembered(file: Path) -> None:
         await press(pilot, "1", "N")
     async with opened(file) as pilot:
         assert pilot.app.theme == "sun"
-        assert "· ft" in shown(pilot)
+        assert "apogee in ft" in shown(pilot)
         assert "650" in shown(pilot)
     kept = read_settings(file.with_name("settings.json"))
     assert (kept.theme, kept.units) == ("sun", "mixed")

@@ -1,5 +1,6 @@
 """Keys act on what is shown: after another plan, another page, a removed row, an undone or repeated change."""
 
+import re
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 from threading import Event
@@ -301,6 +302,16 @@ async def test_a_search_that_ends_leaves_the_panel_in_front(file: Path) -> None:
             await press(pilot)
             assert "held-out error" in words(pilot), "a heading of Versions"
             assert f"The search of Astra has ended: {found.diagnosis.effect}" in words(pilot)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 50)])
+async def test_a_fingerprint_fits_its_panel(size: tuple[int, int], file: Path) -> None:
+    with patch.object(close_loop, "look", lambda *_: looked_at()):
+        async with opened(file, size, page="loop") as pilot:
+            await press(pilot, "S", "_", "n")
+            compared = [line for line in shown(pilot).splitlines() if "similar" in line or "differs" in line]
+            assert len(compared) > 2
+            assert all(re.search(r"[+-]\d\.\d\d.*[+-]\d\.\d\d.* (similar|differs)", line) for line in compared)
 
 
 async def test_the_ranking_lists_before_a_search_what_it_looks_for(file: Path) -> None:

@@ -39,6 +39,8 @@ TEXT_BEFORE_RUN = {
     "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
+PANEL_FRAME = 6
+"""Columns of a panel for its frame, its margins and a scrollbar. [cell]"""
 
 
 class Panels(Container):
@@ -56,7 +58,7 @@ class Panels(Container):
     def __init__(self) -> None:
         super().__init__(id="panels")
         self.found: Findings | None = None
-        self._system, self._why = "SI", ""
+        self._system, self._why, self._effect = "SI", "", 0
         self._tried: dict[str, Effect] = {}
 
     def compose(self) -> Iterable[Widget]:
@@ -121,8 +123,13 @@ class Panels(Container):
     def show_marks(self, turn: int) -> None:
         """Show the fingerprints of the residual and of an effect."""
         if self.found is not None:
-            narrow = self.screen.has_class("-narrow")
-            self.query_one("#marks", Static).update(fingerprint(self.found, turn, narrow=narrow))
+            self._effect = turn
+            width = self.size.width // 2 if self.screen.has_class("-wide") else self.size.width
+            self.query_one("#marks", Static).update(fingerprint(self.found, turn, width - PANEL_FRAME))
+
+    def on_resize(self) -> None:
+        """Fit the bars of the fingerprint to the new width."""
+        self.show_marks(self._effect)
 
     @on(Table.Moved, "#ranking")
     def _at_length(self, message: Table.Moved) -> None:
