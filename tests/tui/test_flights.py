@@ -302,6 +302,12 @@ async def test_a_flight_is_edited_from_the_list_and_escape_leaves_at_once_what_i
         assert "201.0" in words(pilot)
 
 
+async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await hurry(pilot, "1", "e", *["down"] * 4, *typed("201m"), "ctrl+s")
+        assert "Saved flight 12: apogee" in words(pilot)
+
+
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "y")

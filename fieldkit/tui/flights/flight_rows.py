@@ -187,3 +187,9 @@ def headings(shown: Sequence[Shown], place: int, *, falls: bool) -> list[Head]:
         Head(one.title + (arrow if number == place else ""), one.width, one.right, tail=one.title == "id")
         for number, one in enumerate(shown)
     ]
+
+
+def same_build(rows: Iterable[Row], row: Row) -> list[Row]:
+    """The flights of the same rocket in the same configuration."""
+    name = (row.flight.rocket, row.flight.config)
+    return [one for one in rows if (one.flight.rocket, one.flight.config) == name]

@@ -16,7 +16,7 @@ from textual.widgets import Input, Static
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_rows import Row, Shown, columns, headings, read_rows, scale_of
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, headings, read_rows, same_build, scale_of
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
@@ -181,6 +181,11 @@ class FlightsScreen(PageScreen):
         tables = self.query(Table)
         return self._rows.get(tables.first().current) if tables else None
 
+    async def _row_read(self) -> Row | None:
+        """The flight under the cursor, once the flights are read: a key may be typed ahead."""
+        await self.settled("ask")
+        return self._row()
+
     @on(Table.Moved)
     def _moved(self) -> None:
         """Show the cursor first, then the card."""
@@ -193,15 +198,10 @@ class FlightsScreen(PageScreen):
         if not self.has_class("-wide"):
             return
         row, tall = self._row(), self.has_class("-tall")
-        build = self._build(row) if row is not None and tall else []
+        build = same_build(self._rows.values(), row) if row is not None and tall else []
         self.query_one(FlightCard).show(row, build, self.resources.settings.units)
         if row is not None and tall:
             self._rest = self.set_timer(REST, partial(self._read_log, row.id))
-
-    def _build(self, row: Row) -> list[Row]:
-        """The flights of the same rocket in the same configuration, in the order flown."""
-        name = (row.flight.rocket, row.flight.config)
-        return [one for one in self._rows.values() if (one.flight.rocket, one.flight.config) == name]
 
     def _read_log(self, id: str) -> None:
         system = self.resources.settings.units
@@ -269,28 +269,28 @@ class FlightsScreen(PageScreen):
         self._refill()
         self._infer()
 
-    def action_tag(self) -> None:
+    async def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
-        if (row := self._row()) is not None:
+        if (row := await self._row_read()) is not None:
             from fieldkit.tui.flights.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
 
-    def action_edit(self) -> None:
+    async def action_edit(self) -> None:
         """Edit the flight under the cursor."""
-        if (row := self._row()) is not None:
+        if (row := await self._row_read()) is not None:
             from fieldkit.tui.flights.edit_form import ask_changes
 
             ask_changes(self, row.id, row.flight, lambda _: None)
 
-    def action_remove(self) -> None:
+    async def action_remove(self) -> None:
         """Remove the flight under the cursor."""
-        if (row := self._row()) is not None:
+        if (row := await self._row_read()) is not None:
             remove(self, row.id)
 
-    def action_report(self) -> None:
+    async def action_report(self) -> None:
         """Write the report of the day of the flight under the cursor, or of the flight if no day is known."""
-        if (row := self._row()) is not None:
+        if (row := await self._row_read()) is not None:
             day = row.flight.date_time
             ask_report(self, f"{day:%Y-%m-%d}" if day else row.id)
 
