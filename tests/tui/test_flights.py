@@ -14,6 +14,7 @@ from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
 from fieldkit.settings import change_settings
+from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
@@ -186,8 +187,8 @@ async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> 
 async def test_enter_typed_twice_opens_a_flight_once(file: Path) -> None:
     async with opened(file) as pilot:
         table = pilot.app.screen.query_one(Table)
-        table.action_choose()
-        table.action_choose()
+        await table.action_choose()
+        await table.action_choose()
         await press(pilot, "_")
         assert "12 · Astra" in words(pilot)
         await press(pilot, "escape")
@@ -306,6 +307,11 @@ async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file:
     async with opened(file, page="home") as pilot:
         await hurry(pilot, "1", "e", *["down"] * 4, *typed("201m"), "ctrl+s")
         assert "Saved flight 12: apogee" in words(pilot)
+    async with opened(file, page="home") as pilot:
+        await hurry(pilot, "1", "enter", "t")
+        assert "weak_launch" in words(pilot)
+        await press(pilot, "escape")
+        assert isinstance(pilot.app.screen, FlightScreen)
 
 
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:

@@ -252,8 +252,9 @@ class FlightScreen(PageScreen):
         place.update(content := Content.assemble(*parts))
         self._text.append(content.plain)
 
-    def action_tag(self) -> None:
-        """Choose tags."""
+    async def action_tag(self) -> None:
+        """Choose tags, once the flight is read."""
+        await self.settled("ask")
         if self._flight is not None:
             self.app.push_screen(TagScreen(self._flight_id, self._flight))
 
@@ -268,8 +269,9 @@ class FlightScreen(PageScreen):
         elif self.is_current:
             self.app.push_screen(LogView([look], self.resources.settings.units))
 
-    def action_edit(self) -> None:
-        """Edit the flight."""
+    async def action_edit(self) -> None:
+        """Edit the flight, once it is read."""
+        await self.settled("ask")
         if self._flight is not None:
             ask_changes(self, self._flight_id, self._flight, self._renamed)
 

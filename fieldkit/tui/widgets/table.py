@@ -16,6 +16,7 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from fieldkit.safe_text import printable
+from fieldkit.tui.asking import AskingScreen
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,12 +221,14 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         """Move to the first or the last row."""
         self._go(len(self.keys) - 1 if last else 0)
 
-    def action_choose(self) -> None:
-        """Choose the row under the cursor."""
+    async def action_choose(self) -> None:
+        """Choose the row under the cursor, once the rows are read: the key may be typed ahead."""
+        if self.current is None and isinstance(self.screen, AskingScreen):
+            await self.screen.settled("ask")
         if self.current is not None:
             self.post_message(self.Chosen(self, self.current))
 
-    def on_click(self, event: events.Click) -> None:
+    async def on_click(self, event: events.Click) -> None:
         """A click moves the cursor; on the cursor's row it chooses the row, on the heading it reports the column."""
         if event.y == 0:
             self._head_clicked(event.x)
@@ -235,7 +238,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
             again = row == self.cursor
             self._go(row)
             if again:
-                self.action_choose()
+                await self.action_choose()
 
     def _head_clicked(self, x: int) -> None:
         edge = 1
