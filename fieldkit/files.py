@@ -7,7 +7,6 @@ import os
 import re
 import shutil
 import stat
-import tomllib
 from collections.abc import Mapping
 from itertools import count
 from os.path import isfile
@@ -71,6 +70,8 @@ def read_toml(file: Path) -> dict[str, Any]:
 def toml_of(text: str) -> dict[str, Any]:
     """The tables in a TOML text. Raises ValueError, also for a text that the parser cannot read within its limits and
     for an integer of more than 64 bits."""
+    import tomllib
+
     if any(line.count(".") > MAX_DOTS for line in text.splitlines()):
         raise ValueError(f"a line of more than {MAX_DOTS} dots")
     try:

@@ -45,6 +45,12 @@ def unit_of(column: Column, system: str) -> str:
     return column.unit if column.quantity == "acceleration" else SYSTEMS[system].get(column.unit, column.unit)
 
 
+def system_typed(column: Column, unit: str, system: str) -> str:
+    """The system that shows a column in the unit in which it was typed; `system` if it does, or if none does."""
+    shown = (one for one in (system, *SYSTEMS) if spelled(unit_of(column, one)) == spelled(unit))
+    return next(shown, system)
+
+
 def number(column: Column, value: float, system: str) -> str:
     """A value [SI] without its unit: `923`."""
     unit = unit_of(column, system)

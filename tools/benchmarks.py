@@ -101,8 +101,7 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
 
 RATES = {"flights_per_second": "flights", "megabytes_per_second": "MB"}
 LABELS = {
-    "the_app_is_painted": "the first screen",
-    "the_first_rows_are_painted": "the first rows",
+    "start": "until {0}",
     "a_key_is_answered_with_five_thousand_flights": "a key, with 5,000 flights",
     "a_question": "{0}, ledger of {1:,} flights",
     "the_command_flights": "{0:,} flights, {1}",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.physics.effect import spoken
+from fieldkit.presentation.held_out_text import mean_misses
 from fieldkit.quantities import ShownUnits, counted, in_system, strength_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
@@ -37,7 +38,7 @@ def report(found: Findings, system: str = "SI", *, details: bool = False) -> Ite
         yield f"  {line}"
     yield ""
     yield from misses_drawn(found, system)
-    yield from _mean_misses(found, shown)
+    yield from mean_misses(found, shown)
     yield ""
     yield from _effects(found, system, every=details)
     if details:
@@ -47,16 +48,6 @@ def report(found: Findings, system: str = "SI", *, details: bool = False) -> Ite
         yield from _fingerprints(found)
         yield ""
         yield from _errors(found, shown)
-
-
-def _mean_misses(found: Findings, shown: ShownUnits) -> Iterator[str]:
-    """The mean absolute errors of held-out flights, before and after."""
-    changes = found.diagnosis.effect != "none"
-    for source, compared in (("the others", found.left_out), ("earlier ones", found.forward)):
-        if compared.before.flights:
-            before, after = (shown.length(one.score.mae, 1) for one in (compared.before, compared.after))
-            then = f", {after} with the verdict" if changes else ""
-            yield f"  mean miss {before}{then}; each flight forecast from {source}"
 
 
 def _effects(found: Findings, system: str, *, every: bool) -> Iterator[str]:

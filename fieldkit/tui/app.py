@@ -20,7 +20,6 @@ from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
 from fieldkit.tui.keys import in_capitals
 from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
 from fieldkit.tui.page import PageScreen, pages
-from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
@@ -85,20 +84,9 @@ class FieldkitApp(Surviving):
         self._hides = True
         self.unseen = self._readied = False
         self.animation_level = "none"
-        for theme in THEMES.values():
-            self.register_theme(theme)
-        self._start_in(self.resources.settings.theme)
+        self.start_in(self.resources.settings.theme)
         for name in pages():
             self.add_mode(name, partial(self._page, name))
-
-    def _start_in(self, theme: str) -> None:
-        """Start in a theme. Textual reads all styles three more times if it is changed before the app runs (10 ms of
-        220); a dark theme in true colors changes nothing else."""
-        if THEMES[theme].dark and not THEMES[theme].ansi:
-            self.set_reactive(App.theme, theme)
-            self.stylesheet.set_variables(self.get_css_variables())
-        else:
-            self.theme = theme
 
     def on_mount(self) -> None:
         """Open the page where an error ended the last app, and start the timers."""
@@ -178,6 +166,8 @@ class FieldkitApp(Surviving):
     def action_command_palette(self) -> None:
         """Find anything by name."""
         if not isinstance(self.screen, CommandPalette):
+            from fieldkit.tui.palette import Palette
+
             self.push_screen(Palette(id="--command-palette"))
 
     def changed(self) -> None:

@@ -5,6 +5,8 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
+from textual.app import App
+
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, unit_of
@@ -14,7 +16,6 @@ from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.bars import Notice, NoticeBar
-from fieldkit.tui.widgets.dialogs import AskText
 
 LOOKS = {"units", "theme", "target"}
 """Settings that only change the display."""
@@ -28,8 +29,29 @@ class Choosing(InOrder):
         self.resources = resources
         self.notices: list[Notice] = []
         self.revision = self.look = 0
+        self._styled = False
         self.changing = Lock()
         """Held while the ledger is changed."""
+
+    def start_in(self, theme: str) -> None:
+        """Start in a theme. Textual reads all styles three more times if it is changed before the app runs (10 ms of
+        220); a dark theme in true colors changes nothing else."""
+        for one in THEMES.values():
+            self.register_theme(one)
+        self._styled = THEMES[theme].dark and not THEMES[theme].ansi
+        if self._styled:
+            self.set_reactive(App.theme, theme)
+            self.stylesheet.set_variables(self.get_css_variables())
+        else:
+            self.theme = theme
+
+    def refresh_css(self, animate: bool = True) -> None:
+        """Read all styles again, but not for the first page, which Textual opens right after it has read them (6 ms of
+        200)."""
+        if self._styled:
+            self._styled = False
+        else:
+            super().refresh_css(animate)
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Show a notice over earlier ones; errors stay until they are dismissed, successes until the next notice."""
@@ -97,6 +119,8 @@ class Choosing(InOrder):
         """Ask for the target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
+        from fieldkit.tui.widgets.dialogs import AskText
+
         self.push_screen(AskText("Target", now, about, check=self._read_target), partial(self._targeted, now))
 
     def action_ask_target(self) -> None:

@@ -19,7 +19,6 @@ from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
-from fieldkit.tui.widgets.dialogs import HelpScreen, key_list
 from fieldkit.tui.widgets.table import Table
 
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
@@ -194,6 +193,8 @@ class PageScreen(AskingScreen):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
+        from fieldkit.tui.widgets.dialogs import HelpScreen, key_list
+
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, key_list(self)))
 
     def action_copy(self) -> None:
@@ -206,8 +207,10 @@ class PageScreen(AskingScreen):
             self.show_notice("Nothing to copy")
 
     def action_back(self) -> None:
-        """Dismiss a notice, or else leave a field, or else leave the screen if it is above a page."""
-        if self.field_app.notices:
+        """Dismiss a notice, or else leave a field, or else leave the screen if it is above a page, which a notice of
+        success does not delay."""
+        over = len(self.app.screen_stack) > 1 and not isinstance(self.focused, Input)
+        if self.field_app.notices and (self.field_app.notices[0].error or not over):
             self.field_app.action_read()
         elif isinstance(self.focused, Input) and (rest := self.resting_place()) is not None:
             self.set_focus(rest)

@@ -1,14 +1,12 @@
-"""How fast the app starts and answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
+"""How fast the app answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
 
-The first group compares the app with an empty Textual app, each as a whole process up to its first paint. The second
-measures all effects of a key with a ledger of 5,000 flights, compared with a key in an empty app. Times are processor
-time over all threads, including workers. A key is answered, in wall-clock time, at the first paint after it, or when
-nothing is left to paint; it is done when all workers are idle and the screen is up to date.
+All effects of a key with a ledger of 5,000 flights, compared with a key in an empty app. Times are processor time over
+all threads, including workers. A key is answered, in wall-clock time, at the first paint after it, or when nothing is
+left to paint; it is done when all workers are idle and the screen is up to date.
 """
 
 import asyncio
 import resource
-import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -32,14 +30,11 @@ from textual.screen import Screen
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from tests.benchmarks.timing import FLYER, beside, of_children
+from tests.benchmarks.timing import beside
 from tests.pressing import PAINTED as RENDERED
-from tests.pressing import opened, season
+from tests.pressing import opened
 
 MANY = 5000
-PAINT, FIRST_ROWS = 1.7, 1.8
-"""Maximum ratio to an empty app of the first paint, and of the first page with rows; the aim is 1.5, which a busy
-machine exceeds. [1]"""
 SHARES = (0.5, 0.95, 0.99, 1)
 """Reported quantiles of the response times. [1]"""
 AHEAD = "ready"
@@ -52,71 +47,8 @@ def processor() -> float:
     return sum(one.ru_utime + one.ru_stime for one in spent)
 
 
-PAINTED = """
-import asyncio, os
-async def painted():
-    async with app.run_test(size=(80, 24)):
-        os._exit(0)
-asyncio.run(painted())
-"""
-EMPTY = "from textual.app import App\napp = App()\n" + PAINTED
-COMMAND = "from fieldkit.tui.memory import pause_collection\npause_collection()\n"
-"""The start of the command, before it imports the app."""
-OURS = (
-    "from pathlib import Path, PosixPath\n"
-    + COMMAND
-    + "from fieldkit.tui.app import FieldkitApp\napp = FieldkitApp({!r}, {!r})\n"
-    + PAINTED
-)
-
-ROWS = (
-    "from pathlib import Path, PosixPath\nimport asyncio, os\n"
-    + COMMAND
-    + "from fieldkit.tui.app import FieldkitApp\nfrom fieldkit.tui.widgets.table import Table\n"
-    "drawn = Table.render_line\n"
-    "def line(table, y):\n"
-    "    if y and table.keys:\n"
-    "        table.call_after_refresh(os._exit, 0)\n"
-    "    return drawn(table, y)\n"
-    "Table.render_line = line\n"
-    "async def painted():\n"
-    "    async with FieldkitApp({!r}, {!r}).run_test(size=(80, 24)):\n"
-    "        await asyncio.sleep(60)\n"
-    "asyncio.run(painted())\n"
-)
-"""The app until the rows of its first page are painted."""
-
 SECONDS: dict[str, list[float]] = {}
 """Seconds of every round, by benchmark."""
-
-
-def measure(benchmark: BenchmarkFixture, code: str) -> None:
-    def start() -> None:
-        subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.DEVNULL)
-
-    benchmark.pedantic(start, rounds=9, warmup_rounds=1)
-    SECONDS[benchmark.name] = benchmark.stats.stats.data
-
-
-@pytest.mark.benchmark(group="first paint", timer=of_children)
-def test_an_empty_app_is_painted(benchmark: BenchmarkFixture) -> None:
-    measure(benchmark, EMPTY)
-
-
-@pytest.mark.benchmark(group="first paint", timer=of_children)
-def test_the_app_is_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
-    season(tmp_path / "ledger.db")
-    measure(benchmark, OURS.format(str(tmp_path / "ledger.db"), tmp_path / "settings.json"))
-    empty, ours = (float(np.median(SECONDS[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
-    assert beside(benchmark, ours, empty, "an empty app") < PAINT
-
-
-@pytest.mark.benchmark(group="first paint", timer=of_children)
-def test_the_first_rows_are_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
-    season(tmp_path / "ledger.db")
-    measure(benchmark, ROWS.format(str(tmp_path / "ledger.db"), tmp_path / "settings.json"))
-    empty, ours = (float(np.median(SECONDS[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
-    assert beside(benchmark, ours, empty, "an empty app") < FIRST_ROWS
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,12 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from fieldkit.presentation.held_out_text import mean_misses
 from fieldkit.presentation.loop_text import candidate_row, in_next_flight
+from fieldkit.quantities import ShownUnits
 from fieldkit.selection.candidates import EACH_GROUP, Place
 
 pytestmark = pytest.mark.fast
@@ -44,3 +47,21 @@ def test_the_next_forecast_is_shown_before_its_change(before: float, after: floa
         flight=SimpleNamespace(motor="F39"), before=before, after=after, interval=(170.0, 230.0)
     )
     assert in_next_flight(flight) == f"next F39 in the same conditions: 190 m, 90% interval 170 to 230 m; {change}"
+
+
+def test_without_a_verdict_the_report_names_what_was_looked_for_and_how_good_the_plain_model_is() -> None:
+    score = SimpleNamespace(mae=10.0, coverage90=0.75)
+    before = SimpleNamespace(flights=4, score=score)
+    data = SimpleNamespace(values=np.log([[100.0], [300.0], [999.0]]), seen=np.array([[True], [True], [False]]))
+    ranking = [SimpleNamespace(effect=name) for name in ("wear", "", "wind")]
+    nothing = SimpleNamespace(before=SimpleNamespace(flights=0))
+    found: Any = SimpleNamespace(
+        diagnosis=SimpleNamespace(effect="none", ranking=ranking, data=data),
+        left_out=SimpleNamespace(before=before),
+        forward=nothing,
+    )
+    assert list(mean_misses(found, ShownUnits("US"))) == [
+        "  looked for: wear, weathercocking in the wind",
+        "  the plain model: 33 ft off on average (5%), 3 of 4 inside the 90% interval; "
+        "each flight forecast from the others",
+    ]

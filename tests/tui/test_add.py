@@ -256,7 +256,7 @@ async def test_help_explains_a_field_and_a_question_mark_is_a_letter_in_the_note
 async def test_an_apogee_far_from_the_forecast_is_questioned_before_it_is_saved(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("65ft"), "ctrl+s")
-        assert "The apogee is 19.8 m" in words(pilot)
+        assert "The apogee is 65 ft. This flight was expected to reach" in words(pilot), "in the unit that was typed"
         assert "Save it as it is?" in words(pilot)
         await press(pilot, "n")
         screen = pilot.app.screen

@@ -18,7 +18,7 @@ from fieldkit.tui.next.intervals import Interval, Intervals, bar
 from fieldkit.tui.setup import setup_card
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import grouped, placed
-from fieldkit.tui.widgets.table import fitted
+from fieldkit.tui.widgets.table import Head, fitted
 from tests.pressing import frozen, opened, press, season, typed, words
 
 pytestmark = pytest.mark.fast
@@ -72,6 +72,12 @@ def test_an_interval_on_its_own_scale_spans_the_full_width(ends: list[float], wi
         assert set(line) <= set("├─●┤")
 
 
+def test_an_arrow_points_to_what_is_beyond_a_scale() -> None:
+    assert bar(Interval("", 50.0, 150.0, 250.0), 0.0, 100.0, 11) == "     ├────→"
+    assert bar(Interval("", -50.0, 50.0, 250.0), 0.0, 100.0, 11) == "←────●────→"
+    assert bar(Interval("", 150.0, 180.0, 250.0), 0.0, 100.0, 11) == "          →"
+
+
 def test_intervals_share_one_scale_with_ends_and_ticks_below() -> None:
     rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
     lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()
@@ -99,9 +105,10 @@ def test_a_site_shows_its_air_and_what_its_safety_checks_lack() -> None:
 
 
 def test_overlong_text_shows_its_beginning_or_its_end() -> None:
-    assert fitted("flight-dd2afbb08f", 8, False) == "flight-…"
-    assert fitted("flight-dd2afbb08f", 8, False, True) == "…afbb08f"
-    assert fitted("12", 4, True, True) == "  12"
+    assert fitted("flight-dd2afbb08f", 8, Head("id", 8)) == "flight-…"
+    assert fitted("flight-dd2afbb08f", 8, Head("id", 8, tail=True)) == "…afbb08f"
+    assert fitted("pnut_tarc2023_f7.pf2", 13, Head("file", 13, middle=True)) == "pnut…3_f7.pf2"
+    assert fitted("12", 4, Head("id", 4, True, tail=True)) == "  12"
 
 
 async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path) -> None:

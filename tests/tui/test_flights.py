@@ -14,6 +14,7 @@ from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import bring_in
 from fieldkit.settings import change_settings
+from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.bars import KeyBar
@@ -186,8 +187,8 @@ async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> 
 async def test_enter_typed_twice_opens_a_flight_once(file: Path) -> None:
     async with opened(file) as pilot:
         table = pilot.app.screen.query_one(Table)
-        table.action_choose()
-        table.action_choose()
+        await table.action_choose()
+        await table.action_choose()
         await press(pilot, "_")
         assert "12 · Astra" in words(pilot)
         await press(pilot, "escape")
@@ -288,6 +289,29 @@ async def test_a_flight_is_edited_in_the_form_of_the_add_page_and_typos_are_ques
         await press(pilot, "escape", "u", "_")
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").apogee == pytest.approx(281.3)
+
+
+async def test_a_flight_is_edited_from_the_list_and_escape_leaves_at_once_what_is_over_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "e", *["down"] * 4, "ctrl+u", *typed("201m"), "ctrl+s", "_")
+        assert "Saved flight 12: apogee" in words(pilot)
+        await press(pilot, "t", "enter")
+        await press(pilot, "u")
+        assert "Undone: tag" in words(pilot)
+        await press(pilot, "escape")
+        assert table_keys(pilot)[0] == "12"
+        assert "201.0" in words(pilot)
+
+
+async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await hurry(pilot, "1", "e", *["down"] * 4, *typed("201m"), "ctrl+s")
+        assert "Saved flight 12: apogee" in words(pilot)
+    async with opened(file, page="home") as pilot:
+        await hurry(pilot, "1", "enter", "t")
+        assert "weak_launch" in words(pilot)
+        await press(pilot, "escape")
+        assert isinstance(pilot.app.screen, FlightScreen)
 
 
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:

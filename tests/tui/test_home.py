@@ -230,7 +230,7 @@ async def test_settings_of_two_open_apps_do_not_overwrite_each_other(file: Path)
         await press(pilot, "T", "_")
         kept = read_settings(file.with_name("settings.json"))
         assert (kept.units, kept.theme) == ("US", "sun")
-        assert "· ft" in words(pilot), "what the other chose is shown from now on"
+        assert "apogee in ft" in words(pilot), "what the other chose is shown from now on"
 
 
 def test_large_digits_are_solid_and_differ() -> None:

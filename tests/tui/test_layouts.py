@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
+from textual.css.stylesheet import Stylesheet
 from textual.widgets import Static
 
 from fieldkit.ledger import Ledger, models
@@ -17,6 +18,7 @@ from fieldkit.services.imports import bring_in
 from fieldkit.settings import change_settings
 from fieldkit.tui.memory import pause_collection
 from fieldkit.tui.next.intervals import HeightScale, heading
+from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.bars import NoticeBar
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import answered, marked
@@ -73,9 +75,9 @@ async def test_the_flights_page_draws_forecast_flown_and_target_beside_the_card(
 async def test_without_a_target_motors_show_their_interval_instead_of_a_distance(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "_")
-        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject"]
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject", "s"]
         await press(pilot, "g", *typed("800ft"), "enter", "_")
-        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject"]
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject", "s"]
 
 
 @pytest.mark.thorough
@@ -140,7 +142,7 @@ def test_a_scale_shows_its_ends_if_there_is_room() -> None:
     scale = HeightScale(131.1, 297.7, 243.84)
     wide = heading(60, scale, "SI")
     assert len(wide) == 60
-    assert wide.startswith("131.1 ")
+    assert wide.startswith("131.1 m ")
     assert wide.endswith(" 297.7 m")
     assert heading(60, scale, "US").endswith(" 977 ft")
     assert "131.1" not in heading(30, scale, "SI")
@@ -192,6 +194,10 @@ asyncio.run(opened())
 """Runs the app until it has its first rows, and prints the modules imported by then."""
 
 
+LATER = ("widgets.dialogs", "widgets.hanging", "widgets.picker", "flights.log_plot", "palette")
+"""Modules that only a key or a worker needs."""
+
+
 def test_first_rows_are_listed_before_other_pages_and_libraries_are_imported(file: Path) -> None:
     code = FIRST_ROWS.format(str(file), str(file.with_name("settings.json")))
     env = {**os.environ, "FIELDKIT_CHECK_SHAPES": ""}
@@ -200,6 +206,15 @@ def test_first_rows_are_listed_before_other_pages_and_libraries_are_imported(fil
     assert int(count) > 5
     assert not {"numpy", "pandas", "sqlalchemy", "typer", "scipy", "fieldkit.importing"}.intersection(modules)
     assert [name for name in modules if name.endswith("_page")] == ["fieldkit.tui.home.home_page"]
+    assert not {"tomllib", *(f"fieldkit.tui.{name}" for name in LATER)}.intersection(modules)
+
+
+async def test_styles_are_read_once_before_the_first_page_is_shown(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    again: list[int] = []
+    monkeypatch.setattr(Stylesheet, "reparse", lambda _: again.append(1))
+    async with opened(file, page="home") as pilot:
+        assert isinstance(pilot.app.screen, PageScreen)
+        assert not again
 
 
 async def test_garbage_is_collected_again_once_the_app_has_started(

@@ -9,7 +9,7 @@ from textual.widgets import Static
 
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
-from tests.pressing import at_home, opened, press, shown, typed
+from tests.pressing import ROOT, at_home, opened, press, shown, typed
 
 pytestmark = pytest.mark.fast
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
@@ -35,6 +35,27 @@ async def test_a_column_and_its_unit_are_chosen_by_arrows_beside_the_first_rows(
         assert "howhigh [m]" in shown(pilot)
         await press(pilot, "ctrl+s")
         assert pilot.app.screen._reading.columns == ("time=tick [ms]", "altitude=howhigh [m]")
+
+
+async def test_a_note_does_not_repeat_the_name_of_its_file_whose_end_is_never_cut(file: Path) -> None:
+    name = "a_cold_morning_at_the_field_of_2026.csv"
+    (file.parent / name).write_bytes((ROOT / "sample_logs" / "rrc3__feet_and_commas.csv").read_bytes())
+    async with opened(file, page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / name)
+        await press(pilot)
+        assert any("_of_2026.csv" in line.partition("│")[0] for line in shown(pilot).splitlines()[2:])
+        assert shown(pilot).count(name) == 1
+        assert "! has no units" in shown(pilot)
+
+
+async def test_a_log_that_was_imported_with_a_rocket_is_known_without_it(file: Path) -> None:
+    log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(log.parent, log)
+        await press(pilot)
+        assert "already in the ledger" not in shown(pilot)
+        await press(pilot, "enter", *typed("Astra"), "down", "down", *typed("F24-4W"), "ctrl+s", "_")
+        assert "already in the ledger as a flight of Astra" in shown(pilot)
 
 
 async def test_a_saved_mapping_is_edited_in_the_same_form_and_forgotten(file: Path) -> None:

@@ -175,7 +175,8 @@ async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> Non
         (file.parent / "field" / name).write_text("quux;frob\n" + rows)
     async with opened(file, page="import_files") as pilot:
         await press(pilot, "down")
-        assert "is read with m, then time=its column; altitude=its column [m]" in text_of(pilot, "#preview")
+        assert text_of(pilot, "#preview").endswith("F to choose a parser, m to map the columns of a table")
+        assert "--map" not in text_of(pilot, "#preview")
         await press(pilot, "m", *typed("quux"), "tab", *typed("frobb"))
         assert "found no column 'frobb'; did you mean 'frob'?" in words(pilot)
         await press(pilot, "backspace", "ctrl+s")
@@ -461,7 +462,7 @@ async def test_settings_are_remembered(file: Path) -> None:
         await press(pilot, "1", "N")
     async with opened(file) as pilot:
         assert pilot.app.theme == "sun"
-        assert "· ft" in shown(pilot)
+        assert "apogee in ft" in shown(pilot)
         assert "650" in shown(pilot)
     kept = read_settings(file.with_name("settings.json"))
     assert (kept.theme, kept.units) == ("sun", "mixed")
@@ -758,7 +759,7 @@ async def test_enter_on_a_motor_still_to_be_forecast_saves_it_when_its_forecast_
 async def test_the_loop_shows_flown_apogees_and_the_effects_it_would_try_before_a_search(file: Path) -> None:
     async with opened(file, (160, 60), page="loop") as pilot:
         seen = words(pilot)
-        assert "Flown apogee, flight by flight" in seen
+        assert "Apogee [m], flight by flight" in seen
         assert shown(pilot).count("●") >= 5
         for effect in effects().values():
             assert effect.form_of or effect.title in text_of(pilot, "#marks"), effect.title

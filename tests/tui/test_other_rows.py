@@ -1,10 +1,13 @@
 """Keys act on what is shown: after another plan, another page, a removed row, an undone or repeated change."""
 
+import re
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
+from threading import Event
 from unittest.mock import patch
 
 import pytest
+from textual.events import Key
 from textual.widgets import Input
 
 from fieldkit.errors import BadValue
@@ -12,6 +15,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors.catalogue import catalogue
 from fieldkit.services import close_loop
+from fieldkit.services.findings import Findings
 from fieldkit.services.manual_entry import STARTED
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
@@ -277,6 +281,46 @@ async def test_two_open_apps_have_separate_drafts_and_the_next_app_continues_wha
     async with offered[0] as one, offered[1] as two, offered[2] as three:
         assert ["923" in shown(app) for app in (one, two, three)] == [True, False, False]
         assert ["811" in shown(app) for app in (one, two, three)] == [False, True, False]
+
+
+async def test_a_search_that_ends_leaves_the_panel_in_front(file: Path) -> None:
+    found, waiting = looked_at(), Event()
+
+    def look(*_: object) -> Findings:
+        waiting.wait(30)
+        return found
+
+    with patch.object(close_loop, "look", look):
+        async with opened(file, page="loop") as pilot:
+            pilot.app.post_message(Key("S", "S"))
+            while not pilot.app.screen.is_asking("look"):
+                await pilot.pause(0.01)
+            for _ in range(4):
+                pilot.app.post_message(Key("right", None))
+            await pilot.pause(0.2)
+            waiting.set()
+            await press(pilot)
+            assert "held-out error" in words(pilot), "a heading of Versions"
+            assert f"The search of Astra has ended: {found.diagnosis.effect}" in words(pilot)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 50)])
+async def test_a_fingerprint_fits_its_panel(size: tuple[int, int], file: Path) -> None:
+    with patch.object(close_loop, "look", lambda *_: looked_at()):
+        async with opened(file, size, page="loop") as pilot:
+            await press(pilot, "S", "_", "n")
+            compared = [line for line in shown(pilot).splitlines() if "similar" in line or "differs" in line]
+            assert len(compared) > 2
+            assert all(re.search(r"[+-]\d\.\d\d.*[+-]\d\.\d\d.* (similar|differs)", line) for line in compared)
+
+
+async def test_the_ranking_lists_before_a_search_what_it_looks_for(file: Path) -> None:
+    async with opened(file, page="loop") as pilot:
+        await press(pilot, "right", "right", "right", "down")
+        assert "an altimeter that reads high or low 10% of the height" in words(pilot)
+        assert "test fly a second altimeter next to it" in words(pilot)
+        await press(pilot, "enter")
+        assert "No fingerprint yet" in words(pilot)
 
 
 async def test_the_loop_says_before_a_search_what_it_would_compare(file: Path) -> None:

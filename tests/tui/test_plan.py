@@ -6,6 +6,7 @@ from unittest.mock import patch
 
 import pytest
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
@@ -47,6 +48,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "field size: unknown" in screen_text(pilot)
         await press(pilot, "right")
         assert "No target yet" in screen_text(pilot)
+        assert "Apogee on the altimeter; lines are" in screen_text(pilot), "the forecast as the rocket is"
         await press(pilot, "right")
         assert "season 2027" in words(pilot)
         assert "fitted to 1 flight" in screen_text(pilot)
@@ -241,6 +243,29 @@ async def test_a_mass_typed_for_one_configuration_is_not_used_for_another(file: 
         await press(pilot, "p", "down", "ctrl+u", *typed("A"), "ctrl+s", "_")
         with Ledger.open(file) as ledger:
             assert planned_mass(ledger) is None
+
+
+async def test_a_plan_shows_the_mass_and_diameter_that_its_forecast_uses(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "p")
+        assert pilot.app.screen.query_one("#in-dry_mass", Input).value == "448 g"
+        await press(pilot, "ctrl+s", "_")
+        with Ledger.open(file) as ledger:
+            assert planned_mass(ledger) is None, "still that of the last flight"
+        await press(pilot, "p", "down", "ctrl+u", *typed("A"), "ctrl+s", "_", "p")
+        assert pilot.app.screen.query_one("#in-dry_mass", Input).value == "322 g", "as configuration A flew last"
+
+
+async def test_a_site_is_added_before_anything_flies_there(file: Path) -> None:
+    async with opened(file, page="setup") as pilot:
+        await press(pilot, "right", "right", "i", "ctrl+s")
+        assert "found no name" in words(pilot)
+        await press(
+            pilot, "escape", "i", *typed("Hill"), "enter", *typed("300m"), "enter", *typed("1200ft"), "ctrl+s", "_"
+        )
+        assert "Hill 300.0 m 365.8 m 0" in words(pilot)
+        await press(pilot, "u", "_")
+        assert "Hill 300.0 m" not in words(pilot)
 
 
 async def test_a_flight_added_by_another_program_is_used_in_an_open_decision(

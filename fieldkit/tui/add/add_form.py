@@ -19,7 +19,7 @@ from fieldkit.importing.manual_entry import (
     read_answer,
     read_lift_off_mass,
 )
-from fieldkit.quantities import in_own_unit, in_system, measure, significant, spelled
+from fieldkit.quantities import in_own_unit, in_system, measure, significant, spelled, system_typed
 
 if TYPE_CHECKING:
     from fieldkit.services.pickers import Names
@@ -57,6 +57,8 @@ class Answered:
     wrong: Mapping[str, str]
     usual: Mapping[str, float]
     lift_off: float | None = None
+    apogee_unit: str = ""
+    """The unit in which the apogee was typed, with it or before."""
 
     def number(self, question: Question) -> float | None:
         """The answer to a question about a number. [SI]"""
@@ -89,6 +91,8 @@ class Saved:
 
 def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
     """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`."""
+    from fieldkit.services.manual_entry import typed_unit
+
     flight, wrong, lift_off = Flight(), dict[str, str](), None
     for name, text in texts.items():
         try:
@@ -99,7 +103,8 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
             flight = flight.with_changes(**{name: value})
         except BadValue as error:
             wrong[name] = str(error)
-    return Answered(flight, wrong, usual, lift_off)
+    typed_in = typed_unit(texts.get("apogee", "")) or units.get("apogee", "")
+    return Answered(flight, wrong, usual, lift_off, typed_in)
 
 
 def beside(question: Question, answered: Answered, unit: str, system: str) -> str:
@@ -239,7 +244,7 @@ class Draft:
         except FieldkitError as error:
             why = in_system(str(error), self._resources.settings.units)
             return Saved(wrong=LIFT_OFF_MASS.name, trouble=f"{LIFT_OFF_MASS.title}: {why}")
-        if not confirmed and (question := self._question(typed)):
+        if not confirmed and (question := self._question(typed, answered.apogee_unit)):
             return Saved(confirm=question)
         try:
             with self._lock:
@@ -255,9 +260,9 @@ class Draft:
             trouble=in_system("; ".join(excluded), self._resources.settings.units),
         )
 
-    def _question(self, flight: Flight) -> str:
-        """The question about a flight that the ledger has, a name that may be misspelled or an implausible apogee;
-        empty if there is none."""
+    def _question(self, flight: Flight, unit: str) -> str:
+        """The question about a flight that the ledger has, a name that may be misspelled or an implausible apogee, in
+        the `unit` in which it was typed; empty if there is none."""
         from fieldkit.presentation.after_flight_text import question
         from fieldkit.services.after_flight import expected_instead
         from fieldkit.services.manual_entry import id_and_time, identical_flight
@@ -269,7 +274,8 @@ class Draft:
         doubts = [doubt for name in ("rocket", "site", "motor") if (doubt := named.doubt(name, getattr(flight, name)))]
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
         if expected is not None and flight.apogee is not None:
-            doubts.append(question(expected, flight.apogee, self._resources.settings.units))
+            system = system_typed(READOUTS[0], unit, self._resources.settings.units)
+            doubts.append(question(expected, flight.apogee, system))
         elif doubts:
             doubts.append("Save it as it is?")
         return "\n".join(doubts)

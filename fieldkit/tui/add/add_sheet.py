@@ -32,6 +32,7 @@ FORM_CSS = """
     AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
     AddScreen.-tall #save { margin: 1 0; }
     AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
+    AddScreen.-wide #readouts Field > Input { width: 15; }
     AddScreen.-wide #fields { layout: horizontal; }
     AddScreen.-wide #readouts { margin-right: 3; }
     AddScreen.-tall.-normal Hand, AddScreen.-tall.-narrow Hand { margin: 1 0; }

@@ -35,7 +35,7 @@ class Field(Horizontal):
     DEFAULT_CSS = """
     Field { height: 1; }
     Field > Label { width: 22; }
-    Field > Input, Field > Input:focus { width: 15; height: 1; padding: 0; border: none; border-left: outer $border; }
+    Field > Input, Field > Input:focus { width: 19; height: 1; padding: 0; border: none; border-left: outer $border; }
     Field > .note { width: 1fr; height: 1; padding: 0 0 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     Field.-short > Label { width: auto; padding: 0 1 0 0; }
     Field.-short > Input, Field.-short > Input:focus { width: 1fr; }

@@ -27,7 +27,7 @@ class FlightCard(VerticalScroll):
 
     DEFAULT_CSS = """
     FlightCard Static { height: auto; margin-bottom: 1; }
-    FlightCard Plot { height: 10; margin-bottom: 1; border-top: solid $border-blurred;
+    FlightCard Plot { height: 22vh; min-height: 10; margin-bottom: 1; border-top: solid $border-blurred;
         border-title-color: $foreground; }
     """
 

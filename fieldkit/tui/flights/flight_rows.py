@@ -1,6 +1,6 @@
 """The rows of the Flights page: a flight with its results, the columns, and the text that a filter searches."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
@@ -10,6 +10,7 @@ from fieldkit.flight.makers import motor_name
 from fieldkit.quantities import number
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.table import Head
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -177,3 +178,18 @@ def haystack(id: str, flight: Flight) -> str:
     when = flight.date_time.isoformat(" ") if flight.date_time else ""
     texts = (id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)
     return " ".join(texts).lower()
+
+
+def headings(shown: Sequence[Shown], place: int, *, falls: bool) -> list[Head]:
+    """The headings of some columns, with an arrow at the one at a place, which determines the order."""
+    arrow = "▼" if falls else "▲"
+    return [
+        Head(one.title + (arrow if number == place else ""), one.width, one.right, tail=one.title == "id")
+        for number, one in enumerate(shown)
+    ]
+
+
+def same_build(rows: Iterable[Row], row: Row) -> list[Row]:
+    """The flights of the same rocket in the same configuration."""
+    name = (row.flight.rocket, row.flight.config)
+    return [one for one in rows if (one.flight.rocket, one.flight.config) == name]

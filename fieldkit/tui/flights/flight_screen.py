@@ -94,7 +94,8 @@ class FlightScreen(PageScreen):
     FlightScreen.-tall RocketStrip.-shown { display: block; }
     FlightScreen #all #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
         border-title-color: $foreground; }
-    FlightScreen.-tall #all #log Plot { height: 11; }
+    FlightScreen.-tall #all #log Plot { height: 22vh; min-height: 11; }
+    FlightScreen.-tall.-wide.-unlogged #all #hills Plot { height: 28vh; }
     FlightScreen #hills Vertical { height: auto; width: 1fr; margin-right: 2; }
     FlightScreen #all #hills Static { margin-bottom: 0; }
     FlightScreen.-narrow #columns, FlightScreen.-narrow #hills, FlightScreen.-normal #hills { layout: vertical; }
@@ -196,6 +197,7 @@ class FlightScreen(PageScreen):
 
     def _have_log(self, log: Drawn | str) -> None:
         title = self.query_one("#log-title", Static)
+        self.set_class(isinstance(log, str), "-unlogged")
         for name in TRACES:
             trace = log.traces.get(name) if isinstance(log, Drawn) else None
             plot = self.query_one(f"#log-{name}", Plot)
@@ -250,8 +252,9 @@ class FlightScreen(PageScreen):
         place.update(content := Content.assemble(*parts))
         self._text.append(content.plain)
 
-    def action_tag(self) -> None:
-        """Choose tags."""
+    async def action_tag(self) -> None:
+        """Choose tags, once the flight is read."""
+        await self.settled("ask")
         if self._flight is not None:
             self.app.push_screen(TagScreen(self._flight_id, self._flight))
 
@@ -266,8 +269,9 @@ class FlightScreen(PageScreen):
         elif self.is_current:
             self.app.push_screen(LogView([look], self.resources.settings.units))
 
-    def action_edit(self) -> None:
-        """Edit the flight."""
+    async def action_edit(self) -> None:
+        """Edit the flight, once it is read."""
+        await self.settled("ask")
         if self._flight is not None:
             ask_changes(self, self._flight_id, self._flight, self._renamed)
 

@@ -5,7 +5,7 @@ from fieldkit.tui.help import Help
 FLIGHTS_HELP = Help(
     "Every flight in your ledger, newest first. Type / and words to list only the flights that match them all (a "
     "rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, the "
-    "drag and thrust inferred from it, and its forecast.",
+    "drag and thrust inferred from it, and its forecast. e edits the flight under the cursor, x removes it.",
     (
         (
             "id, date",

@@ -16,7 +16,7 @@ from textual.widgets import Input, Static
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_rows import Row, Shown, columns, read_rows, scale_of
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, headings, read_rows, same_build, scale_of
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
@@ -26,7 +26,7 @@ from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.line import Line
-from fieldkit.tui.widgets.table import Head, Table
+from fieldkit.tui.widgets.table import Table
 
 if TYPE_CHECKING:
     from fieldkit.inference.network.flights import Inferred
@@ -54,6 +54,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
+        Binding("e", "edit", "Edit", tooltip="Edit this flight", show=False),
         Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
@@ -164,25 +165,26 @@ class FlightsScreen(PageScreen):
         rows = [row for row in self._rows.values() if all(word in row.hay for word in words)]
         system = self.resources.settings.units
         shown = self._shown()
-        place, arrow = self._sorted_by(shown), "▼" if self._down else "▲"
-        heads = [
-            Head(c.title + (arrow if n == place else ""), c.width, c.right, tail=c.title == "id")
-            for n, c in enumerate(shown)
-        ]
+        place = self._sorted_by(shown)
         self.query_one(Table).empty = NOT_FOUND if words else NO_FLIGHTS
         self.query_one(Table).show(
-            heads,
+            headings(shown, place, falls=self._down),
             [row.id for row in sorted(rows, key=shown[place].order, reverse=self._down)],
             lambda id: [column.text(self._rows[id], system) for column in shown],
         )
         unit = spelled(unit_of(cards.APOGEE, system))
-        self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · {unit}"))
+        self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · apogee in {unit}"))
         self._beside()
 
     def _row(self) -> Row | None:
         """The flight under the cursor; None if there is none, or if the page is being closed and its table is gone."""
         tables = self.query(Table)
         return self._rows.get(tables.first().current) if tables else None
+
+    async def _row_read(self) -> Row | None:
+        """The flight under the cursor, once the flights are read: a key may be typed ahead."""
+        await self.settled("ask")
+        return self._row()
 
     @on(Table.Moved)
     def _moved(self) -> None:
@@ -196,15 +198,10 @@ class FlightsScreen(PageScreen):
         if not self.has_class("-wide"):
             return
         row, tall = self._row(), self.has_class("-tall")
-        build = self._build(row) if row is not None and tall else []
+        build = same_build(self._rows.values(), row) if row is not None and tall else []
         self.query_one(FlightCard).show(row, build, self.resources.settings.units)
         if row is not None and tall:
             self._rest = self.set_timer(REST, partial(self._read_log, row.id))
-
-    def _build(self, row: Row) -> list[Row]:
-        """The flights of the same rocket in the same configuration, in the order flown."""
-        name = (row.flight.rocket, row.flight.config)
-        return [one for one in self._rows.values() if (one.flight.rocket, one.flight.config) == name]
 
     def _read_log(self, id: str) -> None:
         system = self.resources.settings.units
@@ -272,24 +269,28 @@ class FlightsScreen(PageScreen):
         self._refill()
         self._infer()
 
-    def action_tag(self) -> None:
+    async def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
-        row = self._row()
-        if row is not None:
+        if (row := await self._row_read()) is not None:
             from fieldkit.tui.flights.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
 
-    def action_remove(self) -> None:
+    async def action_edit(self) -> None:
+        """Edit the flight under the cursor."""
+        if (row := await self._row_read()) is not None:
+            from fieldkit.tui.flights.edit_form import ask_changes
+
+            ask_changes(self, row.id, row.flight, lambda _: None)
+
+    async def action_remove(self) -> None:
         """Remove the flight under the cursor."""
-        row = self._row()
-        if row is not None:
+        if (row := await self._row_read()) is not None:
             remove(self, row.id)
 
-    def action_report(self) -> None:
+    async def action_report(self) -> None:
         """Write the report of the day of the flight under the cursor, or of the flight if no day is known."""
-        row = self._row()
-        if row is not None:
+        if (row := await self._row_read()) is not None:
             day = row.flight.date_time
             ask_report(self, f"{day:%Y-%m-%d}" if day else row.id)
 

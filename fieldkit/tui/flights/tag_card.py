@@ -53,7 +53,7 @@ class TagCard(VerticalScroll):
     DEFAULT_CSS = """
     TagCard { padding: 0 1; }
     TagCard Static { height: auto; margin-bottom: 1; }
-    TagCard Plot { height: 12; border-top: solid $border-blurred; border-title-color: $foreground; }
+    TagCard Plot { height: 24vh; min-height: 12; border-top: solid $border-blurred; border-title-color: $foreground; }
     """
 
     def compose(self) -> Iterable[Widget]:

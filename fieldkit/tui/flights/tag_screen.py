@@ -120,14 +120,12 @@ class TagScreen(PageScreen):
         self._before, self._now = self._before or shift, shift
         system = self.resources.settings.units
         before, now = self._before.lines(system), shift.lines(system)
-        rows = [
-            (name, old if old == new else f"{old}\n{'':13}now {new}")
+        pairs = [
+            pair
             for (name, old), (_, new) in zip(before, now, strict=True)
+            for pair in ((name, old), (" ", "" if new == old else f"now {new}"))
         ]
-        parts: list[str | tuple[str, str]] = [("With these tags", "b $primary")]
-        for name, text in rows:
-            parts += ["\n", (f"{name:13}", "$text-muted"), (text, "b")]
-        self.query_one("#effect", Static).update(Content.assemble(*parts))
+        self.query_one("#effect", Static).update(cards.lines("With these tags", pairs, 11))
         self._beside()
 
     def _beside(self) -> None:

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 from datetime import date
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import BY_NAME
@@ -23,7 +22,8 @@ APOGEE = BY_NAME["apogee"]
 
 
 class HomeCard(Vertical):
-    """A heading, a large number with text beside it, an interval, a last line."""
+    """A heading, a large number with text beside it, an interval, a last line. They are mounted when there is something
+    to show, so that the first rows of the page do not wait for them."""
 
     DEFAULT_CSS = """
     HomeCard { width: 1fr; height: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1;
@@ -38,29 +38,34 @@ class HomeCard(Vertical):
     """
     interval: Interval | None = None
 
-    def compose(self) -> Iterable[Widget]:
-        """From top to bottom."""
-        yield Static("", classes="heading")
-        with Horizontal():
-            yield Big()
-            yield Static("", classes="words")
-        yield Static("", classes="bar")
-        yield Static("", classes="last")
+    def __init__(self, **rest: Any) -> None:
+        super().__init__(**rest)
+        self._big = Big()
+        self._heading, self._words, self._bar, self._last = (
+            Static("", classes=name) for name in ("heading", "words", "bar", "last")
+        )
+
+    def _fill(self) -> None:
+        """Mount the contents, from top to bottom."""
+        if not self.children:
+            self.mount(self._heading, Horizontal(self._big, self._words), self._bar, self._last)
 
     def say(self, heading: str, last: str = "") -> None:
         """Show only text: no number is known."""
+        self._fill()
         self.add_class("-plain")
         self.interval = None
-        self._put(".heading", heading)
-        self._put(".last", last)
+        self._heading.update(lines(heading))
+        self._last.update(lines(last))
 
     def figure(self, heading: str, value: str, words: Iterable[str], interval: Interval | None, last: str) -> None:
         """Show a number, the text beside it, and its interval."""
+        self._fill()
         self.remove_class("-plain")
-        self._put(".heading", heading)
-        self.query_one(Big).show(value)
-        self._put(".words", "\n".join(words))
-        self._put(".last", last)
+        self._heading.update(lines(heading))
+        self._big.show(value)
+        self._words.update(lines("\n".join(words)))
+        self._last.update(lines(last))
         self.interval = interval
         self.on_resize()
 
@@ -68,11 +73,12 @@ class HomeCard(Vertical):
         """Draw the interval as wide as the card."""
         width = self.size.width - 2
         row = self.interval
-        self._put(".bar", bar(row, *row.ends, width) if row is not None and width > 10 else "")
+        self._bar.update(Content(bar(row, *row.ends, width) if row is not None and width > 10 else ""))
 
-    def _put(self, place: str, text: str) -> None:
-        lines = "\n".join(printable(line) for line in text.splitlines())
-        self.query_one(place, Static).update(Content(lines))
+
+def lines(text: str) -> Content:
+    """A text of several lines as content, safe for a terminal."""
+    return Content("\n".join(printable(line) for line in text.splitlines()))
 
 
 class NextCard(HomeCard):

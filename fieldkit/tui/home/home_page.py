@@ -214,7 +214,7 @@ class HomeScreen(PageScreen):
         await self.settled("change", "ask", "overview")
         from fieldkit.tui.next.plan_form import ask_plan, keep_plan
 
-        ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
+        await ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
 
     async def action_day_weather(self) -> None:
         """Type the weather of the day."""

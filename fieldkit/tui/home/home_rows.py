@@ -9,7 +9,6 @@ from fieldkit.presentation.home_text import build_of, sparkline
 from fieldkit.quantities import number
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import go_on, or_why
-from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets.table import Head
 
@@ -75,6 +74,8 @@ def _bounds(one: "ListedFlight") -> Bounds | None:
 
 def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:
     """The profile of each flight that has a log, by its number."""
+    from fieldkit.tui.flights.log_plot import Drawn, drawn
+
     found: dict[str, str] = {}
     for one in flights:
         go_on()

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from os.path import abspath, exists, isdir
 from pathlib import Path
@@ -50,6 +51,8 @@ class Look:
     words: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
     """The flights in it that can be imported, including duplicates."""
+    owner: str = ""
+    """The rocket with which the only flight of a file that names none is in the ledger."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,11 +105,22 @@ def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
     if (count := len(reading.together(path))) > 1:
         return Look(path, f"{count} files together", receipt, flights=flights)
     formats = dict.fromkeys(f"{one.title} ({one.format})" for one in receipt.files)
-    return Look(path, ", ".join(formats), receipt, flights=flights)
+    return Look(path, ", ".join(formats), receipt, flights=flights, owner=_owner(resources, flights))
+
+
+def _owner(resources: "Resources", flights: tuple[Flight, ...]) -> str:
+    """The rocket with which a flight that names none was imported before; empty if it was not."""
+    if len(flights) != 1 or flights[0].rocket:
+        return ""
+    with suppress(FieldkitError):
+        return resources.ledger.flight(flights[0].flight_id).rocket
+    return ""
 
 
 def by_keys(trouble: str) -> str:
-    """An error message with the key m instead of the equivalent command option."""
+    """An error message with the key m instead of the equivalent command option; the page says itself that m maps the
+    columns of a table that no parser recognizes."""
+    trouble = re.sub(r"; a table of samples is read with --map .*", "", trouble)
     return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
 
 
@@ -147,7 +161,7 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     if receipt is None:
         parts += [
             ("\n✗ ", "b $error"),
-            printable(shortened(look.trouble)),
+            _unnamed(look, look.trouble),
             "\n\nF to choose a parser, m to map the columns of a table",
         ]
         return Content.assemble(*parts)
@@ -155,9 +169,11 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     parts += ["\n", ("would add      ", "$text-muted"), (counted(len(receipt.ids), "flight"), "b")]
     parts += [f", {counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
-    parts += [f"\n! {printable(shortened(by_keys(in_system(note, system))))}" for note in receipt.notes[:MAX_NOTES]]
+    parts += [f"\n! {_unnamed(look, by_keys(in_system(note, system)))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
         parts.append(f"\n  and {counted(len(receipt.notes) - MAX_NOTES, 'more note')}")
+    if receipt.ids and look.owner:
+        parts.append(f"\n! already in the ledger as a flight of {printable(look.owner)}")
     if receipt.ids:
         lacking = ", ".join(
             f"no {name}" for name in ("rocket", "motor") if _lack(look.flights, name) and name not in given
@@ -165,6 +181,12 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
         parts.append(f"\n! {lacking} in the file: Enter asks for what it lacks" if lacking else "")
         parts.append(("\nEnter to import", "b"))
     return Content.assemble(*parts)
+
+
+def _unnamed(look: Look, note: str) -> str:
+    """A note without the name of its file, which is above it; with it if several files are read together."""
+    name = look.path.name
+    return printable(shortened(note).removeprefix(f"{name}: ").removeprefix(f"{name}, "))
 
 
 def _lack(flights: tuple[Flight, ...], name: str) -> bool:

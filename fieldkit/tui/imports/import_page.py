@@ -117,7 +117,7 @@ class ImportScreen(PageScreen):
             name, size = rows[path]
             return ("+ " if path in self._reading.marked else "") + name, size
 
-        table.show([Head("file", 0), Head("size", 7, True)], paths, cells)
+        table.show([Head("file", 0, middle=True), Head("size", 7, True)], paths, cells)
         if mark is not None:
             table.move_to(mark)
         self._examine()

@@ -1,15 +1,20 @@
 """The Loop page before a search: what would be compared, the flown apogees, and the effects that would be tried."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import partial
 
+import numpy as np
 from textual.content import Content
 
-from fieldkit import units
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
-from fieldkit.quantities import spelled, unit_of
+from fieldkit.physics.effect import Effect
+from fieldkit.quantities import in_system, spelled, unit_of
+from fieldkit.tui.setup.setup_card import draw_apogees
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
+
+RARE = 2.0
+"""Standard deviations of a prior that an effect rarely exceeds. [1]"""
 
 
 def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
@@ -29,26 +34,39 @@ def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
     )
 
 
-def effects_before(about: str, tried: Sequence[tuple[str, str]]) -> Hanging:
+def effects_before(about: str, tried: Sequence[Effect]) -> Hanging:
     """What a fingerprint is, and each effect that a search would try, with what it does to a flight."""
-    return stacked([Hanging(((0, Content(about)),)), cards.lines("What a search tries", tried, 26)])
+    pairs = [(effect.title, effect.explains) for effect in tried]
+    return stacked([Hanging(((0, Content(about)),)), cards.lines("What a search tries", pairs, 26)])
 
 
-def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[list[tuple[float, float]], str]:
-    """The apogee of each flight that a search would compare, by its place among all flights of the rocket from 1, and
-    the unit of a system in which it is given."""
-    name = unit_of(cards.APOGEE, system)
-    unit = units.unit(cards.APOGEE.quantity, name)
-    known = [
-        (float(place), unit.from_si(flight.apogee))
-        for place, flight in enumerate(flights, 1)
-        if flight.clean and flight.apogee is not None
-    ]
-    return known, spelled(name)
+def rows_before(tried: Sequence[Effect], system: str) -> dict[str, tuple[str, ...]]:
+    """A row for each effect that a search would try, by its title: the title, and how large it may be in the units of a
+    system."""
+    return {effect.title: (effect.title, _size(effect, system)) for effect in tried}
 
 
-def draw_apogees(points: Sequence[tuple[float, float]], unit: str, plt: Any, ink: Any) -> None:
-    """Draw apogees against the flight."""
-    across, up = zip(*points, strict=True)
-    plt.scatter(across, up, marker="●", color=ink.mark)
-    plt.ylabel(unit)
+def _size(effect: Effect, system: str) -> str:
+    """The strength that an effect rarely exceeds by its prior: `10% of the height`."""
+    prior = effect.prior
+    ends = np.clip([prior.mean - RARE * prior.sd, prior.mean + RARE * prior.sd], prior.low, prior.high)
+    largest = float(np.max(np.abs(effect.strength(ends))))
+    whole = effect.unit.removeprefix("fraction ")
+    if whole != effect.unit:
+        return f"{largest:.0%} {whole}"
+    return in_system(f"{largest:.0f} {effect.unit}", system)
+
+
+def explained_before(effect: Effect) -> Content:
+    """What an effect does to a flight, and what to fly or record to recognize it."""
+    explained = f"{effect.explains[:1].upper()}{effect.explains[1:]}."
+    return Content.assemble((effect.title, "b $primary"), f"\n{explained}\ntest     {effect.tell_apart}")
+
+
+def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[str, Callable[..., None] | None]:
+    """The apogees of all flights of a rocket in the order flown, as a caption and a drawing; no drawing of fewer than
+    two."""
+    known = [flight for flight in flights if flight.apogee is not None]
+    unit = spelled(unit_of(cards.APOGEE, system))
+    caption = f"Apogee [{unit}], flight by flight; ✗ tagged. After S: flown minus forecast, against a column (v)"
+    return caption, partial(draw_apogees, known, None, system) if len(known) > 1 else None

@@ -29,6 +29,10 @@ LOOP_HELP = Help(
             "Evidence, for it alone: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
             "details of the one under the cursor; Enter for its fingerprint.",
         ),
+        (
+            "effect that S looks for, up to",
+            "Before a search: each effect that it tries, and a strength that the effect rarely exceeds.",
+        ),
         ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
         ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
         ("held-out error", "Its mean error on held-out flights, before and after."),

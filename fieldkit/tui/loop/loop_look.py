@@ -8,6 +8,7 @@ from fieldkit.progress import ReportProgress
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
+    from fieldkit.physics.effect import Effect
     from fieldkit.services.findings import Findings
     from fieldkit.tui.resources import Resources
 
@@ -26,8 +27,8 @@ class Standing:
     rockets: tuple[str, ...]
     versions: "tuple[Version, ...]"
     flights: tuple[Flight, ...]
-    tried: tuple[tuple[str, str], ...] = ()
-    """The title of each effect that a search tries, and what it explains."""
+    tried: "tuple[Effect, ...]" = ()
+    """The effects that a search tries."""
 
     @property
     def plain(self) -> bool:
@@ -51,7 +52,7 @@ def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
     if not rockets:
         return None
     name = which_rocket(ledger, rocket if rocket in rockets else None)
-    tried = tuple((effect.title, effect.explains) for effect in effects().values() if not effect.form_of)
+    tried = tuple(effect for effect in effects().values() if not effect.form_of)
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)), tried)
 
 

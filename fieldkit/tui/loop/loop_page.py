@@ -162,11 +162,11 @@ class LoopScreen(PageScreen):
             self.panels.forget()
             self.complain(found)
             return
-        self._effect = self._panel = 0
-        self._accepted_version = None
+        self._effect, self._accepted_version = 0, None
         self.panels.show(found, self.resources.settings.units)
         self.panels.show_residuals(self._against, self.resources.settings.units)
-        self._front()
+        if not self.is_current or (self._panel != PANELS.index("Verdict") and not self.has_class("-wide")):
+            self.show_notice(f"The search of {found.rocket} has ended: {found.diagnosis.effect}. Verdict explains it")
 
     def _front(self) -> None:
         """Bring the current panel to the front, and focus it."""
@@ -197,7 +197,10 @@ class LoopScreen(PageScreen):
     def _effect_chosen(self, message: Table.Chosen) -> None:
         """Show the fingerprint of the effect under the cursor."""
         found = self.panels.found
-        drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints] if found is not None else []
+        if found is None:
+            self.show_notice("No fingerprint yet. S to search for missing effects")
+            return
+        drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints]
         if message.key not in drawn:
             self.complain("no fingerprint: only the most probable effects have one")
             return

@@ -9,9 +9,16 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.physics.effect import Effect
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
-from fieldkit.tui.loop.loop_before import before_search, draw_apogees, effects_before, flown_apogees
+from fieldkit.tui.loop.loop_before import (
+    before_search,
+    effects_before,
+    explained_before,
+    flown_apogees,
+    rows_before,
+)
 from fieldkit.tui.loop.loop_look import PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
     draw_points,
@@ -28,10 +35,12 @@ from fieldkit.tui.widgets.table import Head, Table
 TEXT_BEFORE_RUN = {
     "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
     "compared with those that known effects would cause. It takes a few seconds and changes nothing.",
-    "against": "Flown apogee, flight by flight. After S: residuals, flown minus forecast, against a column (v)",
+    "against": "",
     "marks": "After S: the residual that an effect would cause in each readout, beside the one observed.",
 }
 """The text in a panel before a search."""
+PANEL_FRAME = 6
+"""Columns of a panel for its frame, its margins and a scrollbar. [cell]"""
 
 
 class Panels(Container):
@@ -49,7 +58,8 @@ class Panels(Container):
     def __init__(self) -> None:
         super().__init__(id="panels")
         self.found: Findings | None = None
-        self._system, self._why = "SI", ""
+        self._system, self._why, self._effect = "SI", "", 0
+        self._tried: dict[str, Effect] = {}
 
     def compose(self) -> Iterable[Widget]:
         """One frame per panel."""
@@ -113,18 +123,22 @@ class Panels(Container):
     def show_marks(self, turn: int) -> None:
         """Show the fingerprints of the residual and of an effect."""
         if self.found is not None:
-            narrow = self.screen.has_class("-narrow")
-            self.query_one("#marks", Static).update(fingerprint(self.found, turn, narrow=narrow))
+            self._effect = turn
+            width = self.size.width // 2 if self.screen.has_class("-wide") else self.size.width
+            self.query_one("#marks", Static).update(fingerprint(self.found, turn, width - PANEL_FRAME))
+
+    def on_resize(self) -> None:
+        """Fit the bars of the fingerprint to the new width."""
+        self.show_marks(self._effect)
 
     @on(Table.Moved, "#ranking")
     def _at_length(self, message: Table.Moved) -> None:
         """Show the effect under the cursor, in full."""
-        known = self.found is not None and message.key is not None
-        caption = (
-            effect_at_length(self.found.diagnosis, message.key, self._system)
-            if self.found is not None and known
-            else ""
-        )
+        caption: Content | str = ""
+        if self.found is not None and message.key is not None:
+            caption = effect_at_length(self.found.diagnosis, message.key, self._system)
+        elif message.key in self._tried:
+            caption = explained_before(self._tried[message.key])
         self.query_one("#at-length", Static).update(caption)
 
     def show_before(self, standing: Standing, system: str) -> None:
@@ -133,8 +147,13 @@ class Panels(Container):
             about = self._why or TEXT_BEFORE_RUN["verdict"]
             self.query_one("#verdict", Static).update(before_search(about, standing.flights))
             self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
-            points, unit = flown_apogees(standing.flights, system)
-            self.query_one("#residuals", Plot).show(partial(draw_apogees, points, unit) if points else None)
+            self._tried = {effect.title: effect for effect in standing.tried}
+            rows = rows_before(standing.tried, system)
+            heads = [Head("effect that S looks for", 0), Head("up to", 30)]
+            self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
+            caption, draw = flown_apogees(standing.flights, system)
+            self.query_one("#against", Static).update(Content(caption))
+            self.query_one("#residuals", Plot).show(draw)
 
     def show_versions(self, standing: Standing, system: str) -> None:
         """Show the models of the rocket, and which is in use."""

@@ -107,14 +107,15 @@ def residual_points(found: Findings, turn: int, system: str = "SI") -> tuple[str
     return f"residual / expected scatter, vs. {title}: {tested}", points, ticks
 
 
-def fingerprint(found: Findings, turn: int, *, narrow: bool = False) -> Content:
-    """The fingerprints of the residual and of an effect, with shorter bars if `narrow`."""
+def fingerprint(found: Findings, turn: int, width: int) -> Content:
+    """The fingerprints of the residual and of an effect, with bars as long as a width allows. [cell]"""
     if not found.fingerprints:
         return Content("no effect to compare with")
     trial, marks = found.fingerprints[turn % len(found.fingerprints)]
     largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
-    name, cells = (20, 3) if narrow else (22, 5)
-    wide = 9 + 2 * cells
+    name = 20
+    cells = max(1, min(LONGEST_BAR, (width - name - 2 * FIGURE_CELLS - len(" similar")) // 4))
+    wide = FIGURE_CELLS + 2 * cells
     parts: Parts = [(printable(trial.candidate.place.in_words), "b $primary")]
     parts.append(f"\n{'in expected scatter':{name}}{'predicted':^{wide}}{'observed':^{wide}}")
     for mark in marks:
@@ -136,7 +137,8 @@ def ranking_rows(diagnosis: Diagnosis, system: str) -> dict[str, tuple[str, ...]
         if item.effect:
             mean, sd = item.best.strength()
             place = item.best.candidate.place
-            strength = strength_in_words(mean, sd, item.best.unit, system).split()[:3]
+            words = strength_in_words(mean, sd, item.best.unit, system).split()
+            strength = words[: 3 if "%" in words[2] else 4]  # with its unit, without what it is a fraction of
             rows[str(place)] = (
                 place.in_words,
                 f"{item.probability:.0%}",
@@ -206,6 +208,8 @@ PATTERN_P_VALUE = 0.05
 """A corrected p-value below which a pattern is reported. [1]"""
 LINES_PER_TICK = 1.5
 """Minimum distance of two labels beside an axis; of two on one line, plotext drops one at random. [cell]"""
+LONGEST_BAR, FIGURE_CELLS = 5, 9
+"""Longest bar to either side of zero, and the figure beside it with its spaces and the zero. [cell]"""
 FRAME_LINES = 4
 """Lines of a plot above and below its points: a frame, and labels. [cell]"""
 TICKS = 6

@@ -30,10 +30,12 @@ def of_delays(answer: Answer, judged: Delays) -> Answer:
     return replace(answer, title=title, intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}))
 
 
-def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float, system: str) -> Answer:
-    """The density of the apogee at that mass, with the target."""
-    marks = [(target, "◎"), *((value, "") for value in three(apogee))]
-    title = "Apogee on the altimeter at that mass; ◎ is the target, lines are 5%, median and 95%"
+def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None, system: str) -> Answer:
+    """The density of the apogee at that mass, with the target; without one, at the mass of the plan."""
+    marks = [(target, "◎")] if target is not None else []
+    marks += [(value, "") for value in three(apogee)]
+    at = " at that mass; ◎ is the target" if target is not None else ""
+    title = f"Apogee on the altimeter{at}; lines are 5%, median and 95%"
     return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
 
 

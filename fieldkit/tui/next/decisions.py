@@ -78,7 +78,7 @@ class Decision:
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
-            return Answer(("No target yet. g to set one",))
+            return self._without_target()
         goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         prediction = best.advised
@@ -86,6 +86,18 @@ class Decision:
         answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(prediction, more))
         answer = large_figures.of_ballast(answer, best, self.system)
         return decision_plots.of_apogee(answer, prediction.apogee, goal.target, self.system)
+
+    def _without_target(self) -> Answer:
+        """The forecast as the rocket is, and what a target would add."""
+        prediction = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits).prediction
+        words = (
+            "No target yet. g to set one",
+            "",
+            "With a target: the mass to add or to take off, the chance to be near it, and the forecast at that mass. j "
+            "changes what is aimed at.",
+        )
+        answer = Answer(words, self._beside(prediction))
+        return decision_plots.of_apogee(answer, prediction.apogee, None, self.system)
 
     def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to

@@ -90,11 +90,15 @@ class Intervals(Visual):
 
 
 def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
-    """An interval on a scale from `start` to `end`: `├──●──┤`, with `◎` at the marks and `◆` at the result."""
+    """An interval on a scale from `start` to `end`: `├──●──┤`, with `◎` at the marks and `◆` at the result; an arrow
+    points to what is beyond the scale."""
     line = [" "] * width
     low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
     line[low : high + 1] = "─" * (high - low + 1)
-    line[low], line[high], line[middle] = "├", "┤", "●"
+    line[low] = "├" if row.low >= start else "←"
+    line[high] = "┤" if row.high <= end else "→"
+    if start <= row.middle <= end:
+        line[middle] = "●"
     for mark in marks:
         if start <= mark <= end:
             at = _cell(mark, start, end, width)
@@ -138,7 +142,8 @@ def heading(width: int, scale: HeightScale, system: str) -> str:
     aim, sign = (f", target {TARGET}", f" {TARGET}") if scale.target else ("", "")
     long = f"forecast, flown {FLOWN}{aim}"
     low, high = (number(BY_NAME["apogee"], end, system) for end in (scale.low, scale.high))
-    last = f"{high} {spelled(unit_of(BY_NAME['apogee'], system))}"
+    unit = spelled(unit_of(BY_NAME["apogee"], system))
+    low, last = f"{low} {unit}", f"{high} {unit}"
     if scale.low < scale.high != 1.0 and len(low) + len(long) + len(last) + 4 <= width:
         return f"{low}{long:^{width - len(low) - len(last)}}{last}"
     return long if len(long) <= width else f"forecast {FLOWN}{sign}"

@@ -85,9 +85,9 @@ class MotorList:
         return sorted(self.found, key=order)
 
     def counted(self, system: str) -> str:
-        """The numbers of motors, of those that fit, and of forecasts still to come: `12 of 57 fit · m`."""
+        """The numbers of motors, of those that fit, and of forecasts still to come: `12 of 57 fit · apogee in m`."""
         fit = sum(map(self.fits, self.found))
         left = min(len(self.found), MAX_FORECAST_MOTORS) - sum(motor in self.known for motor in self.found)
         every = "" if fit == len(self.found) else f" of {len(self.found)}"
         unit = spelled(unit_of(cards.APOGEE, system))
-        return f"{fit}{every} fit" + (f", {left} left" if left > 0 else "") + f" · {unit}"
+        return f"{fit}{every} fit" + (f", {left} left" if left > 0 else "") + f" · apogee in {unit}"

@@ -59,11 +59,11 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
 
 def _brief(settings: Settings) -> list[MotorColumn]:
     """The distance from the target, or without a target the interval."""
-    return [_apogee(settings), *(_off(settings) or [_range(settings)]), _eject("eject")]
+    return [_apogee(settings), *(_off(settings) or [_range(settings)]), _eject()]
 
 
 def _narrow(settings: Settings) -> list[MotorColumn]:
-    return [_apogee(settings), _range(settings), *_off(settings), _eject("eject"), _rail(settings, wide=False)]
+    return [_apogee(settings), _range(settings), *_off(settings), _eject(), _rail(settings, wide=False)]
 
 
 def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
@@ -75,7 +75,7 @@ def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
         _range(settings),
         *_off(settings),
         MotorColumn("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
-        _eject("eject s" if wide else "eject"),
+        _eject(),
         _rail(settings, wide=wide),
         MotorColumn("T:W", 4, lambda one: f"{one.average_thrust:.1f}"),
     ]
@@ -98,7 +98,8 @@ def _off(settings: Settings) -> list[MotorColumn]:
     return [MotorColumn("off", 5, partial(off, settings=settings))] if settings.target else []
 
 
-def _eject(title: str) -> MotorColumn:
+def _eject() -> MotorColumn:
+    title = "eject s"
     return MotorColumn(title, len(title), lambda one: signed(one.prediction.median_eject))
 
 

@@ -255,7 +255,7 @@ class NextScreen(PageScreen):
         from fieldkit.tui.next.plan_form import ask_plan
 
         await self.settled("change", "plan")
-        ask_plan(self, self._plan.flight if self._plan is not None else Flight(), self._keep_plan)
+        await ask_plan(self, self._plan.flight if self._plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
         from fieldkit.tui.next.plan_form import keep_plan

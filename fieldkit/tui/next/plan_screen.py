@@ -114,7 +114,7 @@ class PlanScreen(PageScreen):
     PlanScreen #title { text-style: bold; color: $primary; }
     PlanScreen #plots { height: auto; layout: vertical; }
     PlanScreen Plot { height: 10; width: 1fr; }
-    PlanScreen.-tall Plot { height: 16; }
+    PlanScreen.-tall Plot { height: 28vh; min-height: 16; }
     PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """

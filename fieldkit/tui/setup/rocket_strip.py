@@ -7,7 +7,6 @@ from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
-from fieldkit.tui.widgets.hanging import stacked
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
@@ -32,6 +31,7 @@ class RocketStrip(Horizontal):
         if rocket is None:
             return
         from fieldkit.tui.setup.setup_card import of_build
+        from fieldkit.tui.widgets.hanging import stacked
         from fieldkit.tui.widgets.plots import Plot
 
         facts = of_build(rocket[0], system, rocket[1])

@@ -94,7 +94,7 @@ def of_build(group: Group, system: str, design: Start | None = None) -> Facts:
     flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in motors.items()])
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
-    draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
+    draw = partial(draw_apogees, known, None, system) if len(known) > 1 else None
     drawn = (_side_view(group.last.diameter, design),) if group.last.diameter else ()
     return Facts((cards.lines(" ".join(group.names), pairs), *drawn, flown), title, draw)
 
@@ -137,7 +137,7 @@ def of_site(place: LaunchSite, system: str) -> Facts:
         ("ceiling", measure(cards.APOGEE, site.ceiling, system) or "not known; needed for a safety check"),
     ]
     known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
-    draw = partial(_draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
+    draw = partial(draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged"
     return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)
 
@@ -186,7 +186,7 @@ def _highest(flights: Sequence[Flight], system: str) -> str:
     return " ".join(part for part in (measure(cards.APOGEE, best.apogee, system), best.rocket, best.motor) if part)
 
 
-def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
+def draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
     """Draw the apogees in order, and the ceiling, with round heights beside them and the ids below."""
     heights = [float(number(cards.APOGEE, one.apogee or 0.0, system)) for one in flights]
     for clean, marker, colour in ((True, "●", ink.line), (False, "✗", ink.mark)):

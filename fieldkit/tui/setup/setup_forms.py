@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question
@@ -9,7 +10,7 @@ from fieldkit.motors import Motor
 from fieldkit.motors.own import import_file
 from fieldkit.paths import expanded, motor_folder
 from fieldkit.quantities import counted, measure, unit_of
-from fieldkit.services.sites import SITES, with_site
+from fieldkit.services.sites import SITES, keep_site, with_site
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup import site_form
@@ -50,6 +51,24 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
     if changes:
         work = partial(page.resources.ledger.edit_all, group.ids, what, **changes)
         page.change(work, partial(_changed, page, what))
+
+
+def add_site(page: PageScreen) -> None:
+    """Open a form for a site at which nothing has flown yet."""
+    system = page.resources.settings.units
+    form = Form("A new site", site_form.NEW_SITE, {}, site_form.units(system), site_form.read)
+    page.app.push_screen(form, partial(_site_added, page))
+
+
+def _site_added(page: PageScreen, values: dict[str, Any] | None) -> None:
+    if values is None:
+        return
+    name = str(values["site"] or "")
+    if not name:
+        page.complain("Site: found no name, expected one, such as North field")
+        return
+    lengths = {"elevation": values["site_elevation"], "size": values["size"], "ceiling": values["ceiling"]}
+    page.change(partial(keep_site, page.resources.ledger, name, **lengths), lambda _: _changed(page, name, 0))
 
 
 def change_site(page: PageScreen, place: LaunchSite) -> None:

@@ -5,7 +5,8 @@ from fieldkit.tui.help import Help
 SETUP_HELP = Help(
     "Five lists; the left and right arrows, or a click, switch between them. Motors: the whole catalog; type / "
     "and a name to search it, press i to add your own .eng or .rse file. Rockets and sites come from your flights: "
-    "press Enter to edit one in every flight that has it, u to undo. Kits: defaults for rockets named after a kit; "
+    "press Enter to edit one in every flight that has it, u to undo; i adds a site before anything flies there. "
+    "Kits: defaults for rockets named after a kit; "
     "i adds one, x removes one. Settings: press Enter to change a value.",
     (
         ("mm, N s, avg N", "Diameter, total impulse and average thrust of a motor."),

@@ -41,7 +41,7 @@ KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 EMPTY = (
     "No matching motor; / changes the search",
     "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
-    "No sites yet.\n\n2 Add enter a flight with its site",
+    "No sites yet.\n\ni Add   save the elevation, size and ceiling of a field\n2 Add   enter a flight with its site",
     "No kits yet.\n\ni Add   save the mass, diameter and motor mount of a kit",
     "",
 )
@@ -59,7 +59,7 @@ class SetupScreen(PageScreen):
         Binding("left", "turn(-1)", "Previous list", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
         Binding("slash", "search", "Search", key_display="/"),
-        Binding("i", "add_one", "Add", tooltip="Add a kit to the kits, else the motors of a .eng or .rse file"),
+        Binding("i", "add_one", "Add", tooltip="Add a kit, a site, or the motors of a .eng or .rse file"),
         Binding("x,delete", "delete_kit", "Remove", key_display="x", tooltip="Remove this kit"),
     ]
     DEFAULT_CSS = """
@@ -265,17 +265,19 @@ class SetupScreen(PageScreen):
             self.complain(f"{name} cannot be changed here; ? explains how")
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Only kits are deleted here, and only kits and motors are added."""
+        """Only kits are deleted here, and only kits, sites and motors are added."""
         if action in ("delete_kit", "add_one"):
-            return KINDS[self._kind] == "Kits" or (KINDS[self._kind] == "Motors" and action == "add_one")
+            return KINDS[self._kind] in (("Kits",) if action == "delete_kit" else ("Kits", "Sites", "Motors"))
         return super().check_action(action, parameters)
 
     def action_add_one(self) -> None:
-        """Add a kit, or the motors of a file."""
+        """Add a kit, a site, or the motors of a file."""
         from fieldkit.tui.setup import kit_form, setup_forms
 
         if KINDS[self._kind] == "Kits":
             kit_form.ask_kit(self, None)
+        elif KINDS[self._kind] == "Sites":
+            setup_forms.add_site(self)
         else:
             setup_forms.ask_motors(self)
 

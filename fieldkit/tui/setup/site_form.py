@@ -25,6 +25,13 @@ QUESTIONS = (
     *ROOM,
 )
 
+NEW_SITE = (
+    Question("site", "Site", "Its name, which Add and plans then offer."),
+    Question("site_elevation", "Site elevation", BY_NAME["site_elevation"].help),
+    *ROOM,
+)
+"""Questions about a new site."""
+
 
 def room(site: Site, system: str) -> dict[str, str]:
     """Size and ceiling as text to edit."""

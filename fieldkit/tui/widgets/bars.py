@@ -80,8 +80,10 @@ class NoticeBar(Static):
         shown = Content.assemble(mark, lines, Content.from_markup(more))
         dismiss = Content.from_markup("  [@click=app.read][b]Esc[/] dismiss[/]")
         room = max(1, self.app.size.width - 2)
-        hint = notice.error or ceil((shown + dismiss).cell_length / room) == ceil(shown.cell_length / room)
-        self.update(shown + dismiss if hint else shown)  # the next notice replaces a success, so the hint is optional
+        room_left = ceil((shown + dismiss).cell_length / room) == ceil(shown.cell_length / room)
+        over = len(self.app.screen_stack) > 1  # where Esc leaves the screen
+        hint = notice.error or (room_left and not over)  # the next notice replaces a success, so the hint is optional
+        self.update(shown + dismiss if hint else shown)
 
     def _within(self, text: str) -> str:
         """A text shortened to leave room for its keys."""

@@ -16,17 +16,19 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from fieldkit.safe_text import printable
+from fieldkit.tui.asking import AskingScreen
 
 
 @dataclass(frozen=True, slots=True)
 class Head:
     """A column: its heading, its width in cells (0 for the rest), and whether numbers are right-aligned; long texts
-    show their start, or their `tail`."""
+    show their start, or their `tail`, or both ends without their `middle`."""
 
     title: str
     width: int
     right: bool = False
     tail: bool = False
+    middle: bool = False
 
 
 Cells = Callable[[Any], Sequence[str]]
@@ -200,7 +202,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
     def _strip(self, mark: str, cells: Sequence[str], style: Style) -> Strip:
         parts = [mark]
         for head, width, cell in zip(self.heads, self.widths(), cells, strict=True):
-            parts.append(fitted(printable(cell), width, head.right, head.tail) + " ")
+            parts.append(fitted(printable(cell), width, head) + " ")
         text = set_cell_size("".join(parts), self.size.width)
         return Strip([Segment(text, style)], self.size.width)
 
@@ -219,12 +221,14 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         """Move to the first or the last row."""
         self._go(len(self.keys) - 1 if last else 0)
 
-    def action_choose(self) -> None:
-        """Choose the row under the cursor."""
+    async def action_choose(self) -> None:
+        """Choose the row under the cursor, once the rows are read: the key may be typed ahead."""
+        if self.current is None and isinstance(self.screen, AskingScreen):
+            await self.screen.settled("ask")
         if self.current is not None:
             self.post_message(self.Chosen(self, self.current))
 
-    def on_click(self, event: events.Click) -> None:
+    async def on_click(self, event: events.Click) -> None:
         """A click moves the cursor; on the cursor's row it chooses the row, on the heading it reports the column."""
         if event.y == 0:
             self._head_clicked(event.x)
@@ -234,7 +238,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
             again = row == self.cursor
             self._go(row)
             if again:
-                self.action_choose()
+                await self.action_choose()
 
     def _head_clicked(self, x: int) -> None:
         edge = 1
@@ -260,10 +264,11 @@ def _place(cursor: int, old: Sequence[Hashable], new: Sequence[Hashable]) -> int
     return next((places[name] for name in around if name in places), 0)
 
 
-def fitted(text: str, width: int, right: bool, tail: bool = False) -> str:
-    """A text in a width, cut with an ellipsis if it is too long: at its end, or before its `tail`."""
+def fitted(text: str, width: int, head: Head) -> str:
+    """A text in a width, with an ellipsis instead of what its column leaves out if it is too long."""
     if cell_len(text) > width:
-        cut = set_cell_size(text[::-1] if tail else text, width - 1)
-        text = "…" + cut[::-1] if tail else cut + "…"
+        start = (width - 1) // 3 if head.middle else 0 if head.tail else width - 1
+        end = width - 1 - start
+        text = f"{set_cell_size(text, start)}…{set_cell_size(text[::-1], end)[::-1]}"
     blank = " " * (width - cell_len(text))
-    return blank + text if right else text + blank
+    return blank + text if head.right else text + blank
