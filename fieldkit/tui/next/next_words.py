@@ -1,6 +1,6 @@
 """The forecast of a motor in words and figures, for the card next to the motors."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import Prediction, median
@@ -77,10 +77,15 @@ def saved_in_words(prediction: Prediction, system: str) -> str:
     )
 
 
-def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterable[str]:
-    """The names of all checks, those that fail first: `⊘ rail exit speed`, `? ground wind, ceiling`."""
-    groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in WORST_FIRST)
-    return (f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)
+def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterator[str]:
+    """The names of the checks, those that fail first: `⊘ rail exit speed`, `? ceiling, 6 to check yourself`; those are
+    the ones that only the flyer can check."""
+    for verdict in WORST_FIRST:
+        found = [line for line in lines if line.verdict == verdict]
+        by_eye = sum(line.by_eye for line in found)
+        names = [line.name for line in found if not line.by_eye] + ([f"{by_eye} to check yourself"] if by_eye else [])
+        if names:
+            yield f"{MARKS[verdict]} {', '.join(names)}"
 
 
 def worst_first(lines: "Iterable[SafetyCheck]") -> "list[SafetyCheck]":
