@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.ledger.backups import Backup
@@ -65,8 +66,6 @@ def _flights(backup: "Backup") -> str:
 
 
 def _content(backup: "Backup") -> str:
-    from fieldkit.quantities import counted
-
     return "an unknown number of flights" if backup.flights is None else counted(backup.flights, "flight")
 
 

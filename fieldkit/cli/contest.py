@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fieldkit import files
 from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import (
@@ -21,6 +22,9 @@ from fieldkit.cli.planning import (
 )
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
+from fieldkit.flight.short_name import short_name
+from fieldkit.paths import data_file
+from fieldkit.planning.check import strictest
 from fieldkit.units import FOOT, parse
 
 if TYPE_CHECKING:
@@ -50,9 +54,6 @@ def finals(
     **given: str | None,
 ) -> None:
     """Find the mass and parachute for each target that the finals may announce."""
-    from fieldkit import files
-    from fieldkit.paths import data_file
-    from fieldkit.planning.check import strictest
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
@@ -157,8 +158,6 @@ def contest(
     **given: str | None,
 ) -> None:
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
-    from fieldkit.flight.short_name import short_name
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import copy_season, declared_score, score
     from fieldkit.planning.contest_day import read_declared, read_window
     from fieldkit.planning.contest_flight import judged_duration, why_no_score

@@ -21,6 +21,7 @@ from fieldkit.cli.planning import (
 from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, remark, say, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.errors import BadValue, LedgerError
+from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
 from fieldkit.quantities import in_system
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
-    from fieldkit.planning.check import SafetyCheck
 
 app = typer.Typer()
 
@@ -173,7 +173,6 @@ def _print_table(predictions: "list[Prediction]") -> None:
 def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:
     """Print the air and the safety checks of each planned flight, and who decides."""
     from fieldkit.planning.air import air_of
-    from fieldkit.planning.check import ADVICE_NOTE
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor

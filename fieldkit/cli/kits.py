@@ -7,6 +7,7 @@ import typer
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure, unit_of
 
 app = typer.Typer()
 
@@ -22,7 +23,6 @@ def kits(
 ) -> None:
     """List your kits, or save or delete one; plans use them with --kit."""
     from fieldkit.planning.kits import KIT_KEYS, Kit
-    from fieldkit.quantities import measure, unit_of
     from fieldkit.services.kits import delete_kit, named_kit, save_kit
     from fieldkit.services.kits import kits as own_kits
 

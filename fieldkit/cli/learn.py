@@ -13,6 +13,7 @@ import typer
 from fieldkit.cli.screen import complain, print_json, print_table, progress, remark, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.cli.targets import Force, settled
+from fieldkit.files import write
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -74,7 +75,6 @@ def learn(
     The result, the hyperprior, is a JSON file called its card. Every forecast starts from it and is then updated by
     your own flights.
     """
-    from fieldkit.files import write
     from fieldkit.model.hyperprior import START, learned
     from fieldkit.parallel import workers
     from fieldkit.services.learn import check as left_out

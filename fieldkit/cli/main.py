@@ -24,6 +24,7 @@ from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.plugins import trained_digests
+from fieldkit.quantities import in_system
 
 GROUPS = {
     "tui": ("tui", "serve"),
@@ -185,8 +186,6 @@ def _open_streams() -> None:
 
 def _in_user_units(reason: str) -> str:
     """Why a flight is impossible, with the figures [SI] of the engine in the user's units."""
-    from fieldkit.quantities import in_system
-
     return in_system(reason, system())
 
 

@@ -13,6 +13,7 @@ from fieldkit.cli.options import dashed, takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import UnknownMotor
+from fieldkit.paths import motor_folder
 from fieldkit.quantities import SYSTEMS, counted, rounded
 from fieldkit.units import unit
 
@@ -187,7 +188,6 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
 
 def _added(file: Path) -> "list[Motor]":
     from fieldkit.motors.own import import_file
-    from fieldkit.paths import motor_folder
 
     found = import_file(file, motor_folder())
     remarks = [remark for motor in found for remark in motor.remarks]

@@ -6,9 +6,9 @@ import typer
 
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.studies import need_studies
+from fieldkit.quantities import ShownUnits, in_system
 
 if TYPE_CHECKING:
-    from fieldkit.quantities import ShownUnits
     from studies.paper.report import PaperReport
 
 app = typer.Typer()
@@ -18,7 +18,6 @@ app = typer.Typer()
 def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """Test the reference paper on its own twelve flights."""
     need_studies()
-    from fieldkit.quantities import ShownUnits, in_system
     from studies.paper.report import report
     from studies.paper.text import findings
 

@@ -9,6 +9,7 @@ from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, season_rule
 from fieldkit.cli.screen import print_json, system
+from fieldkit.paths import data_file
 
 app = typer.Typer()
 
@@ -23,7 +24,6 @@ def delay(
     **given: str | None,
 ) -> None:
     """Choose the ejection delay to buy or drill, from the coast time."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.delay import delays, drill_of
     from fieldkit.presentation.planning_text import delays_in_words
 
@@ -90,7 +90,6 @@ def ballast(
     **given: str | None,
 ) -> None:
     """Find the dry mass that best meets a target, and the mass to add or remove."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
     from fieldkit.planning.contest_limits import allowed, approved_motors

@@ -15,18 +15,19 @@ from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import complain, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.flight.site import Site
+from fieldkit.paths import data_file
+from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck, short_safety_text
+from fieldkit.planning.limits import Limit, limits
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.flight.site import Site
     from fieldkit.flight.start import Start
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
-    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
-    from fieldkit.planning.limits import Limit
 
 RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
 
@@ -157,7 +158,6 @@ def check_rules(text: str) -> None:
 
 def season_rule(year: int) -> "Season":
     """The rule of a season, the user's own if there is one. Raises BadValue."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
     return season(year, data_file("seasons"))
@@ -165,7 +165,6 @@ def season_rule(year: int) -> "Season":
 
 def season_year(year: int | None, flown: datetime | None = None) -> int:
     """The year of a season, by default that of a flight's date, or of today; the default is printed."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season_of
 
     if year is None:
@@ -177,9 +176,6 @@ def season_year(year: int | None, flown: datetime | None = None) -> int:
 
 def own_limits() -> "dict[str, Limit]":
     """The thresholds, with the user's own replacing the shipped ones."""
-    from fieldkit.paths import data_file
-    from fieldkit.planning.limits import limits
-
     return limits(data_file("limits.toml"))
 
 
@@ -215,7 +211,6 @@ def way_down(ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Predi
 def about_plan(prediction: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """The JSON around a forecast: its conditions, the air, the safety checks and who decides."""
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.check import ADVICE_NOTE
 
     return {
         "conditions": conditions(prediction.plan),
@@ -247,8 +242,6 @@ _WIDTH = 79
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan, the safety checks in short, the worst last, and who decides."""
-    from fieldkit.planning.check import short_safety_text
-
     print_conditions(plan, starts)
     say("  safety")
     for text in short_safety_text(lines, system()):

@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING
 from fieldkit import units
 from fieldkit.errors import shortened
 from fieldkit.flight import BY_NAME, COLUMNS
+from fieldkit.presentation.json_values import finite
 from fieldkit.progress import ReportProgress, no_op
+from fieldkit.quantities import in_system, measure, unit_of, with_sd, with_unit
 from fieldkit.safe_text import printable
+from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -72,16 +75,12 @@ def complain(text: str) -> None:
 
 def remark(text: str) -> None:
     """Print a note about the data on stderr, with its lengths and speeds in the user's units."""
-    from fieldkit.quantities import in_system
-
     complain(f"note: {in_system(text, system())}")
 
 
 def print_json(document: Mapping[str, object]) -> None:
     """Print one JSON document, null for numbers that are not finite, in characters that every terminal and pipe
     accepts."""
-    from fieldkit.presentation.json_values import finite
-
     sys.stdout.write(json.dumps(finite(document), indent=2, allow_nan=False) + "\n")
 
 
@@ -105,7 +104,6 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 def print_card(flight: "Flight", id: str) -> None:
     """Print everything known about a flight, one line each, in the user's units."""
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import unit_of, with_sd, with_unit
 
     chosen = system()
 
@@ -128,15 +126,11 @@ def print_card(flight: "Flight", id: str) -> None:
 
 def system() -> str:
     """The user's system of units."""
-    from fieldkit.settings import read_settings
-
     return read_settings().units
 
 
 def measured(name: str, value: float | None) -> str:
     """A value of a column [SI] in the user's units: `281.3 m` or `923 ft`."""
-    from fieldkit.quantities import measure
-
     return measure(BY_NAME[name], value, system())
 
 

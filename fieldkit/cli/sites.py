@@ -1,7 +1,7 @@
 """`fieldkit sites`: launch sites."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,10 +10,8 @@ from fieldkit.cli.planning import check_rules
 from fieldkit.cli.screen import complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import BadValue, unknown
+from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.quantities import ShownUnits, in_system
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
 
 app = typer.Typer()
 
@@ -38,7 +36,6 @@ def sites(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
-    from fieldkit.flight.site import SITE_LENGTHS
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 
