@@ -97,10 +97,10 @@ def _forecast(
     (closed,) = predict(before, [plan], averaged=diagnosis.averaged, draws=DRAWS)
     one, other = (forecast.apogee_quantiles() for forecast in (plain, closed))
     return (
-        float(one[1] / flight.apogee - 1),
-        float(other[1] / flight.apogee - 1),
-        bool(one[0] <= flight.apogee <= one[2]),
-        bool(other[0] <= flight.apogee <= other[2]),
+        one[1] / flight.apogee - 1,
+        other[1] / flight.apogee - 1,
+        one[0] <= flight.apogee <= one[2],
+        other[0] <= flight.apogee <= other[2],
         diagnosis.effect,
     )
 

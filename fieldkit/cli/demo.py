@@ -108,7 +108,7 @@ def _predict(found: "Demo") -> None:
     headers = ("motor", "config", "apogee", "90% interval", "ejection")
     shown, rows = ShownUnits(system()), []
     for one in found.predictions:
-        p05, p50, p95 = (float(quantile) for quantile in one.apogee_quantiles())
+        p05, p50, p95 = one.apogee_quantiles()
         rows.append(
             (
                 one.plan.motor,

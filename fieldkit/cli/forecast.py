@@ -160,9 +160,9 @@ def _print_table(predictions: "list[Prediction]") -> None:
                 one.plan.flight_id,
                 one.plan.config,
                 one.plan.motor,
-                measured("apogee", float(p50)),
-                measured("apogee", float(p05)),
-                measured("apogee", float(p95)),
+                measured("apogee", p50),
+                measured("apogee", p05),
+                measured("apogee", p95),
                 "" if eject is None else f"{eject:+.1f} s",
                 one.model,
             )

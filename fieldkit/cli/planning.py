@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
     from fieldkit.planning.contest import Season
+    from fieldkit.planning.descent_rate import Fall
     from fieldkit.planning.forecasts import Rocket
 
 RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
@@ -183,29 +184,28 @@ def safety_of(
     ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]", given: Given
 ) -> "list[list[SafetyCheck]]":
     """Every safety check of several forecasts."""
-    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.safety import safety_lines
-    from fieldkit.services.forecasts import flown
 
-    limits = own_limits()
-    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in predictions}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
+    limits, falls = own_limits(), _falls(ledger, motors, predictions)
     sites = [field_of(ledger, one.plan, given) for one in predictions]
     return [safety_lines(one, site, fall, limits) for one, site, fall in zip(predictions, sites, falls, strict=True)]
 
 
 def way_down(ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]") -> list[dict[str, Any]]:
     """The JSON of the descent of forecasts: duration and landing, fitted to each rocket's flights."""
-    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.landing import landing
+
+    falls = zip(predictions, _falls(ledger, motors, predictions), strict=True)
+    return [{"landing": landing(one, fall).json(), "timed_flights": fall.flights} for one, fall in falls]
+
+
+def _falls(ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]") -> "list[Fall]":
+    """The descent of each forecast, fitted to its rocket's flights."""
+    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.services.forecasts import flown
 
     histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in predictions}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
-    return [
-        {"landing": landing(one, fall).json(), "timed_flights": fall.flights}
-        for one, fall in zip(predictions, falls, strict=True)
-    ]
+    return [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
 
 
 def about_plan(prediction: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:

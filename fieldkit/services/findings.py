@@ -143,8 +143,8 @@ def next_flight(diagnosis: Diagnosis) -> NextFlight:
     plan = [(last.with_changes(**dict.fromkeys(last.readouts()), tags=()), motor)]
     (before,) = predict(history, plan, declared=False, draws=NEXT_FLIGHT_DRAWS)
     (after,) = predict(history, plan, averaged=diagnosis.averaged, draws=NEXT_FLIGHT_DRAWS)
-    low, middle, high = (float(one) for one in after.apogee_quantiles())
-    return NextFlight(last, float(before.apogee_quantiles()[1]), middle, (low, high))
+    low, middle, high = after.apogee_quantiles()
+    return NextFlight(last, before.apogee_quantiles()[1], middle, (low, high))
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:

@@ -65,10 +65,10 @@ def suggestion(
         except FieldkitError:
             nearest = None
         if nearest is not None:
-            low, middle, high = nearest.prediction.apogee_quantiles().tolist()
-            if low <= settings.target <= high:
+            interval = nearest.prediction.apogee_quantiles()
+            if interval[0] <= settings.target <= interval[2]:
                 motor = f"{nearest.motor.maker} {nearest.motor.designation}"
-                return Suggestion("motor", motor=motor, apogee=(low, middle, high), target=settings.target)
+                return Suggestion("motor", motor=motor, apogee=interval, target=settings.target)
     return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
 
 

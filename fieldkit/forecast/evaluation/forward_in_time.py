@@ -128,8 +128,7 @@ def _forecast(
 ) -> Forecast:
     """One flight with its forecasts."""
     (made,) = predict(past, [(unflown(plan.flight), plan.found)], shared=shared, hyperprior=hyperprior)
-    p05, p50, p95 = made.apogee_quantiles().tolist()
-    return beside_rivals(plan, made.apogee, (p05, p50, p95), earlier)
+    return beside_rivals(plan, made.apogee, made.apogee_quantiles(), earlier)
 
 
 def unflown(flight: Flight) -> Flight:
