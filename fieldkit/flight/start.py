@@ -72,7 +72,7 @@ def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, f
 def repeated(flight: Flight) -> Flight:
     """A plan to repeat the flight a week later, or at the same time if there is no later date."""
     name = f"{flight.flight_id} again"  # a plan needs an id of its own
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
+    plan = flight.unflown(flight_id=name, sd={}, source={}, tags=())
     try:
         return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
     except OverflowError:

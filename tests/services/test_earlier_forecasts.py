@@ -10,7 +10,6 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.fleet_ratio import fleet_ratio
-from fieldkit.forecast.evaluation.forward_in_time import unflown
 from fieldkit.forecast.evaluation.uncalibrated import simulate
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger, NewPrediction
@@ -45,7 +44,7 @@ def remembered(ledger: Ledger, ahead: float, first: bool = False) -> None:
 
 
 def forecast(ledger: Ledger) -> Prediction:
-    plan = unflown(flown(FLIGHTS)).with_changes(flight_id="")
+    plan = flown(FLIGHTS).unflown(flight_id="")
     (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     return made
 
@@ -103,7 +102,7 @@ def test_the_next_flight_of_a_rocket_without_an_apogee_is_a_first_flight_as_in_t
     with Ledger.open(book) as ledger:
         ledger.add([other])
         remembered(ledger, 2.0, first=True)
-        (made,) = predict_plans(ledger, catalogue(), [unflown(other).with_changes(flight_id="")], keep=False)
+        (made,) = predict_plans(ledger, catalogue(), [other.unflown(flight_id="")], keep=False)
         assert made.rests_on == 1
         assert made.mixed_with["fleet_ratio"] > 0.6
         assert not forecast(ledger).mixed_with

@@ -8,7 +8,6 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
-from fieldkit.forecast.evaluation.forward_in_time import unflown
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services import forecasts
@@ -25,7 +24,7 @@ def test_a_saved_prediction_is_scored_with_what_was_known_then(
     base = Flight("1", "Astra", "A", "F24-4W", datetime(2026, 5, 1), dry_mass=0.32, diameter=0.066, apogee=250.0)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([base])
-        predict_plans(ledger, catalogue(), [unflown(base).with_changes(flight_id="3", dry_mass=0.35)])
+        predict_plans(ledger, catalogue(), [base.unflown(flight_id="3", dry_mass=0.35)])
         ledger.add([base.with_changes(flight_id="2", apogee=240.0)])
         ledger.add([base.with_changes(flight_id="3", dry_mass=0.36, apogee=230.0)])
         made = list_forecasts(ledger, catalogue())
