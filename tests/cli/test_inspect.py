@@ -1,17 +1,16 @@
 """`fieldkit inspect` and the lines of `import` for each file come from the same reading of the file."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.flight import TWO_DEVICES
 from fieldkit.ledger import Ledger
 from tests.analysis.recordings import SMALL, Logger, fly, log
+from tests.commands import Run
 from tests.samples import SAMPLES, owner
 
 pytestmark = pytest.mark.fast
@@ -21,21 +20,6 @@ FOLDER = Path(__file__).parents[2] / "sample_logs"
 PNUT = FOLDER / "perfectflite__drogue_and_main.pf2"
 TABLE = FOLDER / "flight_table__some_rows_are_bad.csv"
 KEYS = {"file", "format", "why", "columns", "rows", "dropped", "readouts", "events", "notes", "would_store"}
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("COLUMNS", "200")
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return status, *capsys.readouterr()
-
-    return run
 
 
 def inspected(run: Run, *files: Path) -> list[dict[str, Any]]:

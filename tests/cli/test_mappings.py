@@ -1,31 +1,17 @@
 """Columns of any table of flights are named once with `--map`, remembered, listed, changed and forgotten."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.main import main
+from tests.commands import Run
 
-Run = Callable[..., tuple[int, str, str]]
 TABLE = """No,Model,Propulsion,Reached (feet),Pad weight [lb],When
 1,Astra,F24-4W,812,0.95,2025-05-03
 2,Astra,F24-4W,790,0.96,2025-05-03
 """
 MAP = ("flight_id=No", "rocket=Model", "motor=Propulsion", "apogee=Reached (feet) [ft]", "date_time=When")
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return status, *capsys.readouterr()
-
-    return run
 
 
 def options(*columns: str) -> list[str]:

@@ -1,11 +1,9 @@
 """The commands for records, used by a flyer and by a script."""
 
 import csv
-import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,6 +11,7 @@ import pytest
 from fieldkit.cli.main import GROUPS, main
 from fieldkit.ledger import Ledger
 from fieldkit.settings import change_settings
+from tests.commands import Run
 
 CHECK_SHAPES = False
 
@@ -23,37 +22,9 @@ TABLE = """flight_id,rocket,config,motor,dry_mass_g,diameter_mm,apogee_m,tags,no
 """
 
 
-class Output:
-    """The output and exit status of a command."""
-
-    def __init__(self, status: int, out: str, err: str) -> None:
-        self.status, self.out, self.err = status, out, err
-
-    @property
-    def document(self) -> dict[str, object]:
-        return json.loads(self.out)
-
-
-Run = Callable[..., Output]
-
-
 @pytest.fixture(autouse=True)
-def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+def _narrow(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.delenv("FIELDKIT_LEDGER", raising=False)
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs a command line on a separate ledger."""
-
-    def run(*arguments: object) -> Output:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return Output(status, *capsys.readouterr())
-
-    return run
 
 
 @pytest.fixture

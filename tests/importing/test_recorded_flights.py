@@ -1,14 +1,12 @@
 """Logs from bytes through a parser into the ledger and back, and commands on them."""
 
 import json
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.importing import Parser, Reading, recognize
@@ -16,8 +14,7 @@ from fieldkit.importing.recognize import parsers
 from fieldkit.ledger import Ledger
 from fieldkit.services.replay import recording_of
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
-
-Run = Callable[..., tuple[int, str, str]]
+from tests.commands import Run
 
 flown = cache(fly)
 
@@ -50,21 +47,9 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 
 
 @pytest.fixture(autouse=True)
-def _plug_in_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def _plug_in_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     known = {**parsers(), "lark": LARK}
     monkeypatch.setattr(recognize, "parsers", lambda: known)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("COLUMNS", "200")
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
-    def run(*arguments: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return status, *capsys.readouterr()
-
-    return run
 
 
 def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path) -> None:
