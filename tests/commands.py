@@ -25,15 +25,20 @@ Run = Callable[..., Output]
 
 @pytest.fixture
 def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Runs a command line on the ledger of the test, in a wide terminal; its user has no other files."""
+    """Runs a command line on the ledger of the test, in a wide terminal; its user has no other files.
+
+    Any other exit status than `status` is a failure of the test, unless that is None.
+    """
     from fieldkit.cli.main import main
 
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
 
-    def run(*arguments: object) -> Output:
+    def run(*arguments: object, status: int | None = 0) -> Output:
         capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return Output(status, *capsys.readouterr())
+        found = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
+        output = Output(found, *capsys.readouterr())
+        assert status in (None, found), output.err
+        return output
 
     return run
