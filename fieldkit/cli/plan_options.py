@@ -73,8 +73,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
     if kit:
-        known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter}
-        plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+        plan = plan.with_defaults(dry_mass=kit.dry_mass, diameter=kit.diameter)
         if plan.motor:
             check_mount(kit, motors.resolve_several(plan.motor).motor)
     if lift_off := given.get(LIFT_OFF):

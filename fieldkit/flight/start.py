@@ -45,8 +45,7 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
     For a configuration that has not flown, they come from its starting configuration, if known.
     """
     if start is not None and all(flight.config != plan.config for flight in history):
-        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
-        plan = plan.with_changes(**known)
+        plan = plan.with_defaults(dry_mass=start.dry_mass, diameter=start.diameter)
     same_config = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED_FIELDS:
