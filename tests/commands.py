@@ -27,7 +27,7 @@ Run = Callable[..., Output]
 def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
     """Runs a command line on the ledger of the test, in a wide terminal; its user has no other files.
 
-    Any other exit status than `status` is a failure of the test, unless that is None.
+    A command that exits with another status than `status` fails the test; None allows any status.
     """
     from fieldkit.cli.main import main
 
