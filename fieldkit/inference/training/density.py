@@ -29,6 +29,12 @@ Scale = np.ndarray[Any, np.dtype[np.float64]]
 """One number per feature."""
 
 
+def scaled_features(features: np.ndarray[Any, Any], mean: Scale, sd: Scale) -> np.ndarray[Any, np.dtype[np.float32]]:
+    """Features [flight feature] as the members and the exported graph take them. [1]"""
+    scaled: np.ndarray[Any, Any] = ((features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS)
+    return scaled.astype(np.float32)
+
+
 class Members(nn.Module):  # type: ignore[misc]
     """Members that each map standardized features to their outputs; the first axis is the member.
 
@@ -110,7 +116,7 @@ def fit(
     rate = OneCycleLR(optimiser, plan.rate, total_steps=plan.epochs * (count // plan.batch), pct_start=0.15)
     for epoch in range(1, plan.epochs + 1):
         batch = observe() if epoch > 1 else batch
-        scaled = ((batch.features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
+        scaled = scaled_features(batch.features, mean, sd)
         tensors = [torch.from_numpy(array) for array in (scaled, batch.target, batch.shown)]
         losses = []
         for rows in _orders(count, plan.batch):
