@@ -20,7 +20,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, earlier_forecasts, flown, start_of
-from fieldkit.services.kits import kit_of_rocket, kits
+from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import excluded_flights, plausible
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
@@ -62,11 +62,6 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
         rail_length=settings.rail_length, rail_angle=settings.rail_angle, site_elevation=elevation
     )
     return _with_recovery(plan, history)
-
-
-def has_kits() -> bool:
-    """Whether the flyer has kits. Raises BadValue for a damaged file of them."""
-    return bool(kits())
 
 
 def _of_kit(plan: Flight) -> Flight:
