@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ app.add_typer(backups, name="backups")
 
 
 @backups.callback()
-def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+def list_(context: typer.Context, json: AsJson = False) -> None:
     """List the backups of the ledger, newest first; `backups restore` restores one."""
     if context.invoked_subcommand:
         return

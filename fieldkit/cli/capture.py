@@ -14,7 +14,7 @@ import typer
 from fieldkit.cli.live import View
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.ports import print_ports
-from fieldkit.cli.screen import complain, print_json, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.errors import BadValue, CaptureTrouble, PortTrouble
 from fieldkit.paths import capture_folder
@@ -71,7 +71,7 @@ def capture(
     given: Annotated[
         list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the logs lack: rocket=Astra.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Read a logger on a serial port; Ctrl-C stops. Every byte is saved; nothing on the logger is ever changed."""
     from fieldkit.capture import CaptureOptions

@@ -20,7 +20,7 @@ from fieldkit.cli.planning import (
     season_rule,
     season_year,
 )
-from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
 from fieldkit.flight.short_name import short_name
 from fieldkit.paths import data_file
@@ -50,7 +50,7 @@ def finals(
         Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Find the mass and parachute for each target that the finals may announce."""
@@ -154,7 +154,7 @@ def contest(
     cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify; needs --motor.")] = None,
     declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
     own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""

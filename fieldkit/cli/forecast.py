@@ -18,7 +18,18 @@ from fieldkit.cli.planning import (
     safety_of,
     way_down,
 )
-from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, remark, say, say_wrapped, system
+from fieldkit.cli.screen import (
+    AsJson,
+    complain,
+    measured,
+    print_json,
+    print_table,
+    progress,
+    remark,
+    say,
+    say_wrapped,
+    system,
+)
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
@@ -54,7 +65,7 @@ def predict(
         bool,
         typer.Option("--quick", help="From the network if a check confirms it; not saved, and without safety checks."),
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Forecast the apogee of the next flight from the rocket's clean flights."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, known_motors, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
 from fieldkit.files import write
@@ -58,7 +58,6 @@ Columns = Annotated[
         "tables with these headers.",
     ),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 @app.command()

@@ -10,7 +10,7 @@ from fieldkit import files
 from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, planning, print_plan
-from fieldkit.cli.screen import complain, print_json, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
 from fieldkit.errors import BadValue
@@ -42,7 +42,7 @@ def landing(
         typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north. Default: 270, west."),
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, progress, remark, say, say_wrapped
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, remark, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.cli.targets import Force, settled
 from fieldkit.files import write
@@ -68,7 +68,7 @@ def learn(
         ),
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Fit how much rockets, motors, and flights vary, from the flights of several flyers (tables from `export`).
 

@@ -8,7 +8,7 @@ import typer
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, season_rule
-from fieldkit.cli.screen import print_json, system
+from fieldkit.cli.screen import AsJson, print_json, system
 from fieldkit.paths import data_file
 
 app = typer.Typer()
@@ -20,7 +20,7 @@ def delay(
     cuts: Annotated[
         str | None, typer.Option(help="Seconds that your tool can remove from the longest delay: 2,4,6,8.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Choose the ejection delay to buy or drill, from the coast time."""
@@ -86,7 +86,7 @@ def ballast(
         bool, typer.Option("--miss", help="Minimize the mean miss instead of the chance of a miss.")
     ] = False,
     rocket_length: RocketLength = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Find the dry mass that best meets a target, and the mass to add or remove."""

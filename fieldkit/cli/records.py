@@ -8,7 +8,7 @@ import typer
 from fieldkit.cli.compare import document as measured
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
+from fieldkit.cli.screen import AsJson, complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
 from fieldkit.cli.stream import stream_json, stream_table
 from fieldkit.errors import FieldkitError, nearest, unknown
@@ -38,7 +38,6 @@ FlightId = Annotated[
     ),
 ]
 Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Tag, such as weak_launch.", show_default=False)]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 @app.command()

@@ -8,7 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from shutil import get_terminal_size
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from fieldkit import units
 from fieldkit.errors import shortened
@@ -21,6 +23,9 @@ from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+"""The option of every command that prints a document."""
 
 
 def say(text: str = "") -> None:

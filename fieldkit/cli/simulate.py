@@ -9,7 +9,7 @@ import typer
 from fieldkit.cli.numbers import finite, typed
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
 from fieldkit.cli.planning import own_limits
-from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
 from fieldkit.errors import BadValue
 from fieldkit.flight import COLUMNS, Flight
@@ -63,7 +63,7 @@ def simulate(
             "default: that of --cd."
         ),
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Simulate one flight from motor, mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
