@@ -187,7 +187,6 @@ def edit(
 @app.command()
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Add tags to a flight; a flight tagged as an anomaly is not used in the model."""
-
     named = [check_name(one) for one in read_tags(";".join(tags))]
     for own in named:
         if own not in TAGS and nearest(own, TAGS):

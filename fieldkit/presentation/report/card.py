@@ -186,7 +186,6 @@ def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
 
 def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], Rows]:
     """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that constrain them."""
-
     try:
         inferred = FlightInference(ledger, motors).infer(flights).inferred
     except FieldkitError:
