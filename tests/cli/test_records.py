@@ -368,7 +368,7 @@ def test_export_writes_to_standard_output_or_explains_why_it_cannot_write(full: 
 
 def test_export_of_an_unknown_rocket_is_refused_and_writes_nothing(full: Run, tmp_path: Path) -> None:
     file = tmp_path / "nope.csv"
-    outcome = full("export", str(file), "--rocket", "Nope", status=1)
+    outcome = full("export", file, "--rocket", "Nope", status=1)
     assert outcome.err == "no rocket 'Nope', expected one of: Astra\n"
     assert not file.exists()
 

@@ -226,7 +226,7 @@ def test_a_readout_edited_after_remeasuring_is_kept(ledger: Ledger, request: pyt
 
 
 def test_remeasure_lists_its_changes_makes_them_and_can_be_undone(
-    ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest, run: Run
+    ledger: Ledger, request: pytest.FixtureRequest, run: Run
 ) -> None:
     (id,) = taken(ledger, PNUT).ids
     ledger.add([Flight("typed", "Astra", apogee=200.0)])
