@@ -138,7 +138,7 @@ def leave(work: Callable[[], int]) -> NoReturn:
     os._exit(status)
 
 
-def told(work: Callable[[], str]) -> str:
+def answer_of(work: Callable[[], str]) -> str:
     """What some work returns in a process of its own, which prints nothing; empty if that process died."""
     reading, writing = os.pipe()
     pid = os.fork()

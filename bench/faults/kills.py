@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from bench.faults.calls import told
+from bench.faults.calls import answer_of
 from bench.faults.ledgers import (
     LOG,
     STREAM,
@@ -86,7 +86,7 @@ def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
     """Kill a command repeatedly, and check the ledger after each kill; in a separate process."""
     if not trials:
         return Outcome("kill -9", case.name)
-    message = told(lambda: json.dumps(asdict(_kills(case, folder, trials, random.Random(seed)))))
+    message = answer_of(lambda: json.dumps(asdict(_kills(case, folder, trials, random.Random(seed)))))
     return (
         Outcome(**json.loads(message)) if message else Outcome("kill -9", case.name, faults=["the bench itself died"])
     )

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from bench.faults.calls import leave, told
+from bench.faults.calls import answer_of, leave
 from bench.faults.kills import Enough, gated
 
 Seen = tuple[str, str]
@@ -22,7 +22,7 @@ def from_first_write(work: Callable[[], int], folder: Path, trials: Callable[[],
 
     `trials` returns None in a fork, which continues with the work. The work runs in a separate process.
     """
-    message = told(lambda: _paused(work, folder, trials))
+    message = answer_of(lambda: _paused(work, folder, trials))
     return [(what, wrong) for what, wrong in json.loads(message)] if message else [("", "the bench itself died")]
 
 
