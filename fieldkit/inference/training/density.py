@@ -15,6 +15,7 @@ from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, LOG_PRECISION_RANGE, WIDTH
 from fieldkit.inference.training.fit import Progress
+from fieldkit.shapes import Float
 
 MEMBERS = 5
 HIDDEN_UNITS = 128
@@ -29,10 +30,9 @@ Scale = np.ndarray[Any, np.dtype[np.float64]]
 """One number per feature."""
 
 
-def scaled_features(features: np.ndarray[Any, Any], mean: Scale, sd: Scale) -> np.ndarray[Any, np.dtype[np.float32]]:
-    """Features [flight feature] as the members and the exported graph take them. [1]"""
-    scaled: np.ndarray[Any, Any] = ((features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS)
-    return scaled.astype(np.float32)
+def scaled_features(features: Float[Any, "row feature"], mean: Scale, sd: Scale) -> Float[Any, "row feature"]:
+    """Features as the members and the exported graph take them. [1]"""
+    return ((features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
 
 
 class Members(nn.Module):  # type: ignore[misc]
