@@ -338,27 +338,19 @@ def test_a_flight_on_several_motors_is_recorded_as_flown(tmp_path: Path) -> None
         assert ledger.flights("Trio")[0].motor == "3 x C6-5"
 
 
-def test_a_plan_on_one_motor_does_not_take_the_mass_of_a_flight_with_boosters(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    table, ledger = tmp_path / "flights.csv", ["--ledger", str(tmp_path / "ledger.db")]
+def test_a_plan_on_one_motor_does_not_take_the_mass_of_a_flight_with_boosters(tmp_path: Path, run: Run) -> None:
+    table = tmp_path / "flights.csv"
     table.write_text(
         "flight_id,rocket,dry_mass_g,diameter_mm,motor,apogee_m\n1,Two,120,25,C6-5,150\n2,Two,190,26,D12-0/C6-5,300\n"
     )
-    assert main([*ledger, "import", str(table)]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "predict", "--rocket", "Two", "--motor", "C6-5"]) == 0
-    assert "120 g without the motor" in capsys.readouterr().out
-    assert main([*ledger, "add", "--rocket", "Two", "--motor", "C6-5", "--apogee", "160m"]) == 0
-    assert main([*ledger, "add", "--rocket", "Two", "--motor", "D12-0/C6-5", "--apogee", "310m"]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "flights", "--json"]) == 0
-    added = json.loads(capsys.readouterr().out)["flights"][2:]
+    run("import", str(table))
+    assert "120 g without the motor" in run("predict", "--rocket", "Two", "--motor", "C6-5").out
+    run("add", "--rocket", "Two", "--motor", "C6-5", "--apogee", "160m")
+    run("add", "--rocket", "Two", "--motor", "D12-0/C6-5", "--apogee", "310m")
+    added = run("flights", "--json").document["flights"][2:]
     assert [one["dry_mass_g"] for one in added] == [120, 190]
     assert [one["tags"] for one in added] == ["", "staged"]
-    assert main([*ledger, "edit", added[0]["flight_id"], "motor=2 x C6-5"]) == 0
-    assert main([*ledger, "edit", added[1]["flight_id"], "motor=C6-5", "tags=staged"]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "flights", "--json"]) == 0
-    edited = json.loads(capsys.readouterr().out)["flights"][2:]
+    run("edit", added[0]["flight_id"], "motor=2 x C6-5")
+    run("edit", added[1]["flight_id"], "motor=C6-5", "tags=staged")
+    edited = run("flights", "--json").document["flights"][2:]
     assert [one["tags"] for one in edited] == ["cluster", "staged"]
