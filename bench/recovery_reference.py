@@ -230,7 +230,6 @@ def _rocket(case: dict[str, Any], motor: Motor) -> Any:
 
 def main() -> None:
     """Fly every case and write them to a file."""
-
     document = {"rocketpy": version("rocketpy"), "command": "python -m bench.recovery_reference FILE"}
     every = [{"name": name, **case, "flown": flown(case)} for name, case in cases().items()]
     Path(sys.argv[1]).write_text(json.dumps({**document, "cases": every}, indent=1) + "\n", encoding="utf-8")

@@ -5,6 +5,7 @@ exception is a bug and keeps its traceback.
 """
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 MAX_NEAREST = 3
 """Number of similar names that a message suggests. [1]"""
@@ -24,8 +25,6 @@ def shortened(text: str) -> str:
 
 def nearest(typed: str, known: Iterable[str], least: float = MIN_SIMILARITY) -> list[str]:
     """The known names that a typed one may misspell, the most similar first; `least` is the minimum similarity. [1]"""
-    from difflib import get_close_matches
-
     by_fold = {name.casefold(): name for name in known}
     return [by_fold[one] for one in get_close_matches(typed.strip().casefold(), by_fold, MAX_NEAREST, least)]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.altos import NO_VALUE, TICK, entered
+from fieldkit.importing.tables.altos import MAX_RADIO_GAP, NO_VALUE, TICK, entered
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.layout import split
@@ -44,8 +44,6 @@ BAROMETER = {
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
-MAX_RADIO_GAP = 2.0
-"""If a state is entered during a longer radio gap, its time is unknown. [s]"""
 WRAP = 65536 * TICK
 """Period after which the clock of the radio form wraps around. [s]"""
 

@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.altos import SEED, STATES, entered, mp3h6115, seconds
+from fieldkit.importing.tables.altos import MAX_RADIO_GAP, SEED, STATES, entered, mp3h6115, seconds
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, shown
 from fieldkit.quantities import counted
@@ -93,8 +93,6 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, PacketField]]] = {
     20: ("TeleMega", _air(8, 12)),
 }
 """The supported packets by type: the device, and the fields."""
-MAX_RADIO_GAP = 2.0
-"""If a state is entered during a longer radio gap, its time is unknown. [s]"""
 POSITION = 5
 FIX_BIT, HIGH_BYTE_BIT = 0x10, 0x01
 """Bits of a position that mark a valid fix, and a height with a third byte."""

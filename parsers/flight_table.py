@@ -51,12 +51,12 @@ from fieldkit.importing.tables.flight_rows import (
     units_in,
     unread_cells,
 )
+from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
 
-SEPARATORS = (",", ";", "\t")
 READOUT_NAMES = frozenset(column.name for column in READOUTS)
 
 

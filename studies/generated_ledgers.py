@@ -80,10 +80,10 @@ class Recipe:
     outlier: float = 1.0
 
 
-def random_recipe(rng: np.random.Generator, most: int = 12) -> Recipe:
-    """A recipe with 1 to `most` flights, 1 to 3 motors, a random set of readouts, and a new motor for one plan in
+def random_recipe(rng: np.random.Generator) -> Recipe:
+    """A recipe with 1 to 12 flights, 1 to 3 motors, a random set of readouts, and a new motor for one plan in
     five."""
-    flights = int(rng.integers(1, most + 1))
+    flights = int(rng.integers(1, 13))
     subset = list(SUBSETS)[int(rng.integers(len(SUBSETS)))]
     motors = int(rng.integers(1, min(flights, 3) + 1))
     return Recipe(flights, motors, SUBSETS[subset], bool(rng.random() < 0.2))

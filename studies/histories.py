@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.comparison import judged_report
-from fieldkit.forecast.evaluation.forward_in_time import Forecast, unflown
+from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.predict import predict
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found
@@ -91,16 +91,16 @@ def _forecast(
     """The error of a flight's forecast without and with the loop on the earlier flights, and the verdict."""
     flight, motor = flown
     assert flight.apogee is not None
-    plan = (unflown(flight), motor)
+    plan = (flight.unflown(), motor)
     diagnosis = _close(before)
     (plain,) = predict(before, [plan], draws=DRAWS)
     (closed,) = predict(before, [plan], averaged=diagnosis.averaged, draws=DRAWS)
     one, other = (forecast.apogee_quantiles() for forecast in (plain, closed))
     return (
-        float(one[1] / flight.apogee - 1),
-        float(other[1] / flight.apogee - 1),
-        bool(one[0] <= flight.apogee <= one[2]),
-        bool(other[0] <= flight.apogee <= other[2]),
+        one[1] / flight.apogee - 1,
+        other[1] / flight.apogee - 1,
+        one[0] <= flight.apogee <= one[2],
+        other[0] <= flight.apogee <= other[2],
         diagnosis.effect,
     )
 

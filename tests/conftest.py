@@ -20,6 +20,7 @@ from jaxtyping import install_import_hook
 
 from tests import checker
 from tests.cached import once
+from tests.commands import run as run  # a fixture
 from tests.effort import THOROUGH, left_out
 
 ROOT = Path(__file__).parents[1]

@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -25,6 +25,10 @@ ALLOWED = {
     "models/effects": {"physics", "flight", "errors", "shapes"},
 }
 """Modules of the engine that the plug-ins of a folder may use."""
+MODULES = {
+    ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
+    for file in (ROOT / "fieldkit").rglob("*.py")
+}
 
 
 def modules_after(tmp_path: Path, *arguments: str) -> set[str]:
@@ -110,41 +114,33 @@ def test_the_engine_names_no_effect() -> None:
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
     """Imports for type checkers and inside functions count too."""
-    files = {
-        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
-        for file in (ROOT / "fieldkit").rglob("*.py")
-    }
-    graph = {name: set(imported(file, files)) - {name} for name, file in files.items()}
+    graph = {name: set(imported(file)) - {name} for name, file in MODULES.items()}
     assert graph["fieldkit.tui.app"]
     TopologicalSorter(graph).prepare()  # CycleError names the modules of a circle
 
 
-def imported(file: Path, known: Container[str]) -> Iterator[str]:
-    """The known modules that a file imports; for `from a import b` it is `a.b` if that is a module."""
+def imported(file: Path) -> Iterator[str]:
+    """The modules of fieldkit that a file imports; for `from a import b` it is `a.b` if that is a module."""
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             whole = [f"{node.module}.{name.name}" for name in node.names]
-            names = [one if one in known else node.module for one in whole]
+            names = [one if one in MODULES else node.module for one in whole]
         elif isinstance(node, ast.Import):
             names = [name.name for name in node.names]
         else:
             continue
-        yield from (name for name in names if name in known)
+        yield from (name for name in names if name in MODULES)
 
 
 def test_commands_import_at_the_top_what_they_have_loaded_anyway() -> None:
     """An import in a function buys nothing if a module of the command line has imported the same at its top."""
-    files = {
-        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
-        for file in (ROOT / "fieldkit").rglob("*.py")
-    }
-    commands = [name for name in files if name.startswith("fieldkit.cli.")]
+    commands = [name for name in MODULES if name.startswith("fieldkit.cli.")]
     assert len(commands) > 30
     for command in commands:
-        loaded = at_start({command, "fieldkit.cli.main"}, files)
+        loaded = at_start({command, "fieldkit.cli.main"})
         inner = {
             f"{node.module}.{name.name}"
-            for function in ast.walk(ast.parse(files[command].read_text(encoding="utf-8")))
+            for function in ast.walk(ast.parse(MODULES[command].read_text(encoding="utf-8")))
             if isinstance(function, ast.FunctionDef)
             for node in ast.walk(function)
             if isinstance(node, ast.ImportFrom)
@@ -153,7 +149,7 @@ def test_commands_import_at_the_top_what_they_have_loaded_anyway() -> None:
         assert not inner & loaded, command
 
 
-def at_start(first: set[str], files: dict[str, Path]) -> set[str]:
+def at_start(first: set[str]) -> set[str]:
     """The modules that are loaded when some are imported, and every name that these bind; not the names that a package
     imports only when they are used."""
     waiting, loaded, names = list(first), set[str](), set[str]()
@@ -162,14 +158,14 @@ def at_start(first: set[str], files: dict[str, Path]) -> set[str]:
         if module in loaded:
             continue
         loaded.add(module)
-        for node in top_level(files[module]):
+        for node in top_level(MODULES[module]):
             match node:
                 case ast.ImportFrom(module=str(source)):
                     whole = {f"{source}.{name.name}" for name in node.names}
                     names |= {f"{module}.{name.asname or name.name}" for name in node.names}
-                    waiting += [one for one in {source, *whole} if one in files]
+                    waiting += [one for one in {source, *whole} if one in MODULES]
                 case ast.Import():
-                    waiting += [name.name for name in node.names if name.name in files]
+                    waiting += [name.name for name in node.names if name.name in MODULES]
                 case ast.FunctionDef() | ast.ClassDef():
                     names.add(f"{module}.{node.name}")
                 case ast.Assign() | ast.AnnAssign():

@@ -112,7 +112,9 @@ OUTSIDE = [
     "../secret.csv",
     "/etc/passwd",
     "link.csv",
+    "linked/secret.csv",
     "folder/../../secret.csv",
+    r"..\secret.csv",
     r"C:\secret.csv",
     r"\\host\share\log.csv",
 ]
@@ -126,6 +128,7 @@ def test_a_log_outside_the_folder_of_its_table_is_not_read(
     folder.mkdir()
     (tmp_path / "secret.csv").write_text("secret")
     (folder / "link.csv").symlink_to(tmp_path / "secret.csv")
+    (folder / "linked").symlink_to(tmp_path, target_is_directory=True)
     (folder / "t.csv").write_text(f"flight_id,rocket,apogee_m,log\n1,Astra,100,{where}\n")
     assert main(["import", str(folder / "t.csv")]) == 0
     assert "expected a path inside the folder of the table" in capsys.readouterr().err

@@ -12,7 +12,6 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.at_once import forecast_at_once
-from fieldkit.forecast.evaluation.forward_in_time import unflown
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.history.drawn_rockets import stock
 from fieldkit.inference.history.simulated_histories import simulated_histories
@@ -153,11 +152,11 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
         history = flights_of(folder / f"{label['set']}.csv")
         later = flights_of(folder / f"{label['set']}_future.csv")
         began = time.process_time()
-        made = predict(history, [(unflown(flight), motor) for flight, motor in later], draws=DRAWS)
+        made = predict(history, [(flight.unflown(), motor) for flight, motor in later], draws=DRAWS)
         each = (time.process_time() - began) / len(later)
         for (flight, motor), forecast in zip(later, made, strict=True):
             middle = time.process_time()
-            answer = forecast_at_once(history, (unflown(flight), motor), ensemble=network)
+            answer = forecast_at_once(history, (flight.unflown(), motor), ensemble=network)
             spent = time.process_time() - middle
             apogee = float(flight.apogee or np.nan)
             both = scored(forecast.apogee, apogee), scored(answer.apogee_draws(DRAWS), apogee)
@@ -250,7 +249,7 @@ def journal(name: str, ledger: str, network: Ensemble) -> None:
                 if (used := [p for p in some if p[0].clean and p[0].readouts()])
             ]
             shared = shared_prior(fits)
-            plan = unflown(flight), motor
+            plan = flight.unflown(), motor
             began = time.process_time()
             (made,) = predict(own, [plan], shared=shared, draws=DRAWS)
             middle = time.process_time()

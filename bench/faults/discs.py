@@ -20,10 +20,10 @@ def can_mount() -> bool:
 
 
 @contextmanager
-def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
-    """An in-memory file system of a given size, mounted at a folder. Raises CalledProcessError if not allowed."""
+def mounted(folder: Path) -> Iterator[Path]:
+    """A small in-memory file system, mounted at a folder. Raises CalledProcessError if not allowed."""
     folder.mkdir(parents=True, exist_ok=True)
-    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)], check=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={SIZE}", "tmpfs", str(folder)], check=True)
     try:
         yield folder
     finally:

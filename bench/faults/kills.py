@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+from bench.faults.calls import answer_of
 from bench.faults.ledgers import (
     LOG,
     STREAM,
@@ -85,27 +86,10 @@ def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
     """Kill a command repeatedly, and check the ledger after each kill; in a separate process."""
     if not trials:
         return Outcome("kill -9", case.name)
-    reading, writing = os.pipe()
-    pid = os.fork()
-    if not pid:
-        os.close(reading)
-        _quiet()
-        with os.fdopen(writing, "w") as pipe:
-            json.dump(asdict(_kills(case, folder, trials, random.Random(seed))), pipe)
-        os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as pipe:
-        message = pipe.read()
-    os.waitpid(pid, 0)
+    message = answer_of(lambda: json.dumps(asdict(_kills(case, folder, trials, random.Random(seed)))))
     return (
         Outcome(**json.loads(message)) if message else Outcome("kill -9", case.name, faults=["the bench itself died"])
     )
-
-
-def _quiet() -> None:
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (1, 2):
-        os.dup2(nowhere, stream)
 
 
 def _kills(case: Case, folder: Path, trials: int, rng: random.Random) -> Outcome:
@@ -120,7 +104,7 @@ def _kills(case: Case, folder: Path, trials: int, rng: random.Random) -> Outcome
     return bench.outcome
 
 
-class _Enough(BaseException):
+class Enough(BaseException):
     """Raised to leave a command after enough forks."""
 
 
@@ -168,10 +152,10 @@ class _Bench:
             for delay in self._moments(trials):
                 if self._forked(delay):
                     return
-            raise _Enough
+            raise Enough
 
         put(self.template, self.file)
-        with gated(gate), suppress(_Enough):
+        with gated(gate), suppress(Enough):
             run(["--ledger", str(self.file), *self.case.arguments])
             os._exit(0)
 

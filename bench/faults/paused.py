@@ -10,15 +10,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from bench.faults.calls import leave
-from bench.faults.kills import gated
+from bench.faults.calls import answer_of, leave
+from bench.faults.kills import Enough, gated
 
 Seen = tuple[str, str]
 """Result of a trial, and any error."""
-
-
-class _Enough(BaseException):
-    """Raised to leave a command after enough forks."""
 
 
 def from_first_write(work: Callable[[], int], folder: Path, trials: Callable[[], list[Seen] | None]) -> list[Seen]:
@@ -26,33 +22,21 @@ def from_first_write(work: Callable[[], int], folder: Path, trials: Callable[[],
 
     `trials` returns None in a fork, which continues with the work. The work runs in a separate process.
     """
-    reading, writing = os.pipe()
-    pid = os.fork()
-    if not pid:
-        os.close(reading)
-        leave(lambda: _paused(work, folder, trials, writing))
-    os.close(writing)
-    with os.fdopen(reading) as pipe:
-        message = pipe.read()
-    os.waitpid(pid, 0)
+    message = answer_of(lambda: _paused(work, folder, trials))
     return [(what, wrong) for what, wrong in json.loads(message)] if message else [("", "the bench itself died")]
 
 
-def _paused(work: Callable[[], int], folder: Path, trials: Callable[[], list[Seen] | None], pipe: int) -> int:
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (1, 2):
-        os.dup2(nowhere, stream)
-    was_there = False
+def _paused(work: Callable[[], int], folder: Path, trials: Callable[[], list[Seen] | None]) -> str:
+    was_there, seen = False, None
 
     def gate() -> None:
-        nonlocal was_there
+        nonlocal was_there, seen
         if was_there:
             return
         was_there = True
-        if (seen := trials()) is not None:
-            with os.fdopen(pipe, "w") as output:
-                json.dump(seen, output)
-            raise _Enough
+        seen = trials()
+        if seen is not None:
+            raise Enough
 
     def hear(event: str, arguments: tuple[object, ...]) -> None:
         if event == "open" and not was_there and _writes(folder, *arguments):
@@ -60,9 +44,11 @@ def _paused(work: Callable[[], int], folder: Path, trials: Callable[[], list[See
 
     sys.addaudithook(hear)
     status = 0
-    with gated(gate), suppress(_Enough):
+    with gated(gate), suppress(Enough):
         status = work()
-    return status
+    if seen is None:
+        leave(lambda: status)
+    return json.dumps(seen)
 
 
 def _writes(folder: Path, path: object, _: object, flags: object) -> bool:

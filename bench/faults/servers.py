@@ -22,6 +22,7 @@ from typing import NoReturn
 
 from sqlalchemy import MetaData, insert, select
 
+from bench.faults.calls import TRACEBACK, leave, quiet
 from bench.faults.kills import ADD, gated
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, fieldkit, old, state
 from fieldkit.cli.main import main as run
@@ -40,8 +41,6 @@ COMMANDS = {
     "redo": ("redo",),
     "migrate": ("history",),
 }
-TRACEBACK = 99
-"""Exit status of a command that ended in a traceback, which a user would see."""
 
 
 def binaries() -> Path | None:
@@ -244,15 +243,9 @@ def _started(url: str, arguments: Sequence[str]) -> int:
 
 
 def _run(url: str, arguments: Sequence[str], gate: Callable[[], object]) -> NoReturn:
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    os.dup2(nowhere, 1)
-    os.dup2(nowhere, 2)
-    try:
-        with gated(gate):
-            status = run(["--ledger", url, *arguments])
-    except BaseException:
-        status = TRACEBACK
-    os._exit(status)
+    quiet()
+    with gated(gate):
+        leave(lambda: run(["--ledger", url, *arguments]))
 
 
 def _look(url: str, states: tuple[State, State], status: int) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import mad_sd, median_step
+from fieldkit.integrals import running_integral
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
@@ -132,15 +133,15 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     time, net = push.time[felt], net[felt]
     if time.size < _MIN_SAMPLES or inside.sum() < _MIN_SAMPLES or np.diff(time).max() > _SPARSE:
         return None
-    speed = _summed(net, time)
-    climb = _summed(speed, time)
+    speed = running_integral(net, time)
+    climb = running_integral(speed, time)
     when, height = track.time[inside], track.height[inside] - seen.pad
     fast = np.abs(np.interp(when, time, speed))
     quiet = (fast < _TRANSONIC_SPEEDS[0]) | (fast > _TRANSONIC_SPEEDS[1])
     when, height = when[quiet], height[quiet]
     if when.size < _MIN_SAMPLES or np.ptp(height) < max(_MIN_CLIMB, 10 * track.noise):
         return None
-    beyond = None if full is None else _summed(_summed(full[felt].astype(float), time), time)
+    beyond = None if full is None else running_integral(running_integral(full[felt].astype(float), time), time)
     shifts = np.arange(-_MAX_SHIFT, _MAX_SHIFT + _STEP / 2, _STEP)
     found = [_fit(when + shift, height, time, climb, speed, beyond, track.noise) for shift in shifts]
     cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
@@ -221,7 +222,3 @@ def _fit(
         return cost, float(values[0]), 0.0, 0.0
     spread = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
     return cost, float(values[0]), float(values[2]), float(spread[2])
-
-
-def _summed(values: Float[Array, "time"], time: Float[Array, "time"]) -> Float[Array, "time"]:
-    return np.concatenate(([0.0], np.cumsum(np.diff(time) * (values[1:] + values[:-1]) / 2)))

@@ -184,7 +184,7 @@ def _doubted(speed: Figure, push: Push, begin: float, burnout: float) -> Figure:
     if net is None or inside.sum() < MIN_SAMPLES:
         return speed
     time, net = push.time[inside], net[inside]
-    gained = float(np.diff(time) @ (net[1:] + net[:-1]) / 2)
+    gained = float(np.trapezoid(net, time))
     return replace(speed, sd=float(np.hypot(speed.sd, speed.value - gained)))
 
 

@@ -13,6 +13,7 @@ from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import mad_sd, median_step
 from fieldkit.analysis.satellites import SOURCE as SATELLITES
 from fieldkit.analysis.satellites import sighted_speed
+from fieldkit.integrals import running_integral
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 from fieldkit.shapes import Array, Flags
 
@@ -92,7 +93,7 @@ def forces(climb: MeasuredClimb, push: Push | None, pad_elevation: float, free: 
     if push is not None and window:
         net = levelled(push, float(climb.time[0]))
         every = push.felt if net is None else net + GRAVITY
-        total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (every[1:] + every[:-1]) / 2)))
+        total = running_integral(every, push.time)
         ends = [np.clip(time + half, push.time[0], push.time[-1]) for half in (-window / 2, window / 2)]
         before, after = (np.interp(end, push.time, total) for end in ends)
         felt = (after - before) / (ends[1] - ends[0])

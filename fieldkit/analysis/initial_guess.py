@@ -11,6 +11,7 @@ import numpy as np
 from fieldkit.analysis.ballistic import Coast
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.smooth import Grid
+from fieldkit.integrals import running_integral
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
@@ -72,7 +73,7 @@ def first_guess(
             and np.diff(boost).max(initial=0.0) < MAX_SENSOR_GAP
             and (inside & (knots > start) & (knots < burnout)).sum() > 2
         ):
-            total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
+            total = running_integral(level, push.time)
             gained = np.gradient(np.interp(knots, push.time, total), grid.step)
             inside &= ~_in_silence(knots, push)
             guess[inside] = gained[inside]

@@ -18,6 +18,7 @@ from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
+from fieldkit.integrals import running_integral
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
@@ -76,7 +77,7 @@ def slanted_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> Sl
     if net is None or push.vertical or push.time[0] > lift.time or push.time[-1] < end or inside.sum() < _MIN_SAMPLES:
         return None
     time = np.arange(lift.time - MAX_DELAY, seen.top, _STEP)
-    total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (net[1:] + net[:-1]) / 2)))
+    total = running_integral(net, push.time)
     felt = np.gradient(np.interp(time, push.time, total), _STEP)
     cosine, climbs, by_scale, by_zero = _paths(felt, time - lift.time)
     when, height = track.time[inside], track.height[inside] - seen.pad

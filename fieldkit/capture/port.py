@@ -61,7 +61,6 @@ class Port:
     @property
     def device(self) -> str:
         """The protocol that the numbers identify, empty if they do not."""
-
         named = (name for name, protocol in known_devices().items() if (self.vendor, self.product) in protocol.usb)
         return next(named, "")
 

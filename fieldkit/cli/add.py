@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit import settings
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
 from fieldkit.quantities import measure, significant
 
@@ -94,7 +96,6 @@ def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tu
 
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Print what looks mistyped; the flight is saved anyway."""
-    from fieldkit.flight.plausibility import doubts
     from fieldkit.services.manual_entry import usual
 
     for phrase in doubts(flight, usual(ledger, flight), partial(significant, system=system())):
@@ -188,7 +189,6 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
 
 def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
     """Print a new flight, its forecast, and remarks on it."""
-    from fieldkit import settings
     from fieldkit.presentation.after_flight_text import outcome_lines
     from fieldkit.services.after_flight import outcome
     from fieldkit.services.plausible_flights import excluded_flights

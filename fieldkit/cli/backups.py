@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say
+from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
     from fieldkit.ledger.backups import Backup
@@ -15,7 +16,7 @@ app.add_typer(backups, name="backups")
 
 
 @backups.callback()
-def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+def list_(context: typer.Context, json: AsJson = False) -> None:
     """List the backups of the ledger, newest first; `backups restore` restores one."""
     if context.invoked_subcommand:
         return
@@ -65,8 +66,6 @@ def _flights(backup: "Backup") -> str:
 
 
 def _content(backup: "Backup") -> str:
-    from fieldkit.quantities import counted
-
     return "an unknown number of flights" if backup.flights is None else counted(backup.flights, "flight")
 
 

@@ -11,10 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.live import View
 from fieldkit.cli.numbers import not_negative
-from fieldkit.cli.screen import complain, print_json, say, system
+from fieldkit.cli.ports import print_ports
+from fieldkit.cli.screen import AsJson, complain, print_json, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.errors import BadValue, CaptureTrouble, PortTrouble
+from fieldkit.paths import capture_folder
 from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import whole_number
 
@@ -68,15 +71,12 @@ def capture(
     given: Annotated[
         list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the logs lack: rocket=Astra.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Read a logger on a serial port; Ctrl-C stops. Every byte is saved; nothing on the logger is ever changed."""
     from fieldkit.capture import CaptureOptions
-    from fieldkit.cli.live import View
 
     if list_:
-        from fieldkit.cli.ports import print_ports
-
         print_ports(json)
         return
     defaults = read_settings(split_settings(given or ()), MotorCheck())
@@ -106,7 +106,6 @@ def _events(
 ) -> "Iterator[Event]":
     """The events of the requested capture. Raises PortTrouble or CaptureTrouble, and BadParameter for wrong usage."""
     from fieldkit import capture
-    from fieldkit.paths import capture_folder
 
     if device is not None:
         capture.known_device(device)
@@ -125,14 +124,12 @@ def _events(
 def _capture_of(text: str) -> Path | None:
     """The capture that a text names, by its path or by its name in the user's folder, None for a port."""
     from fieldkit.capture import is_capture
-    from fieldkit.paths import capture_folder
 
     return next((file for file in (Path(text), capture_folder() / text) if is_capture(file)), None)
 
 
 def _unfinished() -> Path:
     from fieldkit.capture import unfinished
-    from fieldkit.paths import capture_folder
 
     found = unfinished(capture_folder())
     if found is None:

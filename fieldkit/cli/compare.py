@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import NoFlights
 from fieldkit.quantities import ShownUnits, in_system
@@ -22,7 +22,7 @@ def compare(
     context: typer.Context,
     what: Annotated[list[str], typer.Argument(metavar="A B...", help="Logs, simulation exports, or flight ids.")],
     format: Annotated[str | None, typer.Option(help="The parser for the files.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Compare recordings of one flight: two devices, or a flight and a simulation; the first is the reference."""
     from fieldkit.analysis.compare import compare as against

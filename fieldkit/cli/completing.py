@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fieldkit.errors import FieldkitError
+from fieldkit.paths import motor_folder
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -41,7 +42,6 @@ def motor_names(context: typer.Context, incomplete: str) -> list[str]:
     """Motors flown before, then those of the catalog, each with its delays."""
     from fieldkit.motors.names import with_delay
     from fieldkit.motors.own import known_motors
-    from fieldkit.paths import motor_folder
 
     motors, _ = known_motors(motor_folder())
     sold = (

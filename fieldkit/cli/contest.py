@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fieldkit import files
 from fieldkit.cli.numbers import finite, length, typed
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import (
@@ -19,8 +20,11 @@ from fieldkit.cli.planning import (
     season_rule,
     season_year,
 )
-from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.targets import Force, settled
+from fieldkit.flight.short_name import short_name
+from fieldkit.paths import data_file
+from fieldkit.planning.check import strictest
 from fieldkit.units import FOOT, parse
 
 if TYPE_CHECKING:
@@ -46,13 +50,10 @@ def finals(
         Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Find the mass and parachute for each target that the finals may announce."""
-    from fieldkit import files
-    from fieldkit.paths import data_file
-    from fieldkit.planning.check import strictest
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
@@ -153,15 +154,13 @@ def contest(
     cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify; needs --motor.")] = None,
     declared: Annotated[str | None, typer.Option(help="Flights declared, of which the best are summed: 4,5,6.")] = None,
     own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of your own, to check and edit.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
-    from fieldkit.flight.short_name import short_name
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import copy_season, declared_score, score
     from fieldkit.planning.contest_day import read_declared, read_window
-    from fieldkit.planning.contest_flight import judged_duration, why_no_score
+    from fieldkit.planning.contest_flight import judged_duration
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.outlook import outlook
     from fieldkit.presentation.planning_text import outlook_in_words
@@ -172,10 +171,7 @@ def contest(
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is for a plan")
     announced = length("--target", target), read_window(window) if window else None
-    area = _fraction(parachute, 1.0) * (1 - _fraction(reef, 0.0))
-    if area < MIN_AREA:
-        found = " ".join(f"--{name} {text}" for name, text in (("parachute", parachute), ("reef", reef)) if text)
-        raise typer.BadParameter(f"found {found}, expected at least {MIN_AREA:.0%} of the parachute's area")
+    area = _area(parachute, reef)
     ahead, lines = None, []
     with planning(context, given) as plan:
         own_motor = plan.motor() if plan.flight.motor else None
@@ -206,14 +202,7 @@ def contest(
         complain("found no flight with an apogee to score; use --motor to score a plan")
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
-    called = [short_name(flight) for flight, _ in scored]
-    width = max(map(len, [" " * 8, *called]))
-    for name, (flight, points) in zip(called, scored, strict=True):
-        id = "" if name == flight.flight_id else f"  ({flight.flight_id})"
-        if why := why_no_score(flight, rule.egg_count):
-            say(f"  {name:>{width}}  no score      {why}; counts as an attempt{id}")
-            continue
-        say(f"  {name:>{width}}  {points:6.1f} points  {_flown(flight)}{id}")
+    _print_points(rule, scored)
     if total is not None:
         untimed = [short_name(one) for one, _ in scored if one.flight_id in names and judged_duration(one) is None]
         without = f"; {', '.join(untimed)} without a duration: altitude only" if untimed else ""
@@ -226,6 +215,19 @@ takes_plan(contest)
 app.command()(contest)
 
 
+def _print_points(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> None:
+    """Print a line for each flight, with its points or why it has none."""
+    from fieldkit.planning.contest_flight import why_no_score
+
+    called = [short_name(flight) for flight, _ in scored]
+    width = max(map(len, [" " * 8, *called]))
+    for name, (flight, points) in zip(called, scored, strict=True):
+        id = "" if name == flight.flight_id else f"  ({flight.flight_id})"
+        why = why_no_score(flight, rule.egg_count)
+        result = f"no score      {why}; counts as an attempt" if why else f"{points:6.1f} points  {_flown(flight)}"
+        say(f"  {name:>{width}}  {result}{id}")
+
+
 def _flown(flight: "Flight") -> str:
     """The values that a flight is scored on: `706 ft, 48.3 s`."""
     from fieldkit.planning.contest_flight import judged_duration, whole_feet
@@ -233,6 +235,15 @@ def _flown(flight: "Flight") -> str:
     duration = judged_duration(flight)
     lasted = "altitude only" if duration is None else f"{duration:.2f} s"
     return f"{whole_feet(flight.apogee or 0.0):.0f} ft, {lasted}"
+
+
+def _area(parachute: str | None, reef: str | None) -> float:
+    """The parachute's area relative to the one flown [1]. Raises BadValue, BadParameter."""
+    area = _fraction(parachute, 1.0) * (1 - _fraction(reef, 0.0))
+    if area < MIN_AREA:
+        found = " ".join(f"--{name} {text}" for name, text in (("parachute", parachute), ("reef", reef)) if text)
+        raise typer.BadParameter(f"found {found}, expected at least {MIN_AREA:.0%} of the parachute's area")
+    return area
 
 
 def _fraction(text: str | None, default: float) -> float:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit import files
 from fieldkit.cli.options import CONDITIONS, takes_plan
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import (
@@ -27,6 +28,7 @@ from fieldkit.flight import CONDITIONS as CONDITION_COLUMNS
 from fieldkit.flight import MOTOR_TEMPERATURE
 from fieldkit.flight.recovery import RECOVERY_NAMES, check_recovery, recovery_header
 from fieldkit.quantities import counted
+from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -49,7 +51,6 @@ def daysheet(
     **given: str | None,
 ) -> None:
     """Write a day sheet: forecast, landing, and safety of every planned flight, with room for results."""
-    from fieldkit import files
     from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.report.day_sheet import day_sheet
     from fieldkit.presentation.report.finals_card import check_card
@@ -98,7 +99,6 @@ def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: 
     """A row of a table of plans, completed with the day's conditions and from its rocket."""
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.services.planning import completed_plan
-    from fieldkit.settings import read_settings
 
     names = ("site", *(column.name for column in CONDITION_COLUMNS))
     day = read_changes(row, {name: text for name in names if (text := given.get(name)) is not None})

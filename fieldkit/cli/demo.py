@@ -9,6 +9,7 @@ import typer
 from fieldkit.cli.screen import measured, print_table, progress, say, say_report, say_wrapped, system
 from fieldkit.cli.studies import HOW, studies_are_here
 from fieldkit.errors import LedgerError
+from fieldkit.files import replace
 from fieldkit.progress import ReportProgress, part
 from fieldkit.quantities import ShownUnits
 
@@ -59,8 +60,6 @@ def _named_ledger(context: typer.Context) -> str | None:
 def _put(made: Path, new: Path) -> None:
     """Move a finished ledger to its path. Raises FieldkitError if another one has been created there in the
     meantime."""
-    from fieldkit.files import replace
-
     if new.exists():
         raise LedgerError(f"{new}: found a file that was made in the meantime, expected no ledger yet")
     replace(new, made.read_bytes())
@@ -109,7 +108,7 @@ def _predict(found: "Demo") -> None:
     headers = ("motor", "config", "apogee", "90% interval", "ejection")
     shown, rows = ShownUnits(system()), []
     for one in found.predictions:
-        p05, p50, p95 = (float(quantile) for quantile in one.apogee_quantiles())
+        p05, p50, p95 = one.apogee_quantiles()
         rows.append(
             (
                 one.plan.motor,

@@ -18,9 +18,21 @@ from fieldkit.cli.planning import (
     safety_of,
     way_down,
 )
-from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, remark, say, say_wrapped, system
+from fieldkit.cli.screen import (
+    AsJson,
+    complain,
+    measured,
+    print_json,
+    print_table,
+    progress,
+    remark,
+    say,
+    say_wrapped,
+    system,
+)
 from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.errors import BadValue, LedgerError
+from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
 from fieldkit.quantities import in_system
 
 if TYPE_CHECKING:
@@ -30,7 +42,6 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
-    from fieldkit.planning.check import SafetyCheck
 
 app = typer.Typer()
 
@@ -54,7 +65,7 @@ def predict(
         bool,
         typer.Option("--quick", help="From the network if a check confirms it; not saved, and without safety checks."),
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Forecast the apogee of the next flight from the rocket's clean flights."""
@@ -160,9 +171,9 @@ def _print_table(predictions: "list[Prediction]") -> None:
                 one.plan.flight_id,
                 one.plan.config,
                 one.plan.motor,
-                measured("apogee", float(p50)),
-                measured("apogee", float(p05)),
-                measured("apogee", float(p95)),
+                measured("apogee", p50),
+                measured("apogee", p05),
+                measured("apogee", p95),
                 "" if eject is None else f"{eject:+.1f} s",
                 one.model,
             )
@@ -173,7 +184,6 @@ def _print_table(predictions: "list[Prediction]") -> None:
 def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:
     """Print the air and the safety checks of each planned flight, and who decides."""
     from fieldkit.planning.air import air_of
-    from fieldkit.planning.check import ADVICE_NOTE
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor

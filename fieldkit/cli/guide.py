@@ -11,11 +11,12 @@ from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
 from fieldkit.errors import UnknownMotor
+from fieldkit.paths import data_file
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, Verdict
 from fieldkit.quantities import ShownUnits, counted
 
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
-    from fieldkit.planning.check import Verdict
     from fieldkit.planning.motor_advice import MotorAdvice
     from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
@@ -39,8 +40,6 @@ def print_guide(
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
     points."""
-    from fieldkit.paths import data_file
-    from fieldkit.planning.check import ADVICE_NOTE
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
@@ -139,7 +138,6 @@ def _print_json(
     advice: "MotorAdvice | None",
 ) -> None:
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.check import ADVICE_NOTE
 
     prediction = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
@@ -185,8 +183,6 @@ def _print(
 
 def _print_checks(choices: "list[MotorChoice]", names: Names, *, every: bool) -> None:
     """Print each failed or unknown check once with the motors that it concerns, or `every` one in full."""
-    from fieldkit.planning.check import MARKS, SEVERITY
-
     if every:
         for choice in choices:
             for line in choice.lines:

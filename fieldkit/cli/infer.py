@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import flight_ids
-from fieldkit.cli.screen import complain, measured, print_json, print_table, progress, system
+from fieldkit.cli.screen import AsJson, complain, measured, print_json, print_table, progress, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import NoFlights
 from fieldkit.quantities import in_system
@@ -31,7 +31,7 @@ def infer(
         typer.Argument(metavar="FLIGHT...", help="Default: all.", show_default=False, autocompletion=flight_ids),
     ] = None,
     model: Annotated[EnsembleName, typer.Option(help="The ensemble to use.")] = EnsembleName.history,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""
     from fieldkit.services.inferred import infer_flights

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, known_motors, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
+from fieldkit.files import write
 from fieldkit.quantities import counted, in_system
 
 if TYPE_CHECKING:
@@ -57,7 +58,6 @@ Columns = Annotated[
         "tables with these headers.",
     ),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 @app.command()
@@ -215,7 +215,6 @@ def export(
     force: Force = False,
 ) -> None:
     """Write flights as a table or as JSON, to import again or open in a spreadsheet."""
-    from fieldkit.files import write
     from fieldkit.presentation.export import csv_table, document
     from fieldkit.services.forecasts import which_rocket
 

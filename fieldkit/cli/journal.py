@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say
 from fieldkit.cli.session import open_ledger
 
 app = typer.Typer()
@@ -30,7 +30,7 @@ def redo(context: typer.Context) -> None:
 def history(
     context: typer.Context,
     last: Annotated[int | None, typer.Option(min=1, help="Only this many of the latest changes.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """List all changes with their times, oldest first."""
     with open_ledger(context) as ledger:

@@ -5,8 +5,9 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.numbers import length, typed
-from fieldkit.cli.screen import complain, print_json, print_table, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, system
 from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure, unit_of
 
 app = typer.Typer()
 
@@ -18,11 +19,10 @@ def kits(
     diameter: Annotated[str | None, typer.Option(help="The widest tube of its body: 41.6mm, 1.64in.")] = None,
     mount: Annotated[str | None, typer.Option(help="The widest motor that its mount takes: 18mm, 0.71in.")] = None,
     delete: Annotated[bool, typer.Option("--delete", help="Delete the kit.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """List your kits, or save or delete one; plans use them with --kit."""
     from fieldkit.planning.kits import KIT_KEYS, Kit
-    from fieldkit.quantities import measure, unit_of
     from fieldkit.services.kits import delete_kit, named_kit, save_kit
     from fieldkit.services.kits import kits as own_kits
 

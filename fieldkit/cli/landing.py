@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fieldkit import files
 from fieldkit.cli.numbers import finite
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, planning, print_plan
-from fieldkit.cli.screen import complain, print_json, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.cli.targets import Force, settled
 from fieldkit.errors import BadValue
@@ -41,11 +42,10 @@ def landing(
         typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north. Default: 270, west."),
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
-    from fieldkit import files
     from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.forecast_text import motor_in_words
     from fieldkit.presentation.kml import landing_kml, read_place
@@ -116,7 +116,6 @@ def track(
     force: Force = False,
 ) -> None:
     """Write the GPS track of a flight's log as KML."""
-    from fieldkit import files
     from fieldkit.presentation.kml import track_kml
     from fieldkit.services.replay import recording_of
 

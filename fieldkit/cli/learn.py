@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, progress, remark, say, say_wrapped
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, remark, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.cli.targets import Force, settled
+from fieldkit.files import write
 from fieldkit.quantities import counted
 
 if TYPE_CHECKING:
@@ -67,14 +68,13 @@ def learn(
         ),
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Fit how much rockets, motors, and flights vary, from the flights of several flyers (tables from `export`).
 
     The result, the hyperprior, is a JSON file called its card. Every forecast starts from it and is then updated by
     your own flights.
     """
-    from fieldkit.files import write
     from fieldkit.model.hyperprior import START, learned
     from fieldkit.parallel import workers
     from fieldkit.services.learn import check as left_out

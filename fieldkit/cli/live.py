@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from fieldkit.cli.screen import complain, measured, system
+from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
     from fieldkit.capture import Event, Progress, Sample
 
-BARS = "▁▂▃▄▅▆▇█"
 STALE_ALTITUDE_AGE = 3.0
 """Age above which an altitude is marked as old. [s]"""
 WIDTH = 60
@@ -100,13 +100,8 @@ class View:
             altitude = measured("apogee", progress.sample.altitude)
             lines.append(f"altitude {altitude}   highest {measured('apogee', self.highest)}")
             lines.append(flight_line(progress.sample, time.monotonic() - self.received_at))
-            lines.append(sparkline(self.heights))
-        return Text(printable_lines(lines), no_wrap=True, overflow="ellipsis")
-
-
-def printable_lines(lines: list[str]) -> str:
-    """Sanitized lines for a terminal."""
-    return "\n".join(map(printable, lines))
+            lines.append(sparkline([*self.heights], WIDTH))
+        return Text("\n".join(map(printable, lines)), no_wrap=True, overflow="ellipsis")
 
 
 def flight_line(sample: "Sample", age: float) -> str:
@@ -119,10 +114,3 @@ def flight_line(sample: "Sample", age: float) -> str:
     parts += [sample.state] if sample.state else []
     parts += [f"received {age:.0f} s ago"] if age > STALE_ALTITUDE_AGE else []
     return "   ".join(parts)
-
-
-def sparkline(heights: "deque[float]") -> str:
-    """The latest altitudes as bars, the lowest at the bottom. [m]"""
-    low, high = min(heights), max(heights)
-    scale = (len(BARS) - 1) / (high - low) if high > low else 0.0
-    return "".join(BARS[round((height - low) * scale)] for height in heights)

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say_report, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, say_report, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
 from fieldkit.errors import BadValue
@@ -50,7 +50,7 @@ def loop(
         ),
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, the likely cause, and the error after correcting it."""
     if quick:

@@ -24,6 +24,7 @@ from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.plugins import trained_digests
+from fieldkit.quantities import in_system
 
 GROUPS = {
     "tui": ("tui", "serve"),
@@ -162,7 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         return status
     except FieldkitError as error:
-        found = _in_user_units(str(error)) if isinstance(error, ImpossibleFlight) else str(error)
+        found = in_system(str(error), system()) if isinstance(error, ImpossibleFlight) else str(error)
     except BrokenPipeError:
         return 1  # the reader of the pipe has closed it
     except MemoryError:
@@ -181,13 +182,6 @@ def _open_streams() -> None:
     for name, mode, access in (("stdin", "r", os.O_RDONLY), ("stdout", "w", os.O_RDONLY), ("stderr", "w", os.O_WRONLY)):
         if getattr(sys, name) is None:  # Python's stand-in for a closed stream
             setattr(sys, name, os.fdopen(os.open(os.devnull, access), mode, encoding="utf-8", closefd=False))
-
-
-def _in_user_units(reason: str) -> str:
-    """Why a flight is impossible, with the figures [SI] of the engine in the user's units."""
-    from fieldkit.quantities import in_system
-
-    return in_system(reason, system())
 
 
 def _status(arguments: Sequence[str] | None) -> int:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say
+from fieldkit.cli.screen import AsJson, print_json, print_table, say
 
 app = typer.Typer()
 
@@ -18,7 +18,7 @@ def mappings(
     columns: Annotated[
         list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help="The new columns; needs --edit.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """List, change, or delete saved column mappings of tables."""
     from fieldkit.services.imports.mappings import edit as change

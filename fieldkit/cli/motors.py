@@ -10,9 +10,10 @@ from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.motor_tables import print_comparison, print_own_corrections
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import dashed, takes_plan
-from fieldkit.cli.screen import complain, print_json, print_table, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import UnknownMotor
+from fieldkit.paths import motor_folder
 from fieldkit.quantities import SYSTEMS, counted, rounded
 from fieldkit.units import unit
 
@@ -90,7 +91,7 @@ def motors(
     every: Annotated[
         bool, typer.Option("--all", help="Show the checks of every motor.", rich_help_panel=GUIDE)
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Search motors, add your own, or with --fit forecast every motor that fits a rocket."""
@@ -187,7 +188,6 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
 
 def _added(file: Path) -> "list[Motor]":
     from fieldkit.motors.own import import_file
-    from fieldkit.paths import motor_folder
 
     found = import_file(file, motor_folder())
     remarks = [remark for motor in found for remark in motor.remarks]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import BadValue
 from fieldkit.quantities import written
@@ -26,7 +26,7 @@ def ork(
     rocket: Annotated[str | None, typer.Option(help="Default: the name in the file.", show_default=False)] = None,
     config: Annotated[str, typer.Option(help="Name of this build, such as A.")] = "",
     look: Annotated[bool, typer.Option("--dry-run", "--look", help="Show the result without saving it.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Read a rocket that has not flown from its OpenRocket design: mass without motor, diameter, length, Cd."""
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design

@@ -1,24 +1,23 @@
 """`fieldkit paper`: the reference flights, next to what the paper published about them."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.studies import need_studies
+from fieldkit.quantities import ShownUnits, in_system
 
 if TYPE_CHECKING:
-    from fieldkit.quantities import ShownUnits
     from studies.paper.report import PaperReport
 
 app = typer.Typer()
 
 
 @app.command()
-def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+def paper(json: AsJson = False) -> None:
     """Test the reference paper on its own twelve flights."""
     need_studies()
-    from fieldkit.quantities import ShownUnits, in_system
     from studies.paper.report import report
     from studies.paper.text import findings
 

@@ -8,7 +8,8 @@ import typer
 from fieldkit.cli.numbers import length, typed
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import RocketLength, about_plan, planning, print_plan, season_rule
-from fieldkit.cli.screen import print_json, system
+from fieldkit.cli.screen import AsJson, print_json, system
+from fieldkit.paths import data_file
 
 app = typer.Typer()
 
@@ -19,11 +20,10 @@ def delay(
     cuts: Annotated[
         str | None, typer.Option(help="Seconds that your tool can remove from the longest delay: 2,4,6,8.")
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Choose the ejection delay to buy or drill, from the coast time."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.delay import delays, drill_of
     from fieldkit.presentation.planning_text import delays_in_words
 
@@ -86,11 +86,10 @@ def ballast(
         bool, typer.Option("--miss", help="Minimize the mean miss instead of the chance of a miss.")
     ] = False,
     rocket_length: RocketLength = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Find the dry mass that best meets a target, and the mass to add or remove."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.ballast import Goal
     from fieldkit.planning.ballast import ballast as solve
     from fieldkit.planning.contest_limits import allowed, approved_motors

@@ -13,6 +13,7 @@ from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import LIFT_OFF, dry_mass
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.plausibility import doubts, implausible
 from fieldkit.flight.recovery import (
     RECOVERY_NAMES,
     check_recovery,
@@ -21,7 +22,10 @@ from fieldkit.flight.recovery import (
     recovery_of,
     stability,
 )
+from fieldkit.paths import data_file
 from fieldkit.quantities import in_system, significant
+from fieldkit.services.names import same_name
+from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -34,7 +38,6 @@ Given = Mapping[str, str | None]
 
 def kit_named(given: Given) -> "Kit | None":
     """The named kit. Raises BadValue."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.kits import kit_of
 
     name = given.get("kit")
@@ -49,9 +52,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
     from fieldkit.planning.safety import motor_temperature
-    from fieldkit.services.names import same_name
     from fieldkit.services.planning import completed_plan
-    from fieldkit.settings import read_settings
 
     if given.get("dry_mass") and given.get(LIFT_OFF):
         raise typer.BadParameter("found --dry-mass and --lift-off-mass, expected one of them")
@@ -72,8 +73,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
     if kit:
-        known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter}
-        plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+        plan = plan.with_defaults(dry_mass=kit.dry_mass, diameter=kit.diameter)
         if plan.motor:
             check_mount(kit, motors.resolve_several(plan.motor).motor)
     if lift_off := given.get(LIFT_OFF):
@@ -94,7 +94,6 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given) -> "Iterator[str]":
     """What looks mistyped in a plan: a name that is not known, a value that is unusual or impossible on the motor. The
     plan is forecast anyway."""
-    from fieldkit.flight.plausibility import doubts, implausible
     from fieldkit.services.unknown_names import unknown_names
 
     yield from unknown_names(ledger, plan, given)

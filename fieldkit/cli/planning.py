@@ -15,18 +15,20 @@ from fieldkit.cli.plan_options import Given, kit_named, plan_from_options
 from fieldkit.cli.screen import complain, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.flight.site import Site
+from fieldkit.paths import data_file
+from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck, short_safety_text
+from fieldkit.planning.limits import Limit, limits
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.flight.site import Site
     from fieldkit.flight.start import Start
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
-    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
+    from fieldkit.planning.descent_rate import Fall
     from fieldkit.planning.forecasts import Rocket
-    from fieldkit.planning.limits import Limit
 
 RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
 
@@ -157,7 +159,6 @@ def check_rules(text: str) -> None:
 
 def season_rule(year: int) -> "Season":
     """The rule of a season, the user's own if there is one. Raises BadValue."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season
 
     return season(year, data_file("seasons"))
@@ -165,7 +166,6 @@ def season_rule(year: int) -> "Season":
 
 def season_year(year: int | None, flown: datetime | None = None) -> int:
     """The year of a season, by default that of a flight's date, or of today; the default is printed."""
-    from fieldkit.paths import data_file
     from fieldkit.planning.contest import season_of
 
     if year is None:
@@ -177,9 +177,6 @@ def season_year(year: int | None, flown: datetime | None = None) -> int:
 
 def own_limits() -> "dict[str, Limit]":
     """The thresholds, with the user's own replacing the shipped ones."""
-    from fieldkit.paths import data_file
-    from fieldkit.planning.limits import limits
-
     return limits(data_file("limits.toml"))
 
 
@@ -187,35 +184,33 @@ def safety_of(
     ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]", given: Given
 ) -> "list[list[SafetyCheck]]":
     """Every safety check of several forecasts."""
-    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.safety import safety_lines
-    from fieldkit.services.forecasts import flown
 
-    limits = own_limits()
-    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in predictions}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
+    limits, falls = own_limits(), _falls(ledger, motors, predictions)
     sites = [field_of(ledger, one.plan, given) for one in predictions]
     return [safety_lines(one, site, fall, limits) for one, site, fall in zip(predictions, sites, falls, strict=True)]
 
 
 def way_down(ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]") -> list[dict[str, Any]]:
     """The JSON of the descent of forecasts: duration and landing, fitted to each rocket's flights."""
-    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.planning.landing import landing
+
+    falls = zip(predictions, _falls(ledger, motors, predictions), strict=True)
+    return [{"landing": landing(one, fall).json(), "timed_flights": fall.flights} for one, fall in falls]
+
+
+def _falls(ledger: "Ledger", motors: "Catalogue", predictions: "Sequence[Prediction]") -> "list[Fall]":
+    """The descent of each forecast, fitted to its rocket's flights."""
+    from fieldkit.planning.descent_rate import fall_of
     from fieldkit.services.forecasts import flown
 
     histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in predictions}}
-    falls = [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
-    return [
-        {"landing": landing(one, fall).json(), "timed_flights": fall.flights}
-        for one, fall in zip(predictions, falls, strict=True)
-    ]
+    return [fall_of(histories[one.plan.rocket], one.plan, one.found) for one in predictions]
 
 
 def about_plan(prediction: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """The JSON around a forecast: its conditions, the air, the safety checks and who decides."""
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.check import ADVICE_NOTE
 
     return {
         "conditions": conditions(prediction.plan),
@@ -247,8 +242,6 @@ _WIDTH = 79
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan, the safety checks in short, the worst last, and who decides."""
-    from fieldkit.planning.check import short_safety_text
-
     print_conditions(plan, starts)
     say("  safety")
     for text in short_safety_text(lines, system()):

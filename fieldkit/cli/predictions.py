@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.quantities import ShownUnits
 
@@ -23,7 +23,7 @@ def predictions(
     every: Annotated[
         bool, typer.Option("--all", help="Include forecasts that were replaced or that expired without a flight.")
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """List saved forecasts: open, stale (with the reason), and flown."""
     from fieldkit.services.forecasts import which_rocket

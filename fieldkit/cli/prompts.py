@@ -175,15 +175,11 @@ def _with_unit(conversation: Conversation, question: Question, text: str) -> str
 
 
 def _look_up(conversation: Conversation, text: str) -> None:
-    if _several(text):
+    if is_cluster(text):
         complain("Motor: several at once; with the tag `cluster` the flight is not used in the model")
         return
     for note in conversation.motors.catalogue.resolve(text).notes:
         complain(f"Motor: {note}")
-
-
-def _several(motor: str) -> bool:
-    return is_cluster(motor)
 
 
 def _explain(conversation: Conversation, question: Question) -> None:

@@ -5,15 +5,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.compare import document as measured
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, print_json, print_table, say, system
+from fieldkit.cli.screen import AsJson, complain, print_card, print_json, print_table, say, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
+from fieldkit.cli.stream import stream_json, stream_table
 from fieldkit.errors import FieldkitError, nearest, unknown
 from fieldkit.flight import BY_NAME, TAGS, read_tags
 from fieldkit.flight.event_names import event_title
 from fieldkit.flight.limits import check_name
 from fieldkit.flight.short_name import flight_label
+from fieldkit.presentation.export import document
 from fieldkit.quantities import counted, in_system, measure, with_sd
 
 if TYPE_CHECKING:
@@ -35,7 +38,6 @@ FlightId = Annotated[
     ),
 ]
 Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Tag, such as weak_launch.", show_default=False)]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
 @app.command()
@@ -48,12 +50,8 @@ def flights(
     json: AsJson = False,
 ) -> None:
     """List the flights in the ledger."""
-    from fieldkit.cli.stream import stream_json, stream_table
-
     with open_ledger(context) as ledger:
         if json:
-            from fieldkit.presentation.export import document
-
             stream_json("flights", (document(flight) for page in ledger.pages(rocket, tag) for _, flight in page))
             return
         pages = ledger.summaries(rocket, tag)
@@ -88,16 +86,12 @@ def _listed(one: "FlightSummary", system: str) -> tuple[str, ...]:
 @app.command()
 def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None:
     """Show everything recorded about a flight."""
-    from fieldkit.presentation.export import document
-
     with open_ledger(context) as ledger:
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
         recording = _recording(ledger, flight) if found.has_log else None
         forecast = prediction_of(ledger, found)
     if json:
-        from fieldkit.cli.compare import document as measured
-
         print_json(
             document(found)
             | ({"recording": measured(recording)} if recording else {})
@@ -193,7 +187,6 @@ def edit(
 @app.command()
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Add tags to a flight; a flight tagged as an anomaly is not used in the model."""
-
     named = [check_name(one) for one in read_tags(";".join(tags))]
     for own in named:
         if own not in TAGS and nearest(own, TAGS):

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, say, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import FieldkitError, UnusableLedger
 
@@ -26,7 +26,7 @@ def remeasure(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show what would change without changing anything.")
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Measure the logs of flights again; what you typed or edited is not changed. Can be undone."""
     from fieldkit.importing.tables.mapping import remembered

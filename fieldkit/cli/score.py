@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
 from fieldkit.errors import LedgerError
@@ -43,7 +43,7 @@ def score(
         ),
     ] = None,
     force: Force = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Score saved forecasts, and forecasts of each flight from the earlier ones, against simpler methods."""
     from fieldkit.services.scores import score_forecasts

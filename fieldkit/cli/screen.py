@@ -8,16 +8,24 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from shutil import get_terminal_size
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from fieldkit import units
 from fieldkit.errors import shortened
 from fieldkit.flight import BY_NAME, COLUMNS
+from fieldkit.presentation.json_values import finite
 from fieldkit.progress import ReportProgress, no_op
+from fieldkit.quantities import in_system, measure, unit_of, with_sd, with_unit
 from fieldkit.safe_text import printable
+from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+"""The option of every command that prints a document."""
 
 
 def say(text: str = "") -> None:
@@ -72,16 +80,12 @@ def complain(text: str) -> None:
 
 def remark(text: str) -> None:
     """Print a note about the data on stderr, with its lengths and speeds in the user's units."""
-    from fieldkit.quantities import in_system
-
     complain(f"note: {in_system(text, system())}")
 
 
 def print_json(document: Mapping[str, object]) -> None:
     """Print one JSON document, null for numbers that are not finite, in characters that every terminal and pipe
     accepts."""
-    from fieldkit.presentation.json_values import finite
-
     sys.stdout.write(json.dumps(finite(document), indent=2, allow_nan=False) + "\n")
 
 
@@ -105,7 +109,6 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 def print_card(flight: "Flight", id: str) -> None:
     """Print everything known about a flight, one line each, in the user's units."""
     from fieldkit.importing.manual_entry import answer_text
-    from fieldkit.quantities import unit_of, with_sd, with_unit
 
     chosen = system()
 
@@ -128,15 +131,11 @@ def print_card(flight: "Flight", id: str) -> None:
 
 def system() -> str:
     """The user's system of units."""
-    from fieldkit.settings import read_settings
-
     return read_settings().units
 
 
 def measured(name: str, value: float | None) -> str:
     """A value of a column [SI] in the user's units: `281.3 m` or `923 ft`."""
-    from fieldkit.quantities import measure
-
     return measure(BY_NAME[name], value, system())
 
 

@@ -9,6 +9,7 @@ import typer
 from fieldkit.cli.screen import complain, remark, system
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.paths import motor_folder
 from fieldkit.quantities import counted, in_system, measure
 
 if TYPE_CHECKING:
@@ -44,7 +45,6 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
 def known_motors() -> "Catalogue":
     """The shipped motors and the user's own; a damaged file among those is reported."""
     from fieldkit.motors import own
-    from fieldkit.paths import motor_folder
 
     motors, errors = own.known_motors(motor_folder())
     for error in errors:

@@ -9,16 +9,17 @@ import typer
 from fieldkit.cli.numbers import finite, typed
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
 from fieldkit.cli.planning import own_limits
-from fieldkit.cli.screen import complain, measured, print_json, say, say_wrapped, system
+from fieldkit.cli.screen import AsJson, complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
 from fieldkit.errors import BadValue
 from fieldkit.flight import COLUMNS, Flight
+from fieldkit.flight.site import Site
+from fieldkit.planning.check import SafetyCheck, short_safety_text
 from fieldkit.quantities import in_system
 from fieldkit.units import unit
 
 if TYPE_CHECKING:
     from fieldkit.motors.several import Booster
-    from fieldkit.planning.check import SafetyCheck
 
 app = typer.Typer()
 
@@ -62,11 +63,10 @@ def simulate(
             "default: that of --cd."
         ),
     ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
     **given: str | None,
 ) -> None:
     """Simulate one flight from motor, mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
-    from fieldkit.flight.site import Site
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
     from fieldkit.planning.safety import staged_lines
@@ -120,8 +120,6 @@ def simulate(
 
 def _print(result: dict[str, Any], json: bool, lines: "Sequence[SafetyCheck] | None" = None) -> None:
     """Print the figures of a flight, and its safety checks if it has any; `lines` is None for the paper's physics."""
-    from fieldkit.planning.check import short_safety_text
-
     if json:
         print_json({**result, "safety": [line.json() for line in lines]} if lines else result)
         return

@@ -1,19 +1,17 @@
 """`fieldkit sites`: launch sites."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from fieldkit.cli.numbers import length
 from fieldkit.cli.planning import check_rules
-from fieldkit.cli.screen import complain, print_json, print_table, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import BadValue, unknown
+from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.quantities import ShownUnits, in_system
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
 
 app = typer.Typer()
 
@@ -35,10 +33,9 @@ def sites(
         typer.Option(help="Distance from the pad to people and property not involved in the launch: 500m, 1500ft."),
     ] = None,
     rules: Annotated[str | None, typer.Option(help="Rules that govern it: NAR,FAA or UKRA.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """List launch sites, or save one with elevation, size, ceiling, distances, and rules."""
-    from fieldkit.flight.site import SITE_LENGTHS
     from fieldkit.services.sites import keep_site
     from fieldkit.services.sites import sites as sites_of
 

@@ -9,6 +9,7 @@ from fieldkit.cli.screen import complain, progress, say_lines
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.studies import need_studies
 from fieldkit.cli.targets import Force, settled
+from fieldkit.files import write
 from fieldkit.progress import part
 
 app = typer.Typer()
@@ -74,8 +75,6 @@ def shortfall(
 
 
 def _write_or_print(page: str, out: Path | None, force: bool) -> None:
-    from fieldkit.files import write
-
     if out is None:
         say_lines(page)
         return

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fieldkit.cli.screen import print_json, say
+from fieldkit.cli.screen import AsJson, print_json, say
 from fieldkit.errors import BadValue
 
 app = typer.Typer()
@@ -54,7 +54,7 @@ def train(
         ),
     ] = "",
     report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's full evaluation.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Train an ensemble on simulated flights; needs the extra `train`."""
     from rich.console import Console

@@ -90,6 +90,14 @@ class Flight:
                 changes[part] = {name: value for name, value in recorded.items() if name not in changed}
         return replace(self, **changes)  # type: ignore[arg-type]
 
+    def unflown(self, **changes: object) -> "Flight":
+        """A copy of the flight as planned, without its readouts, with other fields changed."""
+        return self.with_changes(**dict.fromkeys(self.readouts()) | changes)
+
+    def with_defaults(self, **known: float | None) -> "Flight":
+        """A copy of the flight with these numbers where it has none."""
+        return self.with_changes(**{name: value for name, value in known.items() if self.number(name) is None})
+
     def with_source(self, names: Iterable[str], source: str) -> "Flight":
         """A copy of the flight with a source for those readouts among `names` that have none."""
         added = {name: source for name in names if self.number(name) is not None and name not in self.source}

@@ -45,8 +45,7 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
     For a configuration that has not flown, they come from its starting configuration, if known.
     """
     if start is not None and all(flight.config != plan.config for flight in history):
-        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
-        plan = plan.with_changes(**known)
+        plan = plan.with_defaults(dry_mass=start.dry_mass, diameter=start.diameter)
     same_config = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED_FIELDS:
@@ -72,7 +71,7 @@ def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, f
 def repeated(flight: Flight) -> Flight:
     """A plan to repeat the flight a week later, or at the same time if there is no later date."""
     name = f"{flight.flight_id} again"  # a plan needs an id of its own
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
+    plan = flight.unflown(flight_id=name, sd={}, source={}, tags=())
     try:
         return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
     except OverflowError:

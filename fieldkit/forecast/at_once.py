@@ -121,12 +121,7 @@ def forecasts_at_once(
     return [found[row] for row in range(len(plans))]
 
 
-def each_at_once(
-    flown: FlownFlights,
-    shared: Sequence[SharedPrior | None],
-    *,
-    ensemble: "Ensemble | None" = None,
-) -> list[QuickAnswer]:
+def each_at_once(flown: FlownFlights, shared: Sequence[SharedPrior | None]) -> list[QuickAnswer]:
     """The network's answer for each single flight, of any rockets, with the plan to repeat it.
 
     `shared` is the information from the other rockets of each flyer. Flights are simulated in batches. Flights with an
@@ -137,7 +132,7 @@ def each_at_once(
         batch = flown[first : first + BATCH]
         theirs = shared[first : first + BATCH]
         pairs = [
-            _history([one], [(repeated(one[0]), one[1])], (True,), own, ensemble)
+            _history([one], [(repeated(one[0]), one[1])], (True,), own, None)
             for one, own in zip(batch, theirs, strict=True)
         ]
         response = respond(
@@ -147,5 +142,5 @@ def each_at_once(
         )
         for number, pair in enumerate(pairs):
             ready = prepared(pair, response.part([number, len(pairs) + number]), quick_candidates)
-            found += answer_at_once(ready, ready.flown, ensemble)
+            found += answer_at_once(ready, ready.flown)
     return found

@@ -55,9 +55,10 @@ class Prediction:
     drift_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
     across_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
 
-    def apogee_quantiles(self) -> Float[Array, "level"]:
+    def apogee_quantiles(self) -> tuple[float, float, float]:
         """The 5, 50 and 95% quantiles of the apogee. [m]"""
-        return quantiles(self.apogee, LEVELS)
+        low, middle, high = quantiles(self.apogee, LEVELS).tolist()
+        return low, middle, high
 
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
         """A copy with the log of the shown and of the true apogee stretched around their medians by a factor [1]; None

@@ -33,7 +33,6 @@ def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[F
 
 def _simulated(reading: Reading) -> Reading:
     """A simulation with the values it states; it is displayed but never stored."""
-
     return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
 
@@ -43,7 +42,6 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     The flight is named after the bytes of its log, so that measuring it differently does not create another flight. The
     extra columns name the parser that reads the log again, and which of its flights this is.
     """
-
     reading, proven = with_proven_heights(reading)
     recorded = widened_by_contradictions(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):

@@ -1,13 +1,21 @@
 """Records of a ledger other than flights: models, predictions, starting configurations, drafts."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields
 from typing import Any
 
+from sqlalchemy import Connection, and_, select
+
 from fieldkit.flight.start import Start
-from fieldkit.ledger import drafts, models, opening, starts
+from fieldkit.ledger import drafts, models, opening
+from fieldkit.ledger.checksums import sound_rows
 from fieldkit.ledger.drafts import Content
 from fieldkit.ledger.opened import OpenLedger
 from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
+from fieldkit.ledger.rows import check_key
+from fieldkit.ledger.tables import configurations
+
+START_FIELDS = tuple(field.name for field in fields(Start))
 
 
 class BesideFlights(OpenLedger):
@@ -71,21 +79,28 @@ class BesideFlights(OpenLedger):
             return models.predictions(connection, rocket, flight_id)
 
     def keep_start(self, start: Start) -> bool:
-        """Save a starting configuration, replacing an older one; False if it is a duplicate."""
+        """Save a starting configuration, replacing an older one; False if it is a duplicate. Raises BadValue for names
+        that not every kind of ledger can store."""
+        check_key("rocket and config", start.rocket + start.config)
         with self._changing() as recorder:
-            if kept := starts.keep(recorder, start):
-                recorder.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
-        return kept
+            if start in _starts(recorder.connection, start.rocket):
+                return False
+            named = and_(configurations.c.rocket == start.rocket, configurations.c.config == start.config)
+            recorder.delete(configurations, named)
+            recorder.insert(configurations, [asdict(start)])
+            recorder.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
+        return True
 
     def starts(self, rocket: str) -> list[Start]:
         """The starting configurations of a rocket, by name."""
         with self._reading() as connection:
-            return starts.starts(connection, rocket)
+            return _starts(connection, rocket)
 
     def designed(self) -> list[str]:
         """The rockets with a starting configuration, by name."""
+        rocket = configurations.c.rocket
         with self._reading() as connection:
-            return starts.rockets(connection)
+            return list(connection.scalars(select(rocket).distinct().order_by(rocket)))
 
     def keep_draft(self, name: str, content: Content) -> None:
         """Save a draft under a name, replacing the previous one; see `drafts.Content`."""
@@ -118,3 +133,8 @@ class BesideFlights(OpenLedger):
             if dropped := drafts.put_away(recorder, name):
                 recorder.sign("drop", f"the draft of {name}")
         return dropped
+
+
+def _starts(connection: Connection, rocket: str) -> list[Start]:
+    query = select(configurations).where(configurations.c.rocket == rocket).order_by(configurations.c.config)
+    return [Start(**{name: row[name] for name in START_FIELDS}) for row in sound_rows(connection, query)]

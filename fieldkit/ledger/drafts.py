@@ -17,7 +17,7 @@ Content = Mapping[str, Any] | Callable[[dict[str, Any]], Mapping[str, Any]]
 def keep(connection: Connection, name: str, content: Content) -> None:
     """Save a draft under a name, replacing the previous one."""
     kept = _changed(draft(connection, name), content)
-    drop(connection, name)
+    connection.execute(delete(drafts).where(drafts.c.name == name))
     connection.execute(insert(drafts).values(name=name, content=kept))
     seal(connection, drafts, [(name,)])
 
@@ -49,8 +49,3 @@ def draft(connection: Connection, name: str) -> dict[str, Any] | None:
     """The draft under a name, or None."""
     found = sound_rows(connection, select(drafts).where(drafts.c.name == name))
     return dict(found[0]["content"]) if found else None
-
-
-def drop(connection: Connection, name: str) -> None:
-    """Delete the draft under a name, if there is one."""
-    connection.execute(delete(drafts).where(drafts.c.name == name))

@@ -135,7 +135,7 @@ def _integral(
 
 def impulse(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> float:
     """Integral of a piecewise linear thrust curve. [N s]"""
-    return float(np.sum(np.diff(time) * (thrust[1:] + thrust[:-1])) / 2)
+    return float(np.trapezoid(thrust, time))
 
 
 def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:

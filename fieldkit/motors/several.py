@@ -14,6 +14,7 @@ import numpy as np
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.start import STAGED
+from fieldkit.integrals import running_integral
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor
 from fieldkit.motors.names import MAX_NAME, count_first, is_cluster
 from fieldkit.motors.search import Found
@@ -233,7 +234,7 @@ def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
         return motor.time + start, motor.spent
     fine = np.unique(np.concatenate([motor.time, np.linspace(0.0, motor.thrust_end, 200)]))
     push = np.interp(fine, motor.time, motor.thrust)
-    done = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(fine) * (push[1:] + push[:-1]))])
+    done = running_integral(push, fine)
     return fine + start, done / done[-1]
 
 

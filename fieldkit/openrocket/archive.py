@@ -8,13 +8,13 @@ and the length of one piece of markup or text.
 import re
 import zipfile
 import zlib
-from typing import TYPE_CHECKING
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder
+
+from defusedxml.common import DefusedXmlException
+from defusedxml.ElementTree import DefusedXMLParser
 
 from fieldkit import zips
 from fieldkit.errors import DamagedLog
-
-if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element, TreeBuilder
 
 MAX_UNPACKED_SIZE = 64 * 2**20
 """Largest size of an unpacked file; a design with many stored simulations takes a few million bytes. [bytes]"""
@@ -32,13 +32,8 @@ ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "w
 _DECLARED_ENCODING = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}[\"']([\w.-]{1,40})")
 
 
-def root_of(content: bytes, source: str) -> "Element":
+def root_of(content: bytes, source: str) -> Element:
     """The root element of a design. Raises DamagedLog that names the file, and the row of an XML error."""
-    from xml.etree.ElementTree import ParseError
-
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import DefusedXMLParser
-
     text = _unpacked(content, source)
     _check_markup(text, source)
     parser = DefusedXMLParser(target=_builder(source), forbid_dtd=True)
@@ -75,14 +70,13 @@ def _check_markup(text: bytes, source: str) -> None:
         start = end + 1 if end >= 0 else len(text)
 
 
-def _builder(source: str) -> "TreeBuilder":
+def _builder(source: str) -> TreeBuilder:
     """A builder of the element tree that stops if there are too many elements or they are nested too deeply."""
-    from xml.etree.ElementTree import TreeBuilder
 
     class Bounded(TreeBuilder):
         count = depth = 0
 
-        def start(self, tag: str, attributes: "dict[str, str]") -> "Element":
+        def start(self, tag: str, attributes: dict[str, str]) -> Element:
             self.count, self.depth = self.count + 1, self.depth + 1
             if self.count > MOST_ELEMENTS:
                 raise _too_many(source)
@@ -90,7 +84,7 @@ def _builder(source: str) -> "TreeBuilder":
                 raise DamagedLog(f"found elements nested more than {MAX_DEPTH} deep, expected a design", source=source)
             return super().start(tag, attributes)
 
-        def end(self, tag: str) -> "Element":
+        def end(self, tag: str) -> Element:
             self.depth -= 1
             return super().end(tag)
 

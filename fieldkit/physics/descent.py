@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.integrals import running_integral
 from fieldkit.physics.atmosphere import Air
 from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Bool, Float
@@ -259,11 +260,8 @@ class _Table:
         height = np.linspace(0.0, 1.0, GRID) ** 2 * top  # finer near the ground, where the wind changes
         thin = np.sqrt(air.density_ratio(height))
         along, across = wind.components(height)
-
-        def summed(values: Array) -> Array:
-            return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(height))])
-
-        return cls(height, summed(thin * along), summed(thin * across), (along, across))
+        sums = running_integral(thin * np.stack([along, across]), height)
+        return cls(height, sums[0], sums[1], (along, across))
 
     def between(self, high: Array, low: Array) -> tuple[Array, Array]:
         """The integral between two heights, to be divided by a speed near the ground."""

@@ -90,9 +90,9 @@ def motor_index(name: str) -> int:
     raise UnknownMotor(f"the paper flew no motor {name!r}, only {known}")
 
 
-def paper_burns(steps: int = 8) -> Burns:
+def paper_burns() -> Burns:
     """The paper's motors on the integrator's steps."""
-    return burns(MOTORS, steps=steps, linear_burn=True)
+    return burns(MOTORS, steps=8, linear_burn=True)
 
 
 def paper_setup(

@@ -11,6 +11,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from fieldkit.integrals import running_integral
 from fieldkit.shapes import Array, Float
 
 STEPS = 14
@@ -79,7 +80,7 @@ def _edges(time: Array, steps: int) -> Array:
 
 def _impulse(time: Array, thrust: Array, at: Array) -> Array:
     """Impulse delivered up to given times. [N s]"""
-    total = np.concatenate([[0], np.cumsum(np.diff(time) * 0.5 * (thrust[1:] + thrust[:-1]))])
+    total = running_integral(thrust, time)
     segment = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     since = at - time[segment]
     slope = np.diff(thrust)[segment] / np.diff(time)[segment]

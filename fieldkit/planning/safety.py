@@ -67,7 +67,7 @@ def first_thrust(motor: Motor) -> float:
     end = min(HALF_SECOND, motor.thrust_end)
     time = np.concatenate([[0.0], motor.time[(motor.time > 0) & (motor.time < end)], [end]])
     thrust = np.interp(time, motor.time, motor.thrust)
-    return float(np.sum(np.diff(time) * (thrust[1:] + thrust[:-1])) / 2 / end)
+    return float(np.trapezoid(thrust, time) / end)
 
 
 def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:

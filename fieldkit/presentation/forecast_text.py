@@ -16,7 +16,7 @@ from fieldkit.quantities import ShownUnits, counted, with_sd
 def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     """A prediction, one line per quantity, in the units of a system."""
     plan = prediction.plan
-    p05, p50, p95 = (float(x) for x in prediction.apogee_quantiles())
+    p05, p50, p95 = prediction.apogee_quantiles()
     name = " ".join(part for part in (plan.rocket, plan.config) if part) or "this rocket"
     shown = ShownUnits(system)
     motor = motor_in_words(plan, prediction.found, plan.motor)

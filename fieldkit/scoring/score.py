@@ -25,7 +25,6 @@ class Forecasts:
 
     def below(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
         """Cumulative probability of a log apogee. [1]"""
-
         return np.asarray((self.weight * ndtr((values - self.mean) / self.sd)).sum(axis=0))
 
     @staticmethod

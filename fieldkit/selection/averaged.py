@@ -128,7 +128,6 @@ def _with_flights(
 
 def _mixed(forecasts: Sequence[_ByHypothesis], tail: float) -> Forecasts:
     """The mixture of the forecasts of all hypotheses, with Student t scatter of single flights."""
-
     precision = gammaincinv(tail / 2, (np.arange(TAIL_PARTS) + 0.5) / TAIL_PARTS) / (tail / 2)
     log_weight = np.stack([one.log_weight for one in forecasts])
     chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))

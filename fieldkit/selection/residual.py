@@ -107,14 +107,12 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
 
 def _variance_p(error: Float[Array, "flight"]) -> float:
     """Two-sided p-value of a variance by chi-squared. [1]"""
-
     freedom, squares = len(error) - 1, float(((error - error.mean()) ** 2).sum())
     return 2 * float(min(chdtr(freedom, squares), chdtrc(freedom, squares)))
 
 
 def _students_p(t: float, freedom: int) -> float:
     """Two-sided p-value of a Student t. [1]"""
-
     return 2 * float(stdtr(freedom, -abs(t)))
 
 
@@ -192,7 +190,6 @@ def spearman(one: Float[Array, "flight"], other: Float[Array, "flight"]) -> tupl
 
 def kruskal_wallis(parts: Sequence[Array]) -> tuple[float, float]:
     """Kruskal and Wallis' H, corrected for ties, and its p-value by chi-squared. [1]"""
-
     every = ranks(np.concatenate(parts))
     count, ends = len(every), np.cumsum([len(part) for part in parts])[:-1]
     between = sum(float(own.sum()) ** 2 / len(own) for own in np.split(every, ends))

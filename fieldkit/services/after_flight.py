@@ -37,7 +37,7 @@ class Outcome:
     @property
     def next_flight(self) -> Interval:
         """The forecast of the next flight like it."""
-        return _interval(self.after)
+        return self.after.apogee_quantiles()
 
     @property
     def narrows(self) -> float:
@@ -65,7 +65,7 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Inter
     if made is None or flight.apogee is None:
         return None
     low, high = quantiles(made.apogee, np.array([SURPRISING, 1 - SURPRISING])).tolist()
-    return None if low <= flight.apogee <= high else _interval(made)
+    return None if low <= flight.apogee <= high else made.apogee_quantiles()
 
 
 def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
@@ -80,7 +80,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
     kept = of_flight(ledger, motors, flight)
     return Outcome(
         flight=flight,
-        forecast=_interval(before) if kept is None else kept.interval,
+        forecast=before.apogee_quantiles() if kept is None else kept.interval,
         kept=kept is not None,
         after=after,
         cd=(float(before.cd.mean()), float(after.cd.mean())),
@@ -95,8 +95,3 @@ def _forecast(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction |
         return forecast_from_others(ledger, motors, flight)
     except FieldkitError:
         return None
-
-
-def _interval(made: Prediction) -> Interval:
-    low, middle, high = made.apogee_quantiles().tolist()
-    return low, middle, high

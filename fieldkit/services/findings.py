@@ -140,11 +140,11 @@ def next_flight(diagnosis: Diagnosis) -> NextFlight:
     """The forecasts of repeating the last flight, before and after."""
     history = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
     last, motor = history[-1]
-    plan = [(last.with_changes(**dict.fromkeys(last.readouts()), tags=()), motor)]
+    plan = [(last.unflown(tags=()), motor)]
     (before,) = predict(history, plan, declared=False, draws=NEXT_FLIGHT_DRAWS)
     (after,) = predict(history, plan, averaged=diagnosis.averaged, draws=NEXT_FLIGHT_DRAWS)
-    low, middle, high = (float(one) for one in after.apogee_quantiles())
-    return NextFlight(last, float(before.apogee_quantiles()[1]), middle, (low, high))
+    low, middle, high = after.apogee_quantiles()
+    return NextFlight(last, before.apogee_quantiles()[1], middle, (low, high))
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit import __version__
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
+from fieldkit.inference.laplace.fleet import FlownFlights, RocketFit, rocket_fit, shared_prior
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import Message, SharedPrior
@@ -29,8 +29,6 @@ MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
 DIGITS = 7
 """Significant digits of a saved figure. [1]"""
-
-FlownFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True)

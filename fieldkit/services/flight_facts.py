@@ -65,6 +65,5 @@ def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: st
     if not flight.motor:
         raise ImpossibleFlight("the flight has no motor; press e to enter one, such as F24-4W")
     made = forecast_from_others(ledger, motors, flight)
-    low, middle, high = (float(one) for one in made.apogee_quantiles())
     others = counted(made.rests_on, "other clean flight")
-    return ForecastFacts(low, middle, high, f"none saved; computed from {others}")
+    return ForecastFacts(*made.apogee_quantiles(), f"none saved; computed from {others}")

@@ -11,9 +11,9 @@ def apogee_summary(prediction: Prediction) -> dict[str, float]:
     return {
         "mean": float(prediction.apogee.mean()),
         "sd": float(prediction.apogee.std()),
-        "p05": float(p05),
-        "p50": float(p50),
-        "p95": float(p95),
+        "p05": p05,
+        "p50": p50,
+        "p95": p95,
     }
 
 

@@ -248,7 +248,7 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
 
     A flight that is not in the ledger is the next one. Errors as in `predict_plans`.
     """
-    history, plan = flown(ledger, motors, flight.rocket), flight.with_changes(**dict.fromkeys(flight.readouts()))
+    history, plan = flown(ledger, motors, flight.rocket), flight.unflown()
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
     turn = names.index(flight.flight_id) if flight.flight_id in names else len(names)
     if turn < len(names):

@@ -31,7 +31,6 @@ class Overview:
     weather: Flight
     forecast: SavedForecast | None
     flights: tuple[ListedFlight, ...]
-    total: int
 
     @property
     def last(self) -> ListedFlight | None:
@@ -116,7 +115,7 @@ def overview(ledger: Ledger, motors: Catalogue) -> Overview | None:
         for one in latest_flights(ledger, flights)
     ]
     weather = weather_of(typed_weather(ledger)[0])
-    return Overview(plan, weather, open_one, tuple(listed), len(flights))
+    return Overview(plan, weather, open_one, tuple(listed))
 
 
 def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: Flight) -> Prediction:

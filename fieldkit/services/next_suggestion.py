@@ -65,10 +65,10 @@ def suggestion(
         except FieldkitError:
             nearest = None
         if nearest is not None:
-            low, middle, high = nearest.prediction.apogee_quantiles().tolist()
-            if low <= settings.target <= high:
+            interval = nearest.prediction.apogee_quantiles()
+            if interval[0] <= settings.target <= interval[2]:
                 motor = f"{nearest.motor.maker} {nearest.motor.designation}"
-                return Suggestion("motor", motor=motor, apogee=(low, middle, high), target=settings.target)
+                return Suggestion("motor", motor=motor, apogee=interval, target=settings.target)
     return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
 
 
@@ -94,7 +94,7 @@ def _nearest_motor(
 ) -> MotorChoice | None:
     """The safe motor nearest to a target [m] for the same configuration in the same conditions."""
     rocket = rocket_of(ledger, motors, flight.rocket)
-    again = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id="", date_time=None)
+    again = flight.unflown(flight_id="", date_time=None)
     plan = completed_plan(ledger, motors, again, settings)
     wanted = Wanted(widest_motor(rocket, plan), adapter=True, dry_mass=plan.dry_mass)
     rules, site = limits(data_file("limits.toml")), site_of(ledger, plan.site)

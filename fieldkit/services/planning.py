@@ -1,7 +1,6 @@
 """Plans for a rocket of a ledger: the rocket by name, and the plan completed from the ledger."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
@@ -21,7 +20,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, earlier_forecasts, flown, start_of
-from fieldkit.services.kits import kit_of_rocket, kits
+from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import excluded_flights, plausible
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
@@ -58,15 +57,11 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
     last = ledger.latest()
     if not plan.site and plan.site_elevation is None and last is not None:
         plan = plan.with_changes(site=last.site)
-    known: dict[str, Any] = {"rail_length": settings.rail_length, "rail_angle": settings.rail_angle}
-    known["site_elevation"] = site_of(ledger, plan.site).elevation
-    plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+    elevation = site_of(ledger, plan.site).elevation
+    plan = plan.with_defaults(
+        rail_length=settings.rail_length, rail_angle=settings.rail_angle, site_elevation=elevation
+    )
     return _with_recovery(plan, history)
-
-
-def has_kits() -> bool:
-    """Whether the flyer has kits. Raises BadValue for a damaged file of them."""
-    return bool(kits())
 
 
 def _of_kit(plan: Flight) -> Flight:
@@ -74,8 +69,7 @@ def _of_kit(plan: Flight) -> Flight:
     if not plan.rocket or None not in (plan.dry_mass, plan.diameter):
         return plan
     kit = kit_of_rocket(plan.rocket)
-    known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter} if kit else {}
-    return plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+    return plan.with_defaults(dry_mass=kit.dry_mass, diameter=kit.diameter) if kit else plan
 
 
 INHERITED_RECOVERY = (

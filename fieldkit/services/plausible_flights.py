@@ -25,13 +25,9 @@ def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight,
 def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
     """The flights whose setup a plan can start from, whatever their readouts; clusters are not checked."""
     implausible_ids = {
-        id(one) for one, found in _with_motors(flights, motors) if implausible(_set_up(one), found.motor)
+        id(one) for one, found in _with_motors(flights, motors) if implausible(one.unflown(), found.motor)
     }
     return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in implausible_ids]
-
-
-def _set_up(flight: Flight) -> Flight:
-    return flight.with_changes(**dict.fromkeys(flight.readouts()))
 
 
 def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:

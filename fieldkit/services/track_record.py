@@ -13,7 +13,6 @@ from fieldkit.forecast.evaluation.forward_in_time import (
     beside_rivals,
     corrected_by_earlier,
     forward,
-    unflown,
     with_stacked,
 )
 from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
@@ -101,4 +100,4 @@ def as_planned(flight: Flight, made: Parts) -> Flight:
         for column in COLUMNS
         if column.header in conditions
     }
-    return unflown(flight).with_changes(**values)
+    return flight.unflown(**values)

@@ -59,7 +59,7 @@ def shows(flight: Flight) -> bool:
 def set_up(flight: Flight) -> Flight:
     """A flight without its readouts and notes: everything that determines its simulation."""
     return replace(
-        flight.with_changes(**dict.fromkeys(flight.readouts()), sd={}, source={}, tags=(), flight_id="typed"),
+        flight.unflown(sd={}, source={}, tags=(), flight_id="typed"),
         notes="",
         extra={},
     )

@@ -37,7 +37,7 @@ def history_forecasts(flights: Reference) -> list[HistoryForecast]:
     found = []
     for row, (flight, motor) in enumerate(flown):
         others = [one for other, one in enumerate(flown) if flights.valid[other] and other != row]
-        plan = flight.with_changes(**dict.fromkeys(flight.readouts()), sd={}, source={}, tags=())
+        plan = flight.unflown(sd={}, source={}, tags=())
         forecast = forecast_at_once(others, (plan, motor))
         low, middle, high = (forecast.apogee_at(level) for level in (0.05, 0.5, 0.95))
         cd, alpha = (float(np.exp(mean)) for mean, _ in (forecast.log_cd, forecast.log_alpha))

@@ -71,9 +71,9 @@ def fitted(case: Case) -> Fit:
     return fit_robustly(model, observe(flights, [flight.clean for flight in flights], case.hyperprior))
 
 
-def target_of(case: Case, result: Fit, readouts: Readouts | None = None, *, student: bool = True) -> Target:
+def target_of(case: Case, result: Fit, readouts: Readouts | None = None) -> Target:
     """The exact posterior density of a case; its force uses readouts linear at the fit's last point."""
-    return target(replace(result.model, coarse=False), result.data, _middle(result), readouts, student=student)
+    return target(replace(result.model, coarse=False), result.data, _middle(result), readouts)
 
 
 def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) -> Sampled:

@@ -1,7 +1,6 @@
 """Captured bytes are saved whatever happens to the cable, the program, the disk or the parser, and are imported."""
 
 import errno
-import json
 import os
 import re
 import signal
@@ -45,6 +44,7 @@ from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass, crc_x25, sum_256
 from tests.capture import devices
 from tests.capture.devices import Device, Unplugged, Wire, played
+from tests.commands import Run
 from tests.effort import examples
 
 pytestmark = pytest.mark.fast
@@ -217,22 +217,18 @@ def _absent(*_: object, **__: object) -> None:
     raise OSError(2, "no such port")
 
 
-def test_ports_and_devices_are_listed_for_people_and_scripts(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ports_and_devices_are_listed_for_people_and_scripts(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     here = [Port("/dev/ttyACM0", 0xFFFE, 0x000B, "2094", "TeleMetrum"), Port("/dev/ttyUSB0", 0x0403, 0x6015)]
     monkeypatch.setattr("fieldkit.capture.ports", lambda: here)
-    assert main(["capture", "--list", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = run("capture", "--list", "--json").document
     assert [port["device"] for port in document["ports"]] == ["altos", None]
     assert "MicroPeak" in document["ports"][1]["about"]
     assert set(document["devices"]) >= {"altimulti", "micropeak", "mawd"}
     assert "not public" in document["not_public"]["rrc3"]
-    assert main(["capture", "--list"]) == 0
-    out, err = capsys.readouterr()
-    assert "fffe:000b" in out
-    assert "TeleMetrum" in out
-    assert ".pf2" in err
+    listed = run("capture", "--list")
+    assert "fffe:000b" in listed.out
+    assert "TeleMetrum" in listed.out
+    assert ".pf2" in listed.err
 
 
 @pytest.mark.parametrize(
@@ -244,13 +240,12 @@ def test_ports_and_devices_are_listed_for_people_and_scripts(
     ],
 )
 def test_what_cannot_be_captured_is_reported_in_one_line(
-    capsys: pytest.CaptureFixture[str], arguments: list[str], complaint: str, folder: Path
+    run: Run, arguments: list[str], complaint: str, folder: Path
 ) -> None:
-    assert main(["capture", *arguments]) == 1
-    out, err = capsys.readouterr()
-    assert not out
-    assert complaint in err
-    assert len(err.splitlines()) == 1
+    printed = run("capture", *arguments, status=1)
+    assert not printed.out
+    assert complaint in printed.err
+    assert len(printed.err.splitlines()) == 1
     assert not captures(folder)
 
 
@@ -261,20 +256,15 @@ HEIGHTS = [0, 0, *(round(900 * (1 - (n / 100 - 1) ** 2)) for n in range(200)), 0
 
 
 @terminals
-def test_a_mawd_is_captured_and_imported_and_importing_it_again_changes_nothing(
-    capsys: pytest.CaptureFixture[str], folder: Path
-) -> None:
+def test_a_mawd_is_captured_and_imported_and_importing_it_again_changes_nothing(run: Run, folder: Path) -> None:
     with played(devices.mawd(HEIGHTS)) as wire:
-        assert main(["capture", wire.name, "--device", "mawd", "--json", "--set", "rocket=Astra"]) == 0
-    document = json.loads(capsys.readouterr().out)
+        document = run("capture", wire.name, "--device", "mawd", "--json", "--set", "rocket=Astra").document
     assert (document["imported"], document["samples"], document["whole"]) == (1, len(HEIGHTS), True)
     assert Path(document["file"]).parent == folder
-    assert main(["flights", "--json"]) == 0
-    (flight,) = json.loads(capsys.readouterr().out)["flights"]
+    (flight,) = run("flights", "--json").document["flights"]
     assert flight["apogee_m"] == pytest.approx(900 * 0.3048, rel=0.005)  # a jump into flight looks like a lag
     assert flight["rocket"] == "Astra"
-    assert main(["import", "--set", "rocket=Astra", "--json", document["file"]]) == 0
-    again = json.loads(capsys.readouterr().out)
+    again = run("import", "--set", "rocket=Astra", "--json", document["file"]).document
     assert (again["imported"], again["duplicates"]) == (0, 1)
 
 
@@ -385,9 +375,7 @@ def test_ctrl_c_ends_a_stream_cleanly(folder: Path) -> None:
 
 
 @terminals
-def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(
-    capsys: pytest.CaptureFixture[str], folder: Path
-) -> None:
+def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(run: Run, folder: Path) -> None:
     def torn(wire: Wire) -> None:
         try:
             devices.mawd(HEIGHTS)(Halved(wire))
@@ -412,14 +400,12 @@ def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(
             return self.wire.command(ends)
 
     with played(torn) as wire:
-        assert main(["capture", wire.name, "--device", "mawd", "--reconnect", "0"]) == 1
-    err = capsys.readouterr().err
+        err = run("capture", wire.name, "--device", "mawd", "--reconnect", "0", status=1).err
     (file,) = captures(folder)
     assert f"fieldkit capture --resume {file.name}" in err
     assert "the port disappeared" in err
     with played(devices.mawd(HEIGHTS)) as wire:
-        assert main(["capture", "--resume", wire.name]) == 0
-    assert "Imported 1" in capsys.readouterr().out
+        assert "Imported 1" in run("capture", "--resume", wire.name).out
     with pytest.raises(CaptureTrouble, match="is no longer there; current ports"):
         list(resume(file, look=lambda: [Port("/dev/other")]))
 
@@ -501,10 +487,9 @@ def test_the_altitude_is_shown_while_telemetry_arrives(monkeypatch: pytest.Monke
 
 
 @terminals
-def test_an_impossible_baud_rate_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_impossible_baud_rate_is_refused(tmp_path: Path, run: Run) -> None:
     with played(devices.deaf) as wire:
         for baud in (-300, 0, 10**30):
-            assert main(["capture", wire.name, f"--baud={baud}"]) == 2
-            assert "--baud" in capsys.readouterr().err
+            assert "--baud" in run("capture", wire.name, f"--baud={baud}", status=2).err
         with pytest.raises(PortTrouble, match="cannot be opened"), begin(tmp_path, {}) as tape:
             open_line(wire.name, "mawd", PortSettings(10**30), tape)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.ledger import Ledger
+from tests.commands import Run
 
 CHECK_SHAPES = False
 FLIGHTS = """flight_id,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m
@@ -34,55 +34,46 @@ LINES = {
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a table of plans, and a ledger of one flight."""
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
     monkeypatch.setenv("COLUMNS", "400")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "flights.csv").write_text(FLIGHTS)
     (tmp_path / "plans.csv").write_text(PLANS)
-    assert main(["import", "flights.csv"]) == 0
+    run("import", "flights.csv")
     return tmp_path
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_an_option_without_effect_is_a_usage_error(line: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(line.split()) == 2
-    printed = capsys.readouterr()
+def test_an_option_without_effect_is_a_usage_error(line: str, folder: Path, run: Run) -> None:
+    printed = run(*line.split(), status=2)
     assert LINES[line] in printed.err
     assert not printed.out
     assert not (folder / "sheet.pdf").exists()
 
 
-def test_a_quick_look_cannot_decline_an_effect(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(["loop", "--quick", "--decline", "wind"]) == 1
-    assert "--decline: found together with --quick" in capsys.readouterr().err
+def test_a_quick_look_cannot_decline_an_effect(folder: Path, run: Run) -> None:
+    assert "--decline: found together with --quick" in run("loop", "--quick", "--decline", "wind", status=1).err
 
 
-def test_the_conditions_of_a_day_still_complete_a_table(folder: Path) -> None:
-    assert main(["daysheet", "--flights", "plans.csv", "--temperature", "68F", "--out", "sheet.pdf"]) == 0
+def test_the_conditions_of_a_day_still_complete_a_table(folder: Path, run: Run) -> None:
+    run("daysheet", "--flights", "plans.csv", "--temperature", "68F", "--out", "sheet.pdf")
     assert (folder / "sheet.pdf").exists()
 
 
-def test_an_unknown_rocket_cannot_be_remeasured(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["remeasure", "--rocket", "Nope"]) == 1
-    assert "expected one of: Astra" in capsys.readouterr().err
+def test_an_unknown_rocket_cannot_be_remeasured(folder: Path, run: Run) -> None:
+    assert "expected one of: Astra" in run("remeasure", "--rocket", "Nope", status=1).err
 
 
-def test_an_unknown_site_is_reported_with_the_known_ones(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["sites", "Meadow", "--elevation", "200m"]) == 0
-    capsys.readouterr()
-    assert main(["sites", "Medow"]) == 1
-    printed = capsys.readouterr().err
+def test_an_unknown_site_is_reported_with_the_known_ones(folder: Path, run: Run) -> None:
+    run("sites", "Meadow", "--elevation", "200m")
+    printed = run("sites", "Medow", status=1).err
     assert "no site 'Medow'; did you mean Meadow?" in printed
     assert "No sites yet" not in printed
 
 
 def test_consent_to_replace_one_file_is_not_consent_to_replace_the_other(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    folder: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
     (folder / "map.kml").write_text("mine")
     (folder / "card.png").write_text("mine too")
@@ -94,16 +85,16 @@ def test_consent_to_replace_one_file_is_not_consent_to_replace_the_other(
 
     monkeypatch.setattr("fieldkit.cli.landing.settled", settled)
     words = "landing --motor F24-4W --wind 2 --kml map.kml --pad 47.5,8.7 --card card.png"
-    assert main(words.split()) == 1
+    run(*words.split(), status=1)
     assert [file.name for file in asked] == ["map.kml", "card.png"]
     assert (folder / "card.png").read_text() == "mine too"
 
 
-def test_a_long_import_is_one_short_line_in_the_history(folder: Path) -> None:
+def test_a_long_import_is_one_short_line_in_the_history(folder: Path, run: Run) -> None:
     for number in range(9):
         table = FLIGHTS.replace("1,Astra", f"{number + 2},Astra").replace(",250", f",{260 + number}")
         (folder / f"day{number}.csv").write_text(table)
-    assert main(["import", *(f"day{number}.csv" for number in range(9))]) == 0
+    run("import", *(f"day{number}.csv" for number in range(9)))
     with Ledger.open(folder / "ledger.db") as ledger:
         assert ledger.history()[-1].what == (
             "2, 3, 4, 5 and 5 more from day0.csv, day1.csv, day2.csv, day3.csv and 5 more"

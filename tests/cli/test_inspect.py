@@ -1,17 +1,16 @@
 """`fieldkit inspect` and the lines of `import` for each file come from the same reading of the file."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.flight import TWO_DEVICES
 from fieldkit.ledger import Ledger
 from tests.analysis.recordings import SMALL, Logger, fly, log
+from tests.commands import Run
 from tests.samples import SAMPLES, owner
 
 pytestmark = pytest.mark.fast
@@ -22,25 +21,9 @@ PNUT = FOLDER / "perfectflite__drogue_and_main.pf2"
 TABLE = FOLDER / "flight_table__some_rows_are_bad.csv"
 KEYS = {"file", "format", "why", "columns", "rows", "dropped", "readouts", "events", "notes", "would_store"}
 
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("COLUMNS", "200")
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return status, *capsys.readouterr()
-
-    return run
-
 
 def inspected(run: Run, *files: Path) -> list[dict[str, Any]]:
-    status, out, _ = run("inspect", *files, "--json")
-    assert status == 0
+    out = run("inspect", *files, "--json").out
     return json.loads(out)["files"]
 
 
@@ -69,8 +52,7 @@ def test_what_inspect_shows_is_what_import_stores(run: Run, tmp_path: Path, samp
     (seen,) = inspected(run, sample)
     assert seen["columns"]
     assert seen["rows"] > 0
-    status, out, _ = run("import", sample, "--json")
-    assert status == 0
+    out = run("import", sample, "--json").out
     document = json.loads(out)
     (file,) = document["files"]
     assert document["imported"] == seen["would_store"] == len(seen["flights"])
@@ -114,8 +96,7 @@ def test_dropped_rows_are_counted(run: Run) -> None:
 
 
 def test_inspect_prints_a_file_in_detail(run: Run) -> None:
-    status, out, _ = run("inspect", PNUT)
-    assert status == 0
+    out = run("inspect", PNUT).out
     for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.8 ± 1.0 m", "device: ", "apogee"):
         assert text in out
 
@@ -135,8 +116,8 @@ def test_import_says_which_columns_of_a_table_no_fit_uses(run: Run, tmp_path: Pa
 def test_an_unrecognized_file_is_named_and_makes_the_exit_status_nonzero(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "junk.bin"
     path.write_bytes(b"\x00\x01\x02 nothing at all")
-    status, out, error = run("inspect", path, "--json")
-    assert (status, out) == (1, "")
+    _, out, error = run("inspect", path, "--json", status=1)
+    assert out == ""
     assert "junk.bin" in error
 
 
@@ -146,8 +127,7 @@ def test_one_unusable_file_of_several_is_named_and_the_others_are_imported(
 ) -> None:
     junk = tmp_path / "junk.bin"
     junk.write_bytes(b"\x00\x01\x02 nothing at all")
-    status, out, error = run(command, junk, PNUT, "--json")
-    assert status == 1
+    _, out, error = run(command, junk, PNUT, "--json", status=1)
     assert "junk.bin: no parser recognizes this file" in error
     files = json.loads(out)["files"]
     assert [one["format"] for one in files] == ["perfectflite"]
@@ -173,8 +153,7 @@ def test_a_simulation_is_inspected_with_its_own_events_and_not_stored(run: Run) 
     assert found["readouts"]["top_speed"]["sensor"] == "simulation"
     assert {one["sensor"] for one in found["events"]} == {"simulation"}
     assert {one["source"] for one in found["columns"]} == {"clock", "simulation"}
-    status, out, _ = run("inspect", FOLDER / "openrocket__as_it_comes.csv")
-    assert status == 0
+    out = run("inspect", FOLDER / "openrocket__as_it_comes.csv").out
     assert "states    simulation 1" in out
 
 
@@ -186,8 +165,7 @@ def test_the_json_has_the_whole_flight_as_plotted(run: Run) -> None:
     assert max(curve["height_m"]) == pytest.approx(found["readouts"]["apogee"]["value"], rel=0.02)
     events = {one["name"]: one["time_s"] for one in found["events"]}
     assert curve["time_s"][-1] > events["apogee"] + 5
-    status, out, _ = run("inspect", PNUT)
-    assert status == 0
+    out = run("inspect", PNUT).out
     for what in ("height", "speed", "accel", "events", "from lift-off", "lift-off     T"):
         assert what in out
     assert "liftoff" not in out

@@ -1,25 +1,23 @@
 """`loop --quick` and `predict --quick`: the contract's keys, probabilities of all effects, and nothing is saved."""
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.inference.history.check import Check
 from fieldkit.inference.history.features import effect_names
 from fieldkit.ledger import Ledger
 from fieldkit.services import quick_look
+from tests.commands import Run
 
 CHECK_SHAPES = False
+PREDICT = ("predict", "--motor", "F24-4W", "--rocket", "Astra")
 
 
 @pytest.fixture
-def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def ledger(run: Run, tmp_path: Path) -> Path:
     """A ledger of twelve flights on two days."""
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     rng = np.random.default_rng(0)
     rows = [
         f"{i},2025-05-{1 + i // 6:02d}T{10 + i % 6}:00,Astra,A,322,66,F24-4W,{250 * np.exp(0.02 * rng.normal()):.1f}"
@@ -27,15 +25,12 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     ]
     table = tmp_path / "flights.csv"
     table.write_text("\n".join(["flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m", *rows]))
-    path = str(tmp_path / "ledger.db")
-    assert main(["--ledger", path, "import", str(table)]) == 0
-    return path
+    run("import", table)
+    return tmp_path / "ledger.db"
 
 
-def test_every_effect_has_a_probability_and_nothing_is_saved(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(["--ledger", ledger, "loop", "--rocket", "Astra", "--quick", "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
+def test_every_effect_has_a_probability_and_nothing_is_saved(ledger: Path, run: Run) -> None:
+    answer = run("loop", "--rocket", "Astra", "--quick", "--json").document
     assert answer["evaluation"] == "amortized"
     assert answer["n_flights"] == 12
     chances = answer["probabilities"]
@@ -53,53 +48,38 @@ def test_every_effect_has_a_probability_and_nothing_is_saved(ledger: str, capsys
         assert not book.predictions()
 
 
-def test_lines_for_a_flyer_name_the_verdict(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(["--ledger", ledger, "loop", "--quick"]) == 0
-    out = capsys.readouterr().out
+@pytest.mark.usefixtures("ledger")
+def test_lines_for_a_flyer_name_the_verdict(run: Run) -> None:
+    out = run("loop", "--quick").out
     assert "verdict:" in out
     assert "none" in out
     assert "unexplained" in out
 
 
-def test_more_flights_than_in_training_give_a_warning(
-    ledger: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("ledger")
+def test_more_flights_than_in_training_give_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     warning = "the network was trained with at most"
-    capsys.readouterr()
-    assert main(["--ledger", ledger, "loop", "--quick"]) == 0
-    assert warning not in capsys.readouterr().out
+    assert warning not in run("loop", "--quick").out
     monkeypatch.setattr("fieldkit.selection.quick_look.MAX_FLIGHTS", 11)
-    assert main(["--ledger", ledger, "loop", "--quick"]) == 0
-    assert warning in capsys.readouterr().out
-    assert main(["--ledger", ledger, "loop", "--quick", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["beyond_training"] is True
+    assert warning in run("loop", "--quick").out
+    assert run("loop", "--quick", "--json").document["beyond_training"] is True
 
 
-def test_too_few_flights_and_options_of_a_search_are_refused(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_too_few_flights_and_options_of_a_search_are_refused(ledger: Path, run: Run) -> None:
     for option in ("--effect", "--decline"):
-        assert main(["--ledger", ledger, "loop", "--quick", option, "wind"]) == 1
-        assert f"{option}: found together with --quick" in capsys.readouterr().err
+        assert f"{option}: found together with --quick" in run("loop", "--quick", option, "wind", status=1).err
     with Ledger.open(ledger) as book:
         ids = [flight.flight_id for flight in book.flights()]
     for id in ids[:9]:
-        assert main(["--ledger", ledger, "tag", id, "weak_launch"]) == 0
-    capsys.readouterr()
-    assert main(["--ledger", ledger, "loop", "--quick"]) == 1
-    assert "expected at least 4" in capsys.readouterr().err
+        run("tag", id, "weak_launch")
+    assert "expected at least 4" in run("loop", "--quick", status=1).err
 
 
-def test_a_quick_forecast_is_near_that_of_the_fit_and_is_not_saved(
-    ledger: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    capsys.readouterr()
-    command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra", "--json"]
-    assert main([*command, "--quick"]) == 0
-    (quick,) = json.loads(capsys.readouterr().out)["predictions"]
+def test_a_quick_forecast_is_near_that_of_the_fit_and_is_not_saved(ledger: Path, run: Run) -> None:
+    (quick,) = run(*PREDICT, "--quick", "--json").document["predictions"]
     with Ledger.open(ledger) as book:
         assert not book.predictions()
-    assert main(command) == 0
-    (fit,) = json.loads(capsys.readouterr().out)["predictions"]
+    (fit,) = run(*PREDICT, "--json").document["predictions"]
     assert quick["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=0.05)
     assert quick["apogee_m"]["p05"] < quick["apogee_m"]["p50"] < quick["apogee_m"]["p95"]
     assert quick["check"]["agrees"] == (quick["evaluation"] == "amortized")
@@ -109,31 +89,16 @@ def test_a_quick_forecast_is_near_that_of_the_fit_and_is_not_saved(
     assert quick["rests_on"] == 12
 
 
-def answered(command: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], str]:
-    """A quick forecast as a document and as a line."""
-    capsys.readouterr()
-    assert main([*command, "--quick", "--json"]) == 0
-    (document,) = json.loads(capsys.readouterr().out)["predictions"]
-    assert main([*command, "--quick"]) == 0
-    return document, capsys.readouterr().out
-
-
+@pytest.mark.usefixtures("ledger")
 @pytest.mark.parametrize(("k", "effective", "agrees"), [(0.3, 0.9, True), (0.71, 0.9, False), (0.3, 0.2, False)])
 def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fit_answers(
-    ledger: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    k: float,
-    effective: float,
-    agrees: bool,
+    run: Run, monkeypatch: pytest.MonkeyPatch, k: float, effective: float, agrees: bool
 ) -> None:
     monkeypatch.setattr(quick_look, "check", lambda answer, linear: Check(k, 0.5, effective, 400))
-    command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra"]
-    document, line = answered(command, capsys)
+    (document,) = run(*PREDICT, "--quick", "--json").document["predictions"]
+    line = run(*PREDICT, "--quick").out
     assert document["check"]["agrees"] is agrees
     assert document["evaluation"] == ("amortized" if agrees else "fit")
     assert ("by the network, checked by the fit" in line) is agrees
-    capsys.readouterr()
-    assert main([*command, "--json"]) == 0
-    (fit,) = json.loads(capsys.readouterr().out)["predictions"]
+    (fit,) = run(*PREDICT, "--json").document["predictions"]
     assert (document["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=1e-3)) is not agrees

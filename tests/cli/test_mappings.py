@@ -1,31 +1,17 @@
 """Columns of any table of flights are named once with `--map`, remembered, listed, changed and forgotten."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.main import main
+from tests.commands import Run
 
-Run = Callable[..., tuple[int, str, str]]
 TABLE = """No,Model,Propulsion,Reached (feet),Pad weight [lb],When
 1,Astra,F24-4W,812,0.95,2025-05-03
 2,Astra,F24-4W,790,0.96,2025-05-03
 """
 MAP = ("flight_id=No", "rocket=Model", "motor=Propulsion", "apogee=Reached (feet) [ft]", "date_time=When")
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-
-    def run(*arguments: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return status, *capsys.readouterr()
-
-    return run
 
 
 def options(*columns: str) -> list[str]:
@@ -39,16 +25,15 @@ def flights(run: Run) -> list[dict[str, object]]:
 def test_a_table_of_flights_under_any_names_is_read_and_remembered(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "club.csv"
     table.write_text(TABLE)
-    assert run("import", table)[0] == 1
-    assert run("import", table, *options(*MAP, "liftoff_mass=Pad weight [lb]"))[0] == 0
+    run("import", table, status=1)
+    run("import", table, *options(*MAP, "liftoff_mass=Pad weight [lb]"))
     first, second = flights(run)
     assert (first["flight_id"], first["rocket"], first["motor"]) == ("1", "Astra", "F24-4W")
     assert first["apogee_m"] == pytest.approx(812 * 0.3048, abs=0.1)
     assert 300 < float(str(first["dry_mass_g"])) < 0.95 * 453.6 < float(str(second["dry_mass_g"])) + 150
     again = tmp_path / "next.csv"
     again.write_text(TABLE.replace("\n1,", "\n3,").replace("\n2,", "\n4,"))
-    status, _, error = run("import", again)
-    assert status == 0, error
+    run("import", again)
     assert len(flights(run)) == 4
 
 
@@ -63,22 +48,21 @@ def test_mappings_are_listed_changed_and_forgotten(run: Run, tmp_path: Path) -> 
     run("mappings", "--edit", "1", *options("rocket=Model", "apogee=Reached (feet) [m]"))
     (one,) = json.loads(run("mappings", "--json")[1])["mappings"]
     assert one["map"] == {"rocket": "Model", "apogee": "Reached (feet) [m]"}
-    assert run("mappings", "--forget", "2")[0] == 1
-    assert run("mappings", "--forget", "1")[0] == 0
+    run("mappings", "--forget", "2", status=1)
+    run("mappings", "--forget", "1")
     assert "No saved mappings" in run("mappings")[1]
 
 
 def test_samples_and_flights_are_not_mapped_together(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "club.csv"
     table.write_text(TABLE)
-    status, _, error = run("import", table, *options("altitude=Reached (feet)", "rocket=Model"))
-    assert status == 1
+    error = run("import", table, *options("altitude=Reached (feet)", "rocket=Model"), status=1).err
     assert "found both" in error
 
 
 def test_the_motors_mass_is_subtracted_from_a_lift_off_mass(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "lift.csv"
     table.write_text("flight_id,rocket,engine,liftoff_mass_g,motor_mass_g,apogee_m\n1,Astra,F24-4W,430,60,250\n")
-    assert run("import", table)[0] == 0
+    run("import", table)
     (flight,) = flights(run)
     assert flight["dry_mass_g"] == pytest.approx(370)

@@ -1,11 +1,9 @@
 """The commands for records, used by a flyer and by a script."""
 
 import csv
-import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,6 +11,7 @@ import pytest
 from fieldkit.cli.main import GROUPS, main
 from fieldkit.ledger import Ledger
 from fieldkit.settings import change_settings
+from tests.commands import Run
 
 CHECK_SHAPES = False
 
@@ -23,37 +22,9 @@ TABLE = """flight_id,rocket,config,motor,dry_mass_g,diameter_mm,apogee_m,tags,no
 """
 
 
-class Output:
-    """The output and exit status of a command."""
-
-    def __init__(self, status: int, out: str, err: str) -> None:
-        self.status, self.out, self.err = status, out, err
-
-    @property
-    def document(self) -> dict[str, object]:
-        return json.loads(self.out)
-
-
-Run = Callable[..., Output]
-
-
 @pytest.fixture(autouse=True)
-def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+def _narrow(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.delenv("FIELDKIT_LEDGER", raising=False)
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs a command line on a separate ledger."""
-
-    def run(*arguments: object) -> Output:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return Output(status, *capsys.readouterr())
-
-    return run
 
 
 @pytest.fixture
@@ -66,7 +37,7 @@ def table(tmp_path: Path) -> Path:
 @pytest.fixture
 def full(run: Run, table: Path) -> Run:
     """The same with the table imported."""
-    assert run("import", table).status == 0
+    run("import", table)
     return run
 
 
@@ -97,10 +68,10 @@ def test_the_version_is_reported(run: Run) -> None:
 
 
 def test_wrong_usage_exits_with_status_two(run: Run) -> None:
-    assert run("flights", "--no-such-option").status == 2
-    assert run("no-such-command").status == 2
-    assert run("edit", "1", "apogee").status == 2
-    assert run("import").status == 2
+    run("flights", "--no-such-option", status=2)
+    run("no-such-command", status=2)
+    run("edit", "1", "apogee", status=2)
+    run("import", status=2)
 
 
 def test_import_counts_new_flights_and_duplicates(run: Run, table: Path) -> None:
@@ -120,7 +91,6 @@ def test_a_dry_run_changes_nothing(run: Run, table: Path) -> None:
 def test_rejected_rows_are_named_on_stderr_and_the_rest_is_imported(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("281.3", "28l.3").replace("E35-5W", "ZZ99"), encoding="utf-8")
     outcome = run("import", table, "--json")
-    assert outcome.status == 0
     assert outcome.document["imported"] == 1
     bad = {row["column"]: row for row in outcome.document["rejected"]}
     assert (bad["apogee_m"]["row"], bad["motor"]["row"]) == (2, 4)
@@ -131,12 +101,12 @@ def test_rejected_rows_are_named_on_stderr_and_the_rest_is_imported(run: Run, ta
 
 def test_values_that_a_file_lacks_can_be_set(run: Run, table: Path) -> None:
     settings = ["--set", "wind=4mph", "--set", "config=Z", "--set", "notes=calm"]
-    assert run("import", table, *settings).status == 0
+    run("import", table, *settings)
     first, second, _ = run("flights", "--json").document["flights"]
     assert (first["config"], first["notes"], second["notes"]) == ("A", "good", "calm")
     assert abs(second["wind_mps"] - 1.78816) < 1e-9
-    assert run("import", table, "--set", "motor=ZZ99").status == 1
-    assert run("import", table, "--set", "motor").status == 2
+    run("import", table, "--set", "motor=ZZ99", status=1)
+    run("import", table, "--set", "motor", status=2)
 
 
 def test_a_file_name_that_is_not_unicode_is_accepted(run: Run, table: Path) -> None:
@@ -145,10 +115,10 @@ def test_a_file_name_that_is_not_unicode_is_accepted(run: Run, table: Path) -> N
         unreadable.write_text(TABLE, encoding="utf-8")
     except (UnicodeError, OSError):
         pytest.skip("this system has no such names")
-    assert run("import", unreadable).status == 0
+    run("import", unreadable)
     assert "odd\ufffd.csv" in run("history", "--json").document["changes"][0]["what"]
-    outcome = run("flights", "--rocket", os.fsdecode(b"\xff"))
-    assert (outcome.status, len(outcome.err.splitlines())) == (1, 1)
+    outcome = run("flights", "--rocket", os.fsdecode(b"\xff"), status=1)
+    assert len(outcome.err.splitlines()) == 1
 
 
 @pytest.mark.thorough
@@ -176,11 +146,10 @@ def test_a_missing_or_unreadable_file_exits_with_status_one_and_the_others_are_i
     junk = table.with_name("junk.csv")
     junk.write_bytes(bytes(range(256)) * 64)
     for bad in (table.with_name("absent.csv"), junk):
-        outcome = run("import", table, bad)
-        assert outcome.status == 1
+        outcome = run("import", table, bad, status=1)
         assert bad.name in outcome.err
         assert len(outcome.err.splitlines()) == 1
-    assert run("import", table, "--format", "nonsense").status == 1
+    run("import", table, "--format", "nonsense", status=1)
     assert len(run("flights", "--json").document["flights"]) == 3
 
 
@@ -226,20 +195,6 @@ def test_a_table_from_another_operating_system_finds_its_logs(run: Run, table: P
     assert run("show", "1", "--json").document["duration_s"] == 48.5
 
 
-@pytest.mark.parametrize("path", ["../secret.txt", "..\\secret.txt", "/etc/hostname", "link/secret.txt"])
-def test_a_log_outside_the_tables_folder_is_never_read(run: Run, tmp_path: Path, path: str) -> None:
-    (tmp_path / "secret.txt").write_text("secret")
-    folder = tmp_path / "folder"
-    folder.mkdir()
-    (folder / "link").symlink_to(tmp_path, target_is_directory=True)
-    table = folder / "table.csv"
-    table.write_text(TABLE.replace("good,,", f"good,{path},"), encoding="utf-8")
-    outcome = run("import", table, "--json").document
-    assert outcome["imported"] == 2
-    (row,) = outcome["rejected"]
-    assert (row["row"], row["column"]) == (2, "log")
-
-
 def test_a_missing_log_does_not_stop_its_row(run: Run, table: Path) -> None:
     table.write_text(TABLE.replace("good,,", "good,gone.csv,"), encoding="utf-8")
     outcome = run("import", table)
@@ -266,7 +221,7 @@ def test_flights_can_be_chosen_by_rocket_and_tag(full: Run) -> None:
 
 def test_an_empty_ledger_reports_it(run: Run) -> None:
     outcome = run("flights")
-    assert (outcome.status, outcome.out) == (0, "")
+    assert outcome.out == ""
     assert "No flights in" in outcome.err
     assert "No changes in" in run("history").err
 
@@ -302,8 +257,7 @@ def test_show_uses_only_the_chosen_units(full: Run) -> None:
 
 def test_an_unknown_flight_is_reported_with_similar_ids(full: Run) -> None:
     for command in (["show", "11"], ["edit", "11", "apogee=3"], ["tag", "11", "a"], ["remove", "1", "11"]):
-        outcome = full(*command)
-        assert outcome.status == 1
+        outcome = full(*command, status=1)
         assert outcome.err == "no flight '11'; did you mean 1?\n"
     assert len(full("flights", "--json").document["flights"]) == 3
 
@@ -311,14 +265,14 @@ def test_an_unknown_flight_is_reported_with_similar_ids(full: Run) -> None:
 def test_two_rockets_with_one_flight_id_are_distinguished(full: Run, table: Path) -> None:
     table.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
     full("import", table)
-    outcome = full("show", "2")
-    assert (outcome.status, outcome.err) == (1, "2 is ambiguous: Astra/2 or Comet/2\n")
+    outcome = full("show", "2", status=1)
+    assert outcome.err == "2 is ambiguous: Astra/2 or Comet/2\n"
     assert full("show", "Comet/2", "--json").document["rocket"] == "Comet"
     assert "Comet/2" in full("flights").out
 
 
 def test_edit_accepts_units_in_the_name_or_with_the_value(full: Run) -> None:
-    assert full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1").status == 0
+    full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1")
     outcome = full("show", "1", "--json").document
     assert abs(outcome["apogee_m"] - 281.3304) < 1e-9
     assert abs(outcome["top_speed_mps"] - 62.5856) < 1e-9
@@ -338,8 +292,7 @@ def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
         (("lift_off_mass=60g",), "expected more than the mass of 62.9 g of AeroTech F24W"),
         (("lift_off_mass=1", "dry_mass=2"), "one of them"),
     ):
-        output = full("edit", "1", *wrong)
-        assert output.status == 1
+        output = full("edit", "1", *wrong, status=1)
         assert why in output.err
 
 
@@ -359,8 +312,7 @@ def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
     ],
 )
 def test_a_bad_change_is_refused_in_one_line(full: Run, change: str, found: str) -> None:
-    outcome = full("edit", "1", "notes=other", change)
-    assert outcome.status == 1
+    outcome = full("edit", "1", "notes=other", change, status=1)
     assert found in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert full("show", "1", "--json").document["notes"] == "good"
@@ -373,8 +325,8 @@ def test_tags_are_added_and_removed(full: Run) -> None:
     assert full("tag", "1", "mine").out == "Flight 1 has the tags off_axis; mine\n"
     assert full("untag", "1", "off axis").out == "Flight 1 has the tag mine. `fieldkit undo` to undo.\n"
     assert full("untag", "1", "mine").out == "Flight 1 has no tags. `fieldkit undo` to undo.\n"
-    outcome = full("untag", "1", "mine")
-    assert (outcome.status, outcome.err) == (1, "1 has no tag 'mine', it has none\n")
+    outcome = full("untag", "1", "mine", status=1)
+    assert outcome.err == "1 has no tag 'mine', it has none\n"
 
 
 def test_every_change_can_be_undone_and_redone(full: Run) -> None:
@@ -383,9 +335,10 @@ def test_every_change_can_be_undone_and_redone(full: Run) -> None:
     assert full("undo").out == "Undone: remove 1, 2\n"
     assert full("undo").out == "Undone: tag 1 mine\n"
     assert full("redo").out == "Redone: tag 1 mine\n"
-    assert full("undo").status == full("undo").status == 0
-    outcome = full("undo")
-    assert (outcome.status, outcome.err) == (1, "nothing left to undo\n")
+    full("undo")
+    full("undo")
+    outcome = full("undo", status=1)
+    assert outcome.err == "nothing left to undo\n"
     changes = full("history", "--json").document["changes"]
     assert [change["command"] for change in changes][:3] == ["import", "tag", "remove"]
     assert len(full("history").out.splitlines()) == len(changes) + 1
@@ -396,7 +349,7 @@ def test_every_change_can_be_undone_and_redone(full: Run) -> None:
 def test_an_export_imports_into_the_same_ledger_as_duplicates(full: Run, tmp_path: Path, name: str) -> None:
     full("edit", "1", "temperature=71.3F", "apogee=923ft", 'notes=a, "b"; ü', "log=gone.csv", "wind=4.4mph")
     before = full("flights", "--json").out
-    assert full("export", tmp_path / name).status == 0
+    full("export", tmp_path / name)
     outcome = full("import", tmp_path / name, "--json").document
     assert (outcome["imported"], outcome["duplicates"], outcome["rejected"]) == (0, 3, [])
     full("remove", "1", "2", "3")
@@ -409,15 +362,13 @@ def test_export_writes_to_standard_output_or_explains_why_it_cannot_write(full: 
     assert [row["flight_id"] for row in rows] == ["1", "2", "3"]
     documents = full("export", "--format", "json", "--rocket", "Astra").document
     assert len(documents["flights"]) == 3
-    outcome = full("export", tmp_path / "absent" / "out.csv")
-    assert outcome.status == 1
+    outcome = full("export", tmp_path / "absent" / "out.csv", status=1)
     assert "absent" in outcome.err
 
 
 def test_export_of_an_unknown_rocket_is_refused_and_writes_nothing(full: Run, tmp_path: Path) -> None:
     file = tmp_path / "nope.csv"
-    outcome = full("export", str(file), "--rocket", "Nope")
-    assert outcome.status == 1
+    outcome = full("export", file, "--rocket", "Nope", status=1)
     assert outcome.err == "no rocket 'Nope', expected one of: Astra\n"
     assert not file.exists()
 
@@ -437,10 +388,10 @@ def test_a_users_own_motor_can_be_added_and_flown(run: Run, tmp_path: Path, tabl
     own.write_text("G999 24 70 4-7 0.019 0.0629 Mine\n0.014 36.1\n1.0 20\n2.13 0\n", encoding="utf-8")
     table.write_text(TABLE.replace("E35-5W", "G999"), encoding="utf-8")
     assert run("import", table, "--json").document["imported"] == 2
-    assert run("motors", "--import", own).status == 0
+    run("motors", "--import", own)
     outcome = run("import", table, "--json").document
     assert (outcome["imported"], outcome["duplicates"]) == (1, 2)
-    assert run("motors", "--import", tmp_path / "absent.eng").status == 1
+    run("motors", "--import", tmp_path / "absent.eng", status=1)
 
 
 def test_the_ledger_comes_from_the_environment_if_no_option_names_it(
@@ -454,37 +405,11 @@ def test_the_ledger_comes_from_the_environment_if_no_option_names_it(
     capsys.readouterr()
 
 
-@pytest.mark.thorough
-def test_a_command_whose_reader_closes_the_pipe_leaves_no_traceback(tmp_path: Path, table: Path) -> None:
-    environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "ledger.db")}
-    command = [sys.executable, "-m", "fieldkit.cli.main"]
-    subprocess.run([*command, "import", str(table)], env=environment, check=True, capture_output=True)
-    reading = subprocess.Popen(
-        [*command, "export"], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert reading.stdout
-    assert reading.stderr
-    reading.stdout.close()
-    assert "Traceback" not in reading.stderr.read()
-    reading.wait()
-    reading.stderr.close()
-
-
 def test_a_plan_without_a_mass_is_one_clear_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["--ledger", str(tmp_path / "empty.db"), "predict", "--motor", "F24-4W"]) == 1
     shown = capsys.readouterr()
     assert shown.out == ""
     assert shown.err == "the plan: no dry mass, expected the rocket's mass without its motor\n"
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_output_that_cannot_be_written_is_one_clear_line() -> None:
-    command = [sys.executable, "-m", "fieldkit.cli.main", "--version"]
-    with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == 1
-    assert done.stderr.endswith("the command may have finished, check `fieldkit history`\n")
-    assert "Traceback" not in done.stderr
 
 
 def test_of_many_rejected_rows_the_first_are_named_and_the_rest_counted(run: Run, tmp_path: Path) -> None:

@@ -153,7 +153,9 @@ def unread(ledger: str, *arguments: str) -> "subprocess.CompletedProcess[bytes]"
 
 
 def test_a_saved_flight_is_reported_even_if_nobody_reads_its_card(ledger: str) -> None:
-    assert b"Saved flight 9." in unread(ledger, *ADD).stderr
+    done = unread(ledger, *ADD)
+    assert b"Saved flight 9." in done.stderr
+    assert b"Traceback" not in done.stderr
     assert flights(ledger) == ["9"]
 
 

@@ -1,14 +1,12 @@
 """Logs from bytes through a parser into the ledger and back, and commands on them."""
 
 import json
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.importing import Parser, Reading, recognize
@@ -16,8 +14,7 @@ from fieldkit.importing.recognize import parsers
 from fieldkit.ledger import Ledger
 from fieldkit.services.replay import recording_of
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
-
-Run = Callable[..., tuple[int, str, str]]
+from tests.commands import Run
 
 flown = cache(fly)
 
@@ -50,29 +47,16 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 
 
 @pytest.fixture(autouse=True)
-def _plug_in_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def _plug_in_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     known = {**parsers(), "lark": LARK}
     monkeypatch.setattr(recognize, "parsers", lambda: known)
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("COLUMNS", "200")
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
-    def run(*arguments: object) -> tuple[int, str, str]:
-        capsys.readouterr()
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
-        return status, *capsys.readouterr()
-
-    return run
 
 
 def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "one.lark"
     path.write_bytes(written(SMALL, stated=465.0))
-    status, out, _ = run("import", path, "--json")
+    out = run("import", path, "--json").out
     (id,) = json.loads(out)["flights"]
-    assert status == 0
     shown = json.loads(run("show", id, "--json")[1])
     truth = flown(SMALL).readouts()
     assert shown["apogee_m"] == pytest.approx(truth["apogee"], abs=1.0)
@@ -117,7 +101,7 @@ def test_a_log_named_in_a_table_fills_in_its_row_and_is_a_duplicate_later(run: R
     (tmp_path / "one.lark").write_bytes(written(SMALL))
     table = tmp_path / "t.csv"
     table.write_text("flight_id,rocket,apogee_m,log\n1,Swift,460,one.lark\n")
-    assert run("import", table)[0] == 0
+    run("import", table)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         flight, recording = ledger.flight("1"), recording_of(ledger, "1")
     assert flight.apogee == 460
@@ -131,8 +115,8 @@ def test_a_log_named_in_a_table_fills_in_its_row_and_is_a_duplicate_later(run: R
 def test_a_simulation_is_not_a_flight_and_the_message_suggests_compare(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "sim.lark"
     path.write_bytes(written(SMALL, kind="simulation", noise=0.0))
-    status, out, err = run("import", path, "--json")
-    assert (status, json.loads(out)["imported"]) == (0, 0)
+    _, out, err = run("import", path, "--json")
+    assert json.loads(out)["imported"] == 0
     (line,) = err.splitlines()
     assert "simulation" in line
     assert "fieldkit compare" in line
@@ -141,8 +125,7 @@ def test_a_simulation_is_not_a_flight_and_the_message_suggests_compare(run: Run,
 def test_a_log_without_an_apogee_is_reported_and_kept(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "short.lark"
     path.write_bytes(written(LARGE, early=0.8, stated=1500.0))
-    status, out, err = run("import", path, "--json")
-    assert status == 0
+    _, out, err = run("import", path, "--json")
     assert "no apogee: the log ends" in err
     shown = json.loads(run("show", json.loads(out)["flights"][0], "--json")[1])
     assert shown["apogee_m"] == 1500.0
@@ -156,9 +139,8 @@ def test_compare_shows_a_flight_beside_another_device_and_a_simulation(run: Run,
     two.write_bytes(written(SMALL, start=7.0, rate=50))
     sim.write_bytes(written(SMALL, kind="simulation", noise=0.0, start=0.0))
     (id,) = json.loads(run("import", one, "--json")[1])["flights"]
-    status, out, _ = run("compare", id, two, sim, "--json")
+    out = run("compare", id, two, sim, "--json").out
     reported = json.loads(out)
-    assert status == 0
     assert [one["kind"] for one in reported["recordings"]] == ["Lark 1", "Lark 1", "simulation"]
     for compared, shift in zip(reported["compared"], (93.0, 100.0), strict=True):
         assert compared["shift_s"] == pytest.approx(shift, abs=0.15)
@@ -173,9 +155,8 @@ def test_compare_accepts_typed_readouts(run: Run, tmp_path: Path) -> None:
     one, table = tmp_path / "one.lark", tmp_path / "t.csv"
     one.write_bytes(written(SMALL))
     table.write_text("flight_id,rocket,apogee_m\n1,Swift,200\n")
-    status, out, _ = run("compare", one, table, "--json")
+    out = run("compare", one, table, "--json").out
     (compared,) = json.loads(out)["compared"]
-    assert status == 0
     assert compared["rms_height_m"] is None
     assert compared["differences"]["apogee_m"]["difference"] < -100
 
@@ -183,7 +164,6 @@ def test_compare_accepts_typed_readouts(run: Run, tmp_path: Path) -> None:
 def test_compare_requires_two_recordings(run: Run, tmp_path: Path) -> None:
     one = tmp_path / "one.lark"
     one.write_bytes(written(SMALL))
-    assert run("compare", one)[0] == 1
-    status, _, err = run("compare", one, tmp_path / "nothing.csv")
-    assert status == 1
+    run("compare", one, status=1)
+    err = run("compare", one, tmp_path / "nothing.csv", status=1).err
     assert "no flight" in err

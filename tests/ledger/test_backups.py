@@ -18,6 +18,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, backups, restoring, soundness
 from fieldkit.ledger.schema import STEPS
+from tests.commands import Run
 
 
 def add(file: Path, *ids: str) -> None:
@@ -52,11 +53,11 @@ def test_one_backup_a_day_is_made_until_there_are_many_changes(tmp_path: Path) -
     assert [one.flights for one in backups.backups(tmp_path / "ledger.db")] == [1]
 
 
-def test_a_restore_can_be_reverted_by_another(file: Path) -> None:
+def test_a_restore_can_be_reverted_by_another(file: Path, run: Run) -> None:
     add(file, "1", "2", "3")
-    assert main(["--ledger", str(file), "backups", "restore", "1", "--yes"]) == 0
+    run("backups", "restore", "1", "--yes")
     assert flown(file) == ["1"]
-    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
+    run("backups", "restore", "--yes")
     assert flown(file) == ["1", "2", "3"]
 
 
@@ -233,9 +234,7 @@ def test_a_damaged_backup_neither_hides_nor_causes_damage(file: Path) -> None:
     assert "a row of 1 of Astra" in soundness.fault(file, since=rotten)
 
 
-def test_a_row_that_changed_on_the_disk_stops_the_next_change_and_is_restored(
-    file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_row_that_changed_on_the_disk_stops_the_next_change_and_is_restored(file: Path, run: Run) -> None:
     add(file, "1", "2", "3")
     with closing(sqlite3.connect(file)) as raw, raw:
         raw.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
@@ -243,13 +242,11 @@ def test_a_row_that_changed_on_the_disk_stops_the_next_change_and_is_restored(
     with pytest.raises(LedgerError, match=r"damaged .*`fieldkit backups restore`"):
         add(file, "4")
     assert backups.backups(file) == kept
-    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
-    assert "ledger.db.damaged-" in capsys.readouterr().err
+    assert "ledger.db.damaged-" in run("backups", "restore", "--yes").err
     assert flown(file) == ["1", "2"]
     with closing(sqlite3.connect(kept[0].file)) as raw, raw:
         raw.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
-    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 1
-    assert "this backup is damaged too (a row of 1 of Asura" in capsys.readouterr().err
+    assert "this backup is damaged too (a row of 1 of Asura" in run("backups", "restore", "--yes", status=1).err
 
 
 def cut(content: bytes) -> bytes:
@@ -270,30 +267,28 @@ DAMAGES = [cut, without_tables, lambda _: b"", lambda content: content[:100], la
 
 @pytest.mark.parametrize("damage", DAMAGES, ids=["cut", "no tables", "empty", "a header", "zeros"])
 def test_a_damaged_ledger_is_reported_with_its_backup_and_restored(
-    damage: Callable[[bytes], bytes], file: Path, capsys: pytest.CaptureFixture[str]
+    damage: Callable[[bytes], bytes], file: Path, run: Run
 ) -> None:
     add(file, "1", "2", "3")
     hurt = damage(file.read_bytes())
     file.write_bytes(hurt)
-    assert main(["--ledger", str(file), "flights"]) == 1
-    (message,) = capsys.readouterr().err.splitlines()
+    (message,) = run("flights", status=1).err.splitlines()
     assert str(file) in message
     assert "`fieldkit backups restore`" in message
     assert file.read_bytes() == hurt, "a damaged file is evidence"
-    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
+    run("backups", "restore", "--yes")
     assert flown(file) == ["1", "2"]
     aside = list(file.parent.glob("ledger.db.damaged-*"))
     assert [one.read_bytes() for one in aside] == ([hurt] if hurt else [])
 
 
-def test_an_invalid_text_is_damage_that_sqlite_does_not_detect(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_text_is_damage_that_sqlite_does_not_detect(file: Path, run: Run) -> None:
     add(file, "1", "2")
     file.write_bytes(file.read_bytes().replace(b"Astra", b"A\xf3tra"))
-    assert main(["--ledger", str(file), "flights"]) == 1
-    (message,) = capsys.readouterr().err.splitlines()
+    (message,) = run("flights", status=1).err.splitlines()
     assert "the file is damaged (Could not decode" in message
     assert "`fieldkit backups restore`" in message
-    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
+    run("backups", "restore", "--yes")
     assert flown(file) == ["1"]
     (aside,) = file.parent.glob("ledger.db.damaged-*")
     assert b"A\xf3tra" in aside.read_bytes(), "what was there is kept, and counts as no copy"
@@ -310,24 +305,17 @@ def test_a_damaged_ledger_displaces_no_good_backup(file: Path) -> None:
     assert backups.backups(file) == kept
 
 
-def test_a_folder_without_space_for_backups_gives_a_warning_and_not_a_refusal(
-    file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_without_space_for_backups_gives_a_warning_and_not_a_refusal(file: Path, run: Run) -> None:
     add(file, "1")
     backups.folder_of(file).write_text("in the way")
-    assert main(["--ledger", str(file), "add", "--rocket", "Astra", "--apogee", "100m"]) == 0
-    assert "warning: no backup could be made" in capsys.readouterr().err
+    assert "warning: no backup could be made" in run("add", "--rocket", "Astra", "--apogee", "100m").err
     assert len(flown(file)) == 2
 
 
-def test_a_refused_change_is_one_line_even_if_no_backup_could_be_made(
-    file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_refused_change_is_one_line_even_if_no_backup_could_be_made(file: Path, run: Run) -> None:
     add(file, "1")
     backups.folder_of(file).write_text("in the way")
-    capsys.readouterr()
-    assert main(["--ledger", str(file), "remove", "no such flight"]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
+    assert run("remove", "no such flight", status=1).err.count("\n") == 1
 
 
 def test_a_file_whose_name_is_not_a_time_is_not_a_backup(file: Path) -> None:

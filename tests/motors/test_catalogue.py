@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from fieldkit.cli.main import main
 from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
 from fieldkit.motors import PLUGGED_DELAY, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
 from fieldkit.planning.delay import drill_of, offered
+from tests.commands import Run
 from tests.effort import examples
 
 LAUNCHES = Path(__file__).parents[3] / "shared" / "logs" / "altimetertwo__rocketlaunchjournal_launches.csv"
@@ -395,21 +395,16 @@ def test_a_name_is_found(benchmark: BenchmarkFixture) -> None:
 
 
 @pytest.mark.parametrize("text", ["Q99", "AeroTech Q99-7", "P49", "p4935", "Z1"])
-def test_a_class_without_motors_is_not_answered_with_another_motor(
-    text: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_class_without_motors_is_not_answered_with_another_motor(text: str, run: Run) -> None:
     assert not catalogue().search(text)
-    assert main(["motors", text]) == 1
-    assert "above O" in capsys.readouterr().err
+    assert "above O" in run("motors", text, status=1).err
 
 
-def test_motors_with_only_similar_names_are_listed_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_motors_with_only_similar_names_are_listed_as_such(run: Run) -> None:
     assert catalogue().search("J9999")[0].name.startswith("J")
     assert not catalogue().knows("J9999")
-    assert main(["motors", "J9999"]) == 0
-    assert "nearest names" in capsys.readouterr().err
+    assert "nearest names" in run("motors", "J9999").err
     for strict in (["--json"], ["--shortlist-for", "Astra"]):
-        assert main(["--ledger", str(tmp_path / "ledger.db"), "motors", "J9999", *strict]) == 1
-        out, err = capsys.readouterr()
-        assert not out
-        assert "did you mean AeroTech J1799N" in err
+        printed = run("motors", "J9999", *strict, status=1)
+        assert not printed.out
+        assert "did you mean AeroTech J1799N" in printed.err

@@ -1,12 +1,10 @@
 """Clusters and two stages: thrusts add, air starts burn later, boosters drop, and impossible setups are refused."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
@@ -18,6 +16,7 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.safety import thrust_to_weight
+from tests.commands import Run
 
 pytestmark = pytest.mark.fast
 
@@ -187,38 +186,32 @@ def test_results_agree_with_openrockets_stored_simulations(
     assert float(result.coast_time[0]) == pytest.approx(delay, abs=0.3)
 
 
-def test_simulate_supports_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[str]) -> None:
+def test_simulate_supports_a_cluster_and_two_stages(run: Run) -> None:
     body = ["--dry-mass-g", "100", "--diameter-mm", "30", "--cd", "0.6", "--json"]
     heights = {}
     for name, more in (("C6-5", []), ("3 x C6-5", []), ("D12-0/C6-7", ["--booster-mass", "50g"])):
-        assert main(["simulate", "--motor", name, *more, *body]) == 0
-        captured = capsys.readouterr()
-        heights[name] = json.loads(captured.out)["true_apogee_m"]
+        captured = run("simulate", "--motor", name, *more, *body)
+        heights[name] = captured.document["true_apogee_m"]
         assert ("cluster" in captured.err) is (name == "3 x C6-5")
     assert heights["3 x C6-5"] > 2 * heights["C6-5"]
     assert heights["D12-0/C6-7"] > 2 * heights["C6-5"]
     wide = ["--motor", "D12-0/C6-7", "--booster-mass", "50g", "--booster-cd", "1.5"]
-    assert main(["simulate", *wide, *body]) == 0
-    assert json.loads(capsys.readouterr().out)["true_apogee_m"] < 0.99 * heights["D12-0/C6-7"]
-    assert main(["simulate", *wide, "--booster-mass", "50g/40g", *body]) == 2
-    assert "--booster-cd" in capsys.readouterr().err
-    assert main(["simulate", "--motor", "D12-0/C6-7", *body]) == 1
-    assert "--booster-mass" in capsys.readouterr().err
+    assert run("simulate", *wide, *body).document["true_apogee_m"] < 0.99 * heights["D12-0/C6-7"]
+    assert "--booster-cd" in run("simulate", *wide, "--booster-mass", "50g/40g", *body, status=2).err
+    assert "--booster-mass" in run("simulate", "--motor", "D12-0/C6-7", *body, status=1).err
 
 
 def test_stages_are_simulated_from_mass_and_diameter_alone_with_the_rules_that_govern_them(
-    capsys: pytest.CaptureFixture[str],
+    run: Run,
 ) -> None:
     """A ruler and a scale give no Cd; no other command flies stages, so this one names their codes."""
     body = ["simulate", "--motor", "D12-0/C6-7", "--booster-mass", "60g", "--dry-mass", "100g", "--diameter", "30mm"]
-    assert main([*body, "--json"]) == 0
-    captured = capsys.readouterr()
-    found = json.loads(captured.out)
+    captured = run(*body, "--json")
+    found = captured.document
     assert f"Cd not given: {found['cd']:.2f}, the median of other rockets" in captured.err
     for end in ("p05", "p95"):
         cd = found["cd_p95" if end == "p05" else "cd_p05"]
-        assert main([*body, "--cd", str(cd), "--json"]) == 0
-        assert json.loads(capsys.readouterr().out)["apogee_m"] == pytest.approx(found[f"apogee_m_{end}"])
+        assert run(*body, "--cd", cd, "--json").document["apogee_m"] == pytest.approx(found[f"apogee_m_{end}"])
     checks = {one["check"]: one for one in found["safety"]}
     total = several("D12").total_impulse + several("C6").total_impulse
     assert f"{total:.0f} N s" in checks["class"]["text"]
@@ -227,15 +220,12 @@ def test_stages_are_simulated_from_mass_and_diameter_alone_with_the_rules_that_g
     assert "people at least 9 m away" in checks["complex rocket"]["text"]
     first = thrust_to_weight(several("D12"), 0.160 + several("C6").loaded_mass)[0]
     assert f"{first:.1f} in the first half second" in checks["thrust to weight"]["text"]
-    assert main([*body[:3], *body[5:], "--cd", "0.6", "--json"]) == 1
-    capsys.readouterr()
-    assert main(["simulate", "--motor", "C6-5", *body[5:], "--json"]) == 0
-    assert "safety" not in json.loads(capsys.readouterr().out)
-    assert main(["simulate", "--motor", "F24", *body[5:], "--physics", "paper"]) == 2
-    assert "--cd" in capsys.readouterr().err
+    run(*body[:3], *body[5:], "--cd", "0.6", "--json", status=1)
+    assert "safety" not in run("simulate", "--motor", "C6-5", *body[5:], "--json").document
+    assert "--cd" in run("simulate", "--motor", "F24", *body[5:], "--physics", "paper", status=2).err
 
 
-def test_a_rocket_is_simulated_with_the_mass_of_all_its_stages(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_rocket_is_simulated_with_the_mass_of_all_its_stages(run: Run) -> None:
     stages = [
         "simulate",
         "--motor",
@@ -251,50 +241,41 @@ def test_a_rocket_is_simulated_with_the_mass_of_all_its_stages(capsys: pytest.Ca
     motors = [catalogue().resolve(name).motor.loaded_mass * 1e3 for name in ("Estes D12", "Estes C6")]
     apogees = []
     for weighed in (["--dry-mass", "100g"], ["--lift-off-mass", f"{100 + 60 + sum(motors):.6f}g"]):
-        assert main([*stages, *weighed]) == 0
-        apogees.append(json.loads(capsys.readouterr().out)["apogee_m"])
+        apogees.append(run(*stages, *weighed).document["apogee_m"])
     assert apogees[0] == pytest.approx(apogees[1], rel=1e-6)
 
 
-def test_a_cluster_is_planned_as_a_complex_rocket(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+def test_a_cluster_is_planned_as_a_complex_rocket(run: Run) -> None:
     body = ["--motor", "3 x C6-5", "--dry-mass", "200g", "--diameter", "50mm", "--rocket", "Trio"]
-    assert main([*ledger, "landing", *body, "--wind", "3m/s", "--json"]) == 0
-    lines = {line["check"]: line for line in json.loads(capsys.readouterr().out)["safety"]}
+    lines = {line["check"]: line for line in run("landing", *body, "--wind", "3m/s", "--json").document["safety"]}
     assert lines["complex rocket"]["verdict"] == "caution"
     assert "3 motors, forecast as if every one lights" in lines["complex rocket"]["text"]
 
 
-def test_a_search_for_a_cluster_shows_its_totals(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_search_for_a_cluster_shows_its_totals(run: Run) -> None:
     one, three = (["motors", *text.split(), "--json"] for text in ("Estes C6", "3 x Estes C6"))
     found = []
     for command in (one, three):
-        assert main(command) == 0
-        found.append(json.loads(capsys.readouterr().out)["motors"])
+        found.append(run(*command).document["motors"])
     assert len(found[1]) == 1
     assert found[1][0]["total_impulse_ns"] == pytest.approx(3 * found[0][0]["total_impulse_ns"], rel=1e-3)
 
 
-def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(tmp_path: Path, run: Run) -> None:
     table = tmp_path / "flights.csv"
     header = "flight_id,date_time,rocket,dry_mass_g,diameter_mm,motor,apogee_m"
     rows = ["1,2026-05-01T10:00,Trio,200,66,3 x C6-5,190", "2,2026-05-01T11:00,Trio,100,30,D12-0/C6-7,400"]
     rows += ["3,2026-05-01T12:00,Trio,8000,130,K550W + 2 x I211W@1.5,1600"]
     table.write_text("\n".join([header, *rows]))
-    ledger = ["--ledger", str(tmp_path / "ledger.db")]
-    assert main([*ledger, "import", str(table), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["imported"] == 3
-    assert main([*ledger, "flights", "--json"]) == 0
-    tags = {one["flight_id"]: one["tags"] for one in json.loads(capsys.readouterr().out)["flights"]}
+    assert run("import", table, "--json").document["imported"] == 3
+    tags = {one["flight_id"]: one["tags"] for one in run("flights", "--json").document["flights"]}
     assert {id: "staged" if "staged" in given else "cluster" for id, given in tags.items() if given} == {
         "1": "cluster",
         "2": "staged",
         "3": "cluster",
     }
-    assert main([*ledger, "predict", "--rocket", "Trio", "--motor", "C6-5", "--dry-mass", "60g", "--json"]) == 0
-    (made,) = json.loads(capsys.readouterr().out)["predictions"]
+    document = run("predict", "--rocket", "Trio", "--motor", "C6-5", "--dry-mass", "60g", "--json").document
+    (made,) = document["predictions"]
     assert made["flights"] == 0
 
 
@@ -310,30 +291,24 @@ def test_a_table_of_flights_on_several_motors_is_imported_and_used_in_no_fit(
         ["daysheet", "--out", "x.pdf"],
     ],
 )
-def test_no_plan_has_stages(command: list[str], motor: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_plan_has_stages(command: list[str], motor: str, run: Run) -> None:
     body = ["--motor", motor, "--dry-mass", "200g", "--diameter", "50mm"]
-    assert main(["--ledger", str(tmp_path / "ledger.db"), *command, *body]) == 1
-    assert "expected fieldkit simulate with --booster-mass" in capsys.readouterr().err
+    assert "expected fieldkit simulate with --booster-mass" in run(*command, *body, status=1).err
 
 
 def test_a_forecast_of_a_cluster_agrees_with_the_planning_commands_and_is_compared_with_its_flight(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, run: Run
 ) -> None:
-    ledger = ["--ledger", str(tmp_path / "ledger.db")]
     body = ["--motor", "3 x C6-5", "--dry-mass", "200g", "--diameter", "50mm", "--rocket", "Trio"]
     plans = tmp_path / "plans.csv"
     plans.write_text("flight_id,rocket,dry_mass_g,diameter_mm,motor\n1,Trio,200,50,3 x C6\n")
-    assert main([*ledger, "predict", "--flights", str(plans), "--json"]) == 0
-    shown = capsys.readouterr()
+    shown = run("predict", "--flights", plans, "--json")
     assert shown.err.count("failed ignitions are not modeled") == 1
-    (made,) = json.loads(shown.out)["predictions"]
+    (made,) = shown.document["predictions"]
     body[1] = "3 x C6"  # a delay could end the coast before apogee
-    assert main([*ledger, "delay", *body, "--json"]) == 0
-    assert made["coast_s"] == pytest.approx(json.loads(capsys.readouterr().out)["coast_s"]["p50"], rel=0.02)
-    assert main([*ledger, "add", "--flight-id", "1", *body, "--apogee", "190m", "--tags", "cluster"]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "predictions", "--json"]) == 0
-    (kept,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert made["coast_s"] == pytest.approx(run("delay", *body, "--json").document["coast_s"]["p50"], rel=0.02)
+    run("add", "--flight-id", "1", *body, "--apogee", "190m", "--tags", "cluster")
+    (kept,) = run("predictions", "--json").document["predictions"]
     assert kept["flown"]["apogee_m"] == 190
 
 
@@ -352,12 +327,9 @@ def test_no_motor_for_sale_is_read_as_several() -> None:
 
 
 @pytest.mark.parametrize("command", ["predict", "landing", "delay"])
-def test_a_plan_with_a_cluster_states_what_is_not_modeled(
-    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_plan_with_a_cluster_states_what_is_not_modeled(command: str, run: Run) -> None:
     body = ["--motor", "3 x C6-5", "--lift-off-mass", "272g", "--diameter", "50mm"]
-    assert main(["--ledger", str(tmp_path / "ledger.db"), command, *body]) == 0
-    assert capsys.readouterr().err.count("failed ignitions are not modeled") == 1
+    assert run(command, *body).err.count("failed ignitions are not modeled") == 1
 
 
 def test_a_flight_on_several_motors_is_recorded_as_flown(tmp_path: Path) -> None:
@@ -366,27 +338,19 @@ def test_a_flight_on_several_motors_is_recorded_as_flown(tmp_path: Path) -> None
         assert ledger.flights("Trio")[0].motor == "3 x C6-5"
 
 
-def test_a_plan_on_one_motor_does_not_take_the_mass_of_a_flight_with_boosters(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    table, ledger = tmp_path / "flights.csv", ["--ledger", str(tmp_path / "ledger.db")]
+def test_a_plan_on_one_motor_does_not_take_the_mass_of_a_flight_with_boosters(tmp_path: Path, run: Run) -> None:
+    table = tmp_path / "flights.csv"
     table.write_text(
         "flight_id,rocket,dry_mass_g,diameter_mm,motor,apogee_m\n1,Two,120,25,C6-5,150\n2,Two,190,26,D12-0/C6-5,300\n"
     )
-    assert main([*ledger, "import", str(table)]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "predict", "--rocket", "Two", "--motor", "C6-5"]) == 0
-    assert "120 g without the motor" in capsys.readouterr().out
-    assert main([*ledger, "add", "--rocket", "Two", "--motor", "C6-5", "--apogee", "160m"]) == 0
-    assert main([*ledger, "add", "--rocket", "Two", "--motor", "D12-0/C6-5", "--apogee", "310m"]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "flights", "--json"]) == 0
-    added = json.loads(capsys.readouterr().out)["flights"][2:]
+    run("import", str(table))
+    assert "120 g without the motor" in run("predict", "--rocket", "Two", "--motor", "C6-5").out
+    run("add", "--rocket", "Two", "--motor", "C6-5", "--apogee", "160m")
+    run("add", "--rocket", "Two", "--motor", "D12-0/C6-5", "--apogee", "310m")
+    added = run("flights", "--json").document["flights"][2:]
     assert [one["dry_mass_g"] for one in added] == [120, 190]
     assert [one["tags"] for one in added] == ["", "staged"]
-    assert main([*ledger, "edit", added[0]["flight_id"], "motor=2 x C6-5"]) == 0
-    assert main([*ledger, "edit", added[1]["flight_id"], "motor=C6-5", "tags=staged"]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "flights", "--json"]) == 0
-    edited = json.loads(capsys.readouterr().out)["flights"][2:]
+    run("edit", added[0]["flight_id"], "motor=2 x C6-5")
+    run("edit", added[1]["flight_id"], "motor=C6-5", "tags=staged")
+    edited = run("flights", "--json").document["flights"][2:]
     assert [one["tags"] for one in edited] == ["cluster", "staged"]

@@ -5,7 +5,6 @@ Every design here is written for these tests from the known format.
 
 import gzip
 import io
-import json
 import math
 import zipfile
 from collections.abc import Mapping
@@ -14,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
@@ -29,6 +27,7 @@ from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.saved_forecasts import list_forecasts
 from fieldkit.settings import Settings
+from tests.commands import Run
 
 pytestmark = pytest.mark.fast
 
@@ -290,36 +289,28 @@ def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
     assert np.median(after_flights.cd) > 1.05 * np.median(wide.cd)
 
 
-def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file, ledger = tmp_path / "skylark.ork", ["--ledger", str(tmp_path / "ledger.db")]
+def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, run: Run) -> None:
+    file = tmp_path / "skylark.ork"
     file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))
-    assert main([*ledger, "ork", str(file)]) == 0
-    capsys.readouterr()
-    assert main([*ledger, "delay", "--rocket", "Skylark"]) == 1
-    assert "expected --motor" in capsys.readouterr().err
+    run("ork", file)
+    assert "expected --motor" in run("delay", "--rocket", "Skylark", status=1).err
     guided = ["motors", "--fit", "Skylark", "--mount", "24mm", "--class", "E"]
     for command in (guided, ["delay", "--rocket", "Skylark", "--motor", "E20W"]):
-        assert main([*ledger, *command]) == 0
-        printed = capsys.readouterr().out
+        printed = run(*command).out
         assert "no flights of this rocket" in printed
         assert "initial Cd 0.55 from skylark.ork" in printed
 
 
-def test_the_command_saves_the_design_and_reports_what_it_found(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file, ledger = tmp_path / "skylark.ork", str(tmp_path / "ledger.db")
+def test_the_command_saves_the_design_and_reports_what_it_found(tmp_path: Path, run: Run) -> None:
+    file = tmp_path / "skylark.ork"
     file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))
-    assert main(["--ledger", ledger, "ork", str(file), "--config", "A"]) == 0
-    printed = capsys.readouterr()
+    printed = run("ork", file, "--config", "A")
     assert "dry mass  400 g" in printed.out
     assert "Cd        0.55" in printed.out
     assert "Saved" in printed.err
-    assert main(["--ledger", ledger, "ork", str(file), "--look", "--rocket", "Lark", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = run("ork", file, "--look", "--rocket", "Lark", "--json").document
     assert (document["rocket"], document["kept"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))
-    with Ledger.open(ledger) as opened:
+    with Ledger.open(tmp_path / "ledger.db") as opened:
         assert opened.flights() == []
         assert [one.config for one in opened.starts("Skylark")] == ["A"]
-    assert main(["--ledger", ledger, "ork", str(tmp_path / "none.ork")]) == 1
-    assert "none.ork" in capsys.readouterr().err
+    assert "none.ork" in run("ork", tmp_path / "none.ork", status=1).err

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.file_lock import LOCK_NAME
 from fieldkit.flight import Series
@@ -18,6 +17,7 @@ from fieldkit.importing.recognize import claims, open_log, parsers
 from fieldkit.importing.tables import mapping
 from fieldkit.importing.tables.headings import channel, heading, stated_unit
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+from tests.commands import Run
 from tests.parsers.recorded import recorded
 from tests.samples import any_motor
 
@@ -367,29 +367,23 @@ def test_a_damaged_file_of_mappings_is_named_and_not_overwritten(home: Path, tex
     assert (home / "mappings.json").read_text() == text
 
 
-def test_a_mapping_is_shown_chosen_once_and_remembered(
-    home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_mapping_is_shown_chosen_once_and_remembered(home: Path, tmp_path: Path, run: Run) -> None:
     log = tmp_path / "team.csv"
     log.write_bytes(table("a,b", "{ms:.0f},{ft:.1f}"))
-    start = ["--ledger", str(tmp_path / "l.db"), "import", str(log)]
-    assert main(start) == 1
-    assert "--map 'time=its column'" in capsys.readouterr().err
+    assert "--map 'time=its column'" in run("import", log, status=1).err
     chosen = ["--map", "time=a", "--map", "altitude=b"]
-    assert main([*start, *chosen, "--dry-run"]) == 0
-    assert "columns as chosen: time = 'a' in ms (by free fall), altitude = 'b' in ft" in capsys.readouterr().err
+    notes = run("import", log, *chosen, "--dry-run").err
+    assert "columns as chosen: time = 'a' in ms (by free fall), altitude = 'b' in ft" in notes
     assert not (home / "mappings.json").exists()
-    assert main([*start, *chosen]) == 0
-    capsys.readouterr()
-    assert main([*start, "--dry-run"]) == 0
-    assert "columns as chosen before: time = 'a' in ms" in capsys.readouterr().err
+    run("import", log, *chosen)
+    assert "columns as chosen before: time = 'a' in ms" in run("import", log, "--dry-run").err
 
 
-def test_a_mapping_is_refused_for_a_log_that_needs_none(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_mapping_is_refused_for_a_log_that_needs_none(run: Run, tmp_path: Path) -> None:
     log = tmp_path / "t.csv"
     log.write_text("rocket,apogee_m\nSwift,100\n")
-    assert main(["--ledger", str(tmp_path / "l.db"), "import", str(log), "--map", "altitude=apogee_m"]) == 1
-    assert "flight_table reads without one; expected no mapping, or --format mapped_table" in capsys.readouterr().err
+    refused = run("import", log, "--map", "altitude=apogee_m", status=1).err
+    assert "flight_table reads without one; expected no mapping, or --format mapped_table" in refused
 
 
 def test_escape_sequences_in_a_header_do_not_reach_messages() -> None:

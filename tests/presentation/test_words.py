@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
@@ -19,6 +18,7 @@ from fieldkit.presentation.forecast_text import ejection_in_words, in_words, res
 from fieldkit.presentation.report.finals_card import finals_card
 from fieldkit.presentation.report.paper import moment_in_words
 from fieldkit.services.provenance import change_in_system
+from tests.commands import Run
 
 CHECK_SHAPES = False
 NAME = "$x_$ Big 火箭"
@@ -83,68 +83,54 @@ def test_a_name_is_not_read_as_a_formula_on_the_finals_card(suffix: str) -> None
 
 
 @pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def home(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A user with US customary units, and five flights of one rocket."""
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
-    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
-    monkeypatch.setenv("COLUMNS", "200")
     (tmp_path / "settings.json").write_text(json.dumps({"units": "US"}))
     rows = [f"{i},2026-05-0{i},{NAME},A,F24-4W,322,{240 + 3 * i},{45 if i == 1 else ''}" for i in range(1, 6)]
     header = "flight_id,date_time,rocket,config,motor,dry_mass_g,apogee_m,top_speed_mps"
     (tmp_path / "flights.csv").write_text("\n".join([header, *rows]), encoding="utf-8")
-    assert main(["import", str(tmp_path / "flights.csv")]) == 0
+    run("import", tmp_path / "flights.csv")
     return tmp_path
 
 
-def test_cd_without_a_diameter_is_empty_and_warnings_are_in_the_flyers_units(
-    home: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    capsys.readouterr()
-    assert main(["infer"]) == 0
-    printed = capsys.readouterr()
+def test_cd_without_a_diameter_is_empty_and_warnings_are_in_the_flyers_units(home: Path, run: Run) -> None:
+    printed = run("infer")
     assert "nan" not in printed.out
     assert "top speed of" in printed.err
     assert "mph" in printed.err
     assert "m/s" not in printed.err
 
 
-def test_cd_without_a_diameter_is_null_in_json(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(["infer", "--json"]) == 0
-    flights = json.loads(capsys.readouterr().out)["flights"]
+def test_cd_without_a_diameter_is_null_in_json(home: Path, run: Run) -> None:
+    flights = run("infer", "--json").document["flights"]
     assert [one["cd"] for one in flights] == [None] * 5
     assert all(one["alpha"] > 0 for one in flights)
 
 
-def test_a_log_without_a_rocket_is_not_the_default_of_a_plan(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_log_without_a_rocket_is_not_the_default_of_a_plan(home: Path, run: Run) -> None:
     (home / "log.csv").write_text("flight_id,apogee_m\nx,300\n")
-    assert main(["import", str(home / "log.csv")]) == 0
-    capsys.readouterr()
-    assert main(["predict", "--motor", "F24-4W", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["predictions"][0]["rocket"] == NAME
+    run("import", home / "log.csv")
+    assert run("predict", "--motor", "F24-4W", "--json").document["predictions"][0]["rocket"] == NAME
 
 
-def test_a_suggested_command_can_be_pasted_into_a_shell(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    capsys.readouterr()
-    assert main(["loop", "--quick"]) == 0
-    assert f"`fieldkit loop --rocket '{NAME}'`" in capsys.readouterr().out
+def test_a_suggested_command_can_be_pasted_into_a_shell(home: Path, run: Run) -> None:
+    assert f"`fieldkit loop --rocket '{NAME}'`" in run("loop", "--quick").out
 
 
 def test_forecasts_of_two_builds_differ_in_their_configuration_and_no_date_is_cut(
-    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    home: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     for build in ("A", "heavy"):
-        assert main(["predict", "--motor", "F24-4W", "--config", build, "--dry-mass", "322"]) == 0
-    capsys.readouterr()
-    assert main(["predictions"]) == 0
-    printed = capsys.readouterr().out
+        run("predict", "--motor", "F24-4W", "--config", build, "--dry-mass", "322")
+    printed = run("predictions").out
     assert len(re.findall(r" \d{4}-\d\d-\d\d ", printed)) == 2
     assert " heavy " in printed
 
 
 @pytest.mark.thorough
-def test_a_range_card_shows_a_name_unchanged(home: Path) -> None:
+def test_a_range_card_shows_a_name_unchanged(home: Path, run: Run) -> None:
     card = home / "card.svg"
-    assert main(["landing", "--motor", "F24-4W", "--wind", "5mph", "--card", str(card)]) == 0
+    run("landing", "--motor", "F24-4W", "--wind", "5mph", "--card", card)
     assert "$x_$" in card.read_text(encoding="utf-8")

@@ -1,7 +1,7 @@
 """The demo and the command infer, used by a newcomer and by a script."""
 
-import json
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,6 +13,7 @@ from fieldkit.inference.network.flights import Model, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services import demo
+from tests.commands import Run
 
 CHECK_SHAPES = False
 
@@ -80,19 +81,15 @@ def test_the_demo_fills_an_empty_ledger(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def ledger(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    path = str(tmp_path / "ledger.db")
-    assert main(["--ledger", path, "import", str(TABLE)]) == 0
-    capsys.readouterr()
-    return path
+def infer_command(run: Run) -> Run:
+    """The command infer, on the reference flights."""
+    run("import", TABLE)
+    return partial(run, "infer")
 
 
 @pytest.mark.parametrize("model", ["history", "field", "paper"])
-def test_infer_gives_drag_and_thrust_for_every_flight(
-    model: str, ledger: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["--ledger", ledger, "infer", "--model", model, "--json"]) == 0
-    flights = json.loads(capsys.readouterr().out)["flights"]
+def test_infer_gives_drag_and_thrust_for_every_flight(model: str, infer_command: Run) -> None:
+    flights = infer_command("--model", model, "--json").document["flights"]
     assert [one["flight_id"] for one in flights] == [str(number) for number in range(1, 13)]
     for one in flights:
         assert set(one) >= {"flight_id", "cd", "cd_sd", "alpha", "alpha_sd"}
@@ -103,35 +100,26 @@ def test_infer_gives_drag_and_thrust_for_every_flight(
         assert one["alpha_sd"] > 0
 
 
-def test_infer_uses_the_named_flights(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--ledger", ledger, "infer", "3", "Astra/9"]) == 0
-    printed = capsys.readouterr()
-    assert [line.split()[0] for line in printed.out.splitlines()] == ["flight", "3", "9"]
-    assert main(["--ledger", ledger, "infer", "33"]) == 1
-    assert "33" in capsys.readouterr().err
+def test_infer_uses_the_named_flights(infer_command: Run) -> None:
+    lines = infer_command("3", "Astra/9").out.splitlines()
+    assert [line.split()[0] for line in lines] == ["flight", "3", "9"]
+    assert "33" in infer_command("33", status=1).err
 
 
-def test_a_flight_that_cannot_be_inferred_is_named_and_left_out(
-    ledger: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["--ledger", ledger, "edit", "2", "apogee="]) == 0
-    capsys.readouterr()
-    assert main(["--ledger", ledger, "infer", "1", "2", "--json"]) == 0
-    printed = capsys.readouterr()
-    assert [one["flight_id"] for one in json.loads(printed.out)["flights"]] == ["1"]
+def test_a_flight_that_cannot_be_inferred_is_named_and_left_out(infer_command: Run, run: Run) -> None:
+    run("edit", "2", "apogee=")
+    printed = infer_command("1", "2", "--json")
+    assert [one["flight_id"] for one in printed.document["flights"]] == ["1"]
     assert printed.err == "left out: flight 2: no readout, expected at least the apogee\n"
-    assert main(["--ledger", ledger, "infer", "2"]) == 1
-    assert "no flight could be used for inference" in capsys.readouterr().err
+    assert "no flight could be used for inference" in infer_command("2", status=1).err
 
 
-def test_infer_on_an_empty_ledger_says_what_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--ledger", str(tmp_path / "empty.db"), "infer"]) == 1
-    assert "found no flights" in capsys.readouterr().err
+def test_infer_on_an_empty_ledger_says_what_to_do(run: Run) -> None:
+    assert "found no flights" in run("infer", status=1).err
 
 
-def test_a_warning_is_printed_once_for_all_its_flights(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--ledger", ledger, "infer", "2", "3"]) == 0
-    notes = capsys.readouterr().err.splitlines()
+def test_a_warning_is_printed_once_for_all_its_flights(infer_command: Run) -> None:
+    notes = infer_command("2", "3").err.splitlines()
     assert len(notes) == len({note.partition(": ")[2].partition(": ")[2] for note in notes})
     assert any(note.startswith("note: flights 2, 3: apogee alone cannot separate drag from thrust") for note in notes)
 

@@ -1,16 +1,13 @@
 """The next forecast is mixed with a simpler method that has forecast the flyer's flights better."""
 
-import json
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.fleet_ratio import fleet_ratio
-from fieldkit.forecast.evaluation.forward_in_time import unflown
 from fieldkit.forecast.evaluation.uncalibrated import simulate
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger, NewPrediction
@@ -18,6 +15,7 @@ from fieldkit.motors import catalogue
 from fieldkit.services.forecasts import earlier_forecasts, forecast_from_others, predict_plans
 from fieldkit.services.planning import rocket_of
 from fieldkit.services.plausible_flights import followed
+from tests.commands import Run
 
 FLIGHTS = 30
 
@@ -45,7 +43,7 @@ def remembered(ledger: Ledger, ahead: float, first: bool = False) -> None:
 
 
 def forecast(ledger: Ledger) -> Prediction:
-    plan = unflown(flown(FLIGHTS)).with_changes(flight_id="")
+    plan = flown(FLIGHTS).unflown(flight_id="")
     (made,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     return made
 
@@ -58,9 +56,7 @@ def book(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_rival_that_did_better_is_mixed_into_forecasts_plans_and_guides(
-    book: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_rival_that_did_better_is_mixed_into_forecasts_plans_and_guides(book: Path, run: Run) -> None:
     with Ledger.open(book) as ledger:
         alone = forecast(ledger)
         known = simulate(followed(ledger.flights(), catalogue()))
@@ -77,13 +73,10 @@ def test_a_rival_that_did_better_is_mixed_into_forecasts_plans_and_guides(
     np.testing.assert_array_equal(np.argsort(mixed.apogee), np.argsort(alone.apogee))
     doubled = alone.mixed(2 * alone.apogee, {"scalar": 1.0})
     np.testing.assert_allclose(doubled.apogee / doubled.true_apogee, alone.apogee / alone.true_apogee)
-    command = ["--ledger", str(book), "predict", "--rocket", "Astra", "--motor", "F24-4W"]
-    assert main(command) == 0
-    assert "mixed with simpler methods that forecast the earlier flights better" in " ".join(
-        capsys.readouterr().out.split()
-    )
-    assert main([*command, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["predictions"][0]["interval"]["mixed_with"]["fleet_ratio"] > 0.6
+    command = ["predict", "--rocket", "Astra", "--motor", "F24-4W"]
+    printed = " ".join(run(*command).out.split())
+    assert "mixed with simpler methods that forecast the earlier flights better" in printed
+    assert run(*command, "--json").document["predictions"][0]["interval"]["mixed_with"]["fleet_ratio"] > 0.6
 
 
 @pytest.mark.parametrize(("ahead", "first"), [(-0.1, False), (2.0, True)], ids=["behind", "better at first flights"])
@@ -103,7 +96,7 @@ def test_the_next_flight_of_a_rocket_without_an_apogee_is_a_first_flight_as_in_t
     with Ledger.open(book) as ledger:
         ledger.add([other])
         remembered(ledger, 2.0, first=True)
-        (made,) = predict_plans(ledger, catalogue(), [unflown(other).with_changes(flight_id="")], keep=False)
+        (made,) = predict_plans(ledger, catalogue(), [other.unflown(flight_id="")], keep=False)
         assert made.rests_on == 1
         assert made.mixed_with["fleet_ratio"] > 0.6
         assert not forecast(ledger).mixed_with

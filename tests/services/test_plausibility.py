@@ -1,10 +1,8 @@
 """Implausible flights are named when they are imported and excluded from every fit."""
 
-import json
 import math
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +13,6 @@ from hypothesis import strategies as st
 
 from bench.faults import session
 from fieldkit import units
-from fieldkit.cli.main import main
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight import Flight
 from fieldkit.flight.limits import LIMITS
@@ -26,6 +23,7 @@ from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.services.plausible_flights import followed, incomplete_flights, outlying, without_delay
 from fieldkit.units import STANDARD_GRAVITY
+from tests.commands import Output, Run
 
 CHECK_SHAPES = False
 COLUMNS = (
@@ -96,25 +94,20 @@ WITHOUT_A_LEDGER = ("capture", "demo", "docs", "learn", "paper", "study referenc
 """Commands whose result no flight in the ledger changes."""
 USAGE = 2
 """Exit status of a usage error."""
-Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def run_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs a command on a separate ledger: exit status, output and messages."""
-    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
-    monkeypatch.setenv("COLUMNS", "200")
+def run_command(run: Run, tmp_path: Path) -> Run:
+    """Runs a command, or imports rows of a table."""
 
-    def run(*words: str, rows: list[dict[str, object]] | None = None) -> tuple[int, str, str]:
-        if rows is not None:
-            table = [",".join(COLUMNS), *(",".join(str(row[name]) for name in COLUMNS) for row in rows)]
-            (tmp_path / "flights.csv").write_text("\n".join(table))
-            words = ("import", str(tmp_path / "flights.csv"))
-        status = main(["--ledger", str(tmp_path / "ledger.db"), *words])
-        printed = capsys.readouterr()
-        return status, printed.out, printed.err
+    def command(*words: str, rows: list[dict[str, object]] | None = None) -> Output:
+        if rows is None:
+            return run(*words, status=None)
+        table = [",".join(COLUMNS), *(",".join(str(row[name]) for name in COLUMNS) for row in rows)]
+        (tmp_path / "flights.csv").write_text("\n".join(table))
+        return run("import", tmp_path / "flights.csv", status=None)
 
-    return run
+    return command
 
 
 @pytest.mark.sampled
@@ -165,8 +158,9 @@ def test_a_flight_far_from_the_others_of_its_rocket_is_questioned_when_imported(
     )
     assert printed in err
     assert err.count("the usual") == 1
-    assert "the usual" not in run_command(rows=with_one(apogee_m=1250))[2]
-    assert "flight 11 of Astra: apogee 1250 m" in run_command(rows=[with_one(apogee_m=1250)[-1] | {"flight_id": 11}])[2]
+    assert "the usual" not in run_command(rows=with_one(apogee_m=1250)).err
+    another = with_one(apogee_m=1250)[-1] | {"flight_id": 11}
+    assert "flight 11 of Astra: apogee 1250 m" in run_command(rows=[another]).err
 
 
 @pytest.mark.slow
@@ -185,7 +179,7 @@ def test_no_command_fails_unexpectedly_at_the_first_and_last_dates(
 
 
 def test_a_ratio_to_the_usual_is_written_in_digits(run_command: Run) -> None:
-    assert "apogee 199900 m is 790 times the usual 252.4 m" in run_command(rows=with_one(apogee_m=199_900))[2]
+    assert "apogee 199900 m is 790 times the usual 252.4 m" in run_command(rows=with_one(apogee_m=199_900)).err
 
 
 def test_after_a_flight_too_heavy_to_lift_off_no_next_forecast_is_shown(run_command: Run) -> None:
@@ -196,7 +190,7 @@ def test_after_a_flight_too_heavy_to_lift_off_no_next_forecast_is_shown(run_comm
     assert status == 0
     assert "Next on" not in out
     assert "excluded from every fit" in err
-    assert "Next on" in run_command("add", *typed, "--dry-mass", "322g", "--flight-id", "12")[1]
+    assert "Next on" in run_command("add", *typed, "--dry-mass", "322g", "--flight-id", "12").out
 
 
 def test_learning_a_card_leaves_out_impossible_flights_and_names_them(run_command: Run, tmp_path: Path) -> None:
@@ -208,7 +202,7 @@ def test_learning_a_card_leaves_out_impossible_flights_and_names_them(run_comman
 
 def test_the_loop_reports_which_flights_were_not_used(run_command: Run) -> None:
     run_command(rows=with_one(dry_mass_g=32200))
-    document = json.loads(run_command("loop", "--look", "--json")[1])
+    document = run_command("loop", "--look", "--json").document
     (line,) = document["implausible"]
     assert "flight 10" in line
     assert document["n_flights"] == 9
@@ -217,7 +211,7 @@ def test_the_loop_reports_which_flights_were_not_used(run_command: Run) -> None:
 def median(run_command: Run, rows: list[dict[str, object]]) -> dict[str, Any]:
     run_command(rows=rows)
     plan = ["--motor", "F24-4W", "--config", "A", "--dry-mass", "322g", "--diameter", "66mm"]
-    (made,) = json.loads(run_command("predict", *plan, "--json")[1])["predictions"]
+    (made,) = run_command("predict", *plan, "--json").document["predictions"]
     return dict(made)
 
 
@@ -381,9 +375,9 @@ def test_flights_without_a_mass_are_named_when_they_are_imported_and_in_every_fi
     for row in rows[1:3]:
         row["dry_mass_g"] = ""
     note = "Astra: flights 2 and 3 are excluded from every fit: no dry mass; edit to add it"
-    assert note in " ".join(run_command(rows=rows)[2].split())
+    assert note in " ".join(run_command(rows=rows).err.split())
     for command in ("predict", "loop", "ballast"):
-        assert note in " ".join(run_command(command, *FITS[command])[2].split()), command
+        assert note in " ".join(run_command(command, *FITS[command]).err.split()), command
 
 
 def test_a_higher_flight_on_a_larger_motor_is_not_far_from_those_on_a_smaller_one() -> None:

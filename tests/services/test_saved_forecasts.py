@@ -1,6 +1,5 @@
 """Saved predictions: their inputs, reasons for being stale, and the flight that each is compared with."""
 
-import json
 import re
 import shutil
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
@@ -18,6 +16,7 @@ from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.provenance import digest, model_parts, plan_parts
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, list_forecasts
+from tests.commands import Run
 
 pytestmark = pytest.mark.fast
 
@@ -233,24 +232,19 @@ def test_predictions_of_an_older_fieldkit_are_paired_without_a_verdict(ledger: L
 
 
 def test_the_commands_show_forecast_and_flown_apogees(
-    ledger: Ledger, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    ledger: Ledger, run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.setenv("FIELDKIT_LEDGER", ledger.name)
     table = tmp_path / "day.csv"
     table.write_text("flight_id,rocket,config,motor,dry_mass_g,apogee_m\n4,Astra,A,F24-4W,330,255\n")
-    assert main(["import", str(table)]) == 0
-    shown = " ".join(capsys.readouterr().out.split())
+    shown = " ".join(run("import", table).out.split())
     assert "4: forecast 2026-06-01" in shown
     assert "stale at launch: dry mass was 320 g, now 330 g" in shown
-    assert main(["show", "4"]) == 0
-    assert "flown 255.0 m" in capsys.readouterr().out
-    assert main(["predictions"]) == 0
-    out = capsys.readouterr().out
+    assert "flown 255.0 m" in run("show", "4").out
+    out = run("predictions").out
     assert re.search(r"255\.0  \+\d\.\d  stale", out)
     assert max(map(len, out.splitlines())) <= 80
-    assert main(["predictions", "--json"]) == 0
-    (document,) = json.loads(capsys.readouterr().out)["predictions"]
+    (document,) = run("predictions", "--json").document["predictions"]
     assert document["changes"] == ["dry mass was 320 g, now 330 g"]
     assert document["flown"]["apogee_m"] == 255.0
     assert "made_from" not in document

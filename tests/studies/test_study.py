@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.uncalibrated import simulate
 from fieldkit.motors import catalogue
@@ -23,6 +22,7 @@ from studies.paper.study import parts_of
 from studies.paper.two_flights import MAX_PRIOR_SDS, TwoFlights, two_flights
 from studies.shortfall import page as shortfall_page
 from studies.shortfall import restricted, shortfall
+from tests.commands import Run
 
 CHECK_SHAPES = False
 
@@ -177,15 +177,10 @@ def test_only_added_causes_are_free_and_no_mean_is_learned() -> None:
     assert bare.sd("mass", "fleet") == 0 < whole.sd("mass", "fleet")
 
 
-def test_a_page_is_written_to_the_given_file_or_the_reason_is_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    ledger = str(tmp_path / "ledger.db")
-    assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "page.md")]) == 0
+def test_a_page_is_written_to_the_given_file_or_the_reason_is_reported(tmp_path: Path, run: Run) -> None:
+    run("study", "rockets", "--out", tmp_path / "page.md")
     assert "No rocket has enough flights." in (tmp_path / "page.md").read_text()
-    capsys.readouterr()
-    assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "nowhere" / "page.md")]) == 1
-    assert "cannot be written" in capsys.readouterr().err
+    assert "cannot be written" in run("study", "rockets", "--out", tmp_path / "nowhere" / "page.md", status=1).err
 
 
 LOGS = ROOT.parent / "shared" / "logs"
@@ -193,11 +188,10 @@ LOGS = ROOT.parent / "shared" / "logs"
 
 @pytest.mark.slow
 @pytest.mark.skipif(not LOGS.is_dir(), reason="the published logs are not beside the checkout")
-def test_the_page_on_the_journal_is_the_output_of_the_command(tmp_path: Path) -> None:
-    ledger = str(tmp_path / "ledger.db")
+def test_the_page_on_the_journal_is_the_output_of_the_command(tmp_path: Path, run: Run) -> None:
     tables = [str(LOGS / f"altimetertwo__rocketlaunchjournal_{name}.csv") for name in ("rockets", "launches")]
-    assert main(["--ledger", ledger, "import", *tables]) == 0
-    assert main(["--ledger", ledger, "study", "rockets", "--unnamed", "--out", str(tmp_path / "page.md")]) == 0
+    run("import", *tables)
+    run("study", "rockets", "--unnamed", "--out", tmp_path / "page.md")
     _, _, written = (ROOT / "docs" / "journal.md").read_text(encoding="utf-8").partition("---\n\n")
     title, _, printed = (tmp_path / "page.md").read_text(encoding="utf-8").partition("\n\n")
     assert title == "# Effects in real histories"

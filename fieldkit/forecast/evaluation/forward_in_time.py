@@ -127,14 +127,8 @@ def _forecast(
     hyperprior: Hyperprior | None,
 ) -> Forecast:
     """One flight with its forecasts."""
-    (made,) = predict(past, [(unflown(plan.flight), plan.found)], shared=shared, hyperprior=hyperprior)
-    p05, p50, p95 = made.apogee_quantiles().tolist()
-    return beside_rivals(plan, made.apogee, (p05, p50, p95), earlier)
-
-
-def unflown(flight: Flight) -> Flight:
-    """A flight as planned, without its readouts."""
-    return flight.with_changes(**dict.fromkeys(flight.readouts()))
+    (made,) = predict(past, [(plan.flight.unflown(), plan.found)], shared=shared, hyperprior=hyperprior)
+    return beside_rivals(plan, made.apogee, made.apogee_quantiles(), earlier)
 
 
 def beside_rivals(

@@ -19,6 +19,8 @@ SEED = 0x5A
 """Initial value of the checksums of records and of radio lines."""
 STEP_BACK = 100
 """A clock that decreases by at most this many ticks went backward; a larger decrease is a wraparound. [1]"""
+MAX_RADIO_GAP = 2.0
+"""If a state is entered during a longer radio gap, its time is unknown. [s]"""
 NO_VALUE = 2_147_483_647
 """What AltOS writes for a missing number."""
 STATES: Mapping[str, tuple[int, ...]] = {

@@ -128,6 +128,7 @@ _ACCEL = _set("accel acceleration acc a accelerometer ax ay az accx accy accz ac
 _PRESSURE = _set(
     "pressure press pres baro barometer druck luftdruck pression presión pressione luchtdruk lufttryck tlak"
 )
+_GPS = _set("gps gnss")
 _TOTAL = _set("total magnitude norm resultant mag abs sum")
 _CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start startup boot power on begin beginning")
 """Words of a clock that name its origin."""
@@ -145,55 +146,70 @@ def channel(head: Heading) -> str:
     `acceleration` without a word about gravity may be felt or net: the result is `felt?`.
     """
     words = set(head.words)
-    if " ".join(head.words) in _FEET:
-        return "altitude"
-    letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
-    if letter and head.unit and unit_named(quantity, head.unit):
-        return letter
-    letter, quantity = _LETTERS.get(next(iter(head.words), ""), ("", ""))
-    if letter and unit_named(quantity, "".join(head.words[1:])):
-        return letter
+    if short := _unit_or_letter(head):
+        return short
     if words & _HEIGHT and {"above", "ground"} <= words:
         words -= {"ground"}
-    if (words & _TIME and words & {"since", "from"} and words <= _TIME | _CLOCK_ORIGIN_WORDS) or head.words in _SECONDS:
+    if words & _TIME and words & {"since", "from"} and words <= _TIME | _CLOCK_ORIGIN_WORDS:
         return "time"
-    if head.unit and unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
+    if unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
     if words & _ACCEL and words & (_HEIGHT | _SPEED) and not words & _NOT_A_SAMPLE:  # integrated, not felt
         return "inertial_altitude" if words & _HEIGHT else "inertial_speed"
-    axis = next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), "")
     if words & _ACCEL and not words & (_NOT_A_SAMPLE - {"mag", "max"}):
-        if words & _WORKED_OUT or "linear" in words or "lin" in words:
-            return ""
-        if axis:
-            return f"felt_{axis}"
-        if words & _TOTAL:
-            return "felt_total"
-        return "acceleration" if words & {"vertical", "net"} else "felt?"
+        return _acceleration(words)
     if words & _NOT_A_SAMPLE:
         return ""
-    gps = bool(words & {"gps", "gnss"})
     if words & _HEIGHT or words & {"agl"}:
-        if words & _WORKED_OUT:
-            return "" if gps else "inertial_altitude" * bool(words & {"inertial", "integrated"})
-        if gps:
-            return "gps_altitude_msl"
-        return "altitude_msl" if words & {"msl", "asl", "sea"} else "altitude"
+        return _height(words)
     if words & _WORKED_OUT:
         return ""
     if words & _PRESSURE and not words & _SPEED:
-        if head.unit and unit_named("length", head.unit):
-            return "altitude"
-        return "" if words & _REFERENCES else "pressure"
-    if words & _SPEED and head.unit and unit_named("pressure", head.unit):
-        return ""  # dynamic pressure
+        return _pressure(head)
     if words & _SPEED:
-        if words & {"x", "y", "velx", "vely"}:
+        if words & {"x", "y", "velx", "vely"} or unit_named("pressure", head.unit):  # sideways, or a dynamic pressure
             return ""
-        return "gps_speed" if gps else "speed"
-    if words & _TIME and not gps and not words & {"update", "utc", "gps", "to", "since", "last"}:
+        return "gps_speed" if words & _GPS else "speed"
+    if words & _TIME and not words & {*_GPS, "update", "utc", "to", "since", "last"}:
         return "time"
     return _others(words)
+
+
+def _unit_or_letter(head: Heading) -> str:
+    """The channel of a header that is only a unit, or a letter beside a unit of its quantity."""
+    name = " ".join(head.words)
+    if name in _FEET:
+        return "altitude"
+    if head.words in _SECONDS:
+        return "time"
+    first = next(iter(head.words), "")
+    letter, quantity = _LETTERS.get(first, ("", ""))
+    unit = head.unit if name == first and head.unit else "".join(head.words[1:])
+    return letter if letter and unit_named(quantity, unit) else ""
+
+
+def _acceleration(words: set[str]) -> str:
+    if words & {*_WORKED_OUT, "linear", "lin"}:
+        return ""
+    if axis := next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), ""):
+        return f"felt_{axis}"
+    if words & _TOTAL:
+        return "felt_total"
+    return "acceleration" if words & {"vertical", "net"} else "felt?"
+
+
+def _height(words: set[str]) -> str:
+    if words & _WORKED_OUT:
+        return "inertial_altitude" if words & {"inertial", "integrated"} and not words & _GPS else ""
+    if words & _GPS:
+        return "gps_altitude_msl"
+    return "altitude_msl" if words & {"msl", "asl", "sea"} else "altitude"
+
+
+def _pressure(head: Heading) -> str:
+    if unit_named("length", head.unit):
+        return "altitude"
+    return "" if _REFERENCES & set(head.words) else "pressure"
 
 
 def barometric(head: Heading) -> bool:

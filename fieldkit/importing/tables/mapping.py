@@ -65,7 +65,6 @@ def mapping_file() -> Path:
 
 def remembered() -> tuple[ColumnChoice, ...]:
     """The choices made so far, latest first. Raises FieldkitError if their file is invalid."""
-
     file = mapping_file()
     try:
         entries = json.loads(read_own(file))["mappings"]
@@ -123,7 +122,6 @@ def _with_number(number: int) -> list[ColumnChoice]:
 
 def _keep(choices: Sequence[ColumnChoice]) -> None:
     """Replace the stored choices atomically: a power failure leaves either the old or the new file."""
-
     kept = choices[:MAX_MAPPINGS]
     document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}
     replace(mapping_file(), json.dumps(document, indent=1).encode())

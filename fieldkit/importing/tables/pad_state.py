@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fieldkit.analysis.channels import Push, is_clipped
+from fieldkit.integrals import running_integral
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -64,7 +65,7 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
     if whole.sum() < 20:
         return None
     clock, felt = time[whole], axes[:, whole]
-    total = np.concatenate([np.zeros((3, 1)), np.cumsum(np.diff(clock) * (felt[:, 1:] + felt[:, :-1]) / 2, axis=1)], 1)
+    total = running_integral(felt, clock)
     after = np.minimum(np.searchsorted(clock, clock + BOOST), clock.size - 1)
     lasts = np.maximum(clock[after] - clock, 1e-9)
     push = np.where(lasts > BOOST / 2, np.linalg.norm(total[:, after] - total, axis=0) / lasts, 0.0)

@@ -15,7 +15,6 @@ from fieldkit.importing.reading import Found, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
 from fieldkit.importing.tables.text import shown
-from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS
 
 NAMES: Mapping[str, str] = {
@@ -156,15 +155,11 @@ def _vertical(table: LogTable) -> LogTable:
     rise = float(h[top] - h[0]) if len(h) else 0.0
     if top < 8 or rise < 3.0:
         return table
-    climbed = _sum(v[: top + 1], t[: top + 1])
+    climbed = np.trapezoid(v[: top + 1], t[: top + 1])
     if not 0.7 < climbed / rise < 2.0:
         found = f"found a climb of {rise:.4g} m by height and of {climbed:.4g} m by speed, expected units that agree"
         raise DamagedLog(found)
     fall = float(h[top] - h[-1])
-    if fall > 0.2 * rise and _sum(v[top:], t[top:]) > -0.5 * fall:
+    if fall > 0.2 * rise and np.trapezoid(v[top:], t[top:]) > -0.5 * fall:
         return replace(table, values={name: column for name, column in table.values.items() if name != "speed"})
     return table
-
-
-def _sum(speed: Float[Array, "row"], time: Float[Array, "row"]) -> float:
-    return float(np.sum((speed[1:] + speed[:-1]) / 2 * np.diff(time)))

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date, datetime, time
 
+from python_calamine import CalamineWorkbook
+
 from fieldkit import zips
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.spreadsheet_bounds import check_bounds
@@ -60,8 +62,6 @@ def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> SheetTable:
 
 def _sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
     """Each sheet that is not empty, as its name and CSV; row by row, because a cell takes ten times its text."""
-    from python_calamine import CalamineWorkbook
-
     try:
         with zips.opened(log) as archive:
             size = sum(one.file_size for one in archive.infolist())

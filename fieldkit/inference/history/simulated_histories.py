@@ -82,16 +82,14 @@ def simulated_histories(
     rockets: int = ROCKETS_PER_BATCH,
     draws: int = DRAWS_PER_ROCKET,
     flights: int | None = None,
-    selects: bool | None = None,
 ) -> list[SimulatedHistory]:
     """Histories of this number of rockets, `draws` of each; plans that do not leave the pad are left out.
 
     `inclusion` has the independent prior probabilities of each effect and of `UNEXPLAINED`; an effect that some flights
-    cannot show does not change them. `flights` is the number of flights of each, and `selects` chooses the hyperprior;
-    both are random by default. Raises ImpossibleFlight for a flight without a dry mass and DamagedModel if the
-    hyperprior cannot be read.
+    cannot show does not change them. `flights` is the number of flights of each, random by default. Raises
+    ImpossibleFlight for a flight without a dry mass and DamagedModel if the hyperprior cannot be read.
     """
-    some = [_rocket(rng, choice, candidates_of, flights, selects) for _ in range(rockets)]
+    some = [_rocket(rng, choice, candidates_of, flights) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]
     world = _World(rng, some, kinds, draws)
     readings = world.fly()
@@ -104,11 +102,9 @@ def simulated_histories(
     return found
 
 
-def _rocket(
-    rng: np.random.Generator, choice: Stock, candidates_of: Candidates, flights: int | None, selects: bool | None
-) -> _Rocket:
+def _rocket(rng: np.random.Generator, choice: Stock, candidates_of: Candidates, flights: int | None) -> _Rocket:
     rocket = draw_rocket(rng, choice, flights)
-    selects = bool(rng.uniform() < SELECTION_WORLD) if selects is None else selects
+    selects = bool(rng.uniform() < SELECTION_WORLD)
     hyperprior = certified() if selects else learned()
     sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
     hyperprior = replace(hyperprior, sds=sds)

@@ -89,7 +89,6 @@ def infer_field(
 
 def load_field() -> "Ensemble":
     """The shipped ensemble. Raises DamagedModel if it was trained on other features or another prior."""
-
     ensemble = load("field")
     known = {"features": list(FEATURES), "intervals": INTERVALS}
     for name, right in known.items():

@@ -72,7 +72,6 @@ class QuickAnswer:
 @cache
 def load_history() -> "Ensemble":
     """The shipped network. Raises DamagedModel if its features differ from those of this version."""
-
     return checked(load(NAME))
 
 

@@ -36,7 +36,6 @@ def infer_paper(flights: Sequence[Flight], ensemble: "Ensemble | None" = None) -
     the truth. Raises UnknownMotor for a motor the paper does not have, ImpossibleFlight for another rocket and for a
     flight without an apogee, DamagedModel if the ensemble cannot be loaded.
     """
-
     ensemble = ensemble or load("paper")
     motor = np.array([_motor_index(flight) for flight in flights], dtype=np.int64)
     dry_mass = np.array([paper_dry_mass(flight) for flight in flights])

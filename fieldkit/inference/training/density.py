@@ -15,6 +15,7 @@ from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, LOG_PRECISION_RANGE, WIDTH
 from fieldkit.inference.training.fit import Progress
+from fieldkit.shapes import Float
 
 MEMBERS = 5
 HIDDEN_UNITS = 128
@@ -27,6 +28,11 @@ MAX_GRADIENT_NORM = 5.0
 """Maximum norm of the gradient in a step."""
 Scale = np.ndarray[Any, np.dtype[np.float64]]
 """One number per feature."""
+
+
+def scaled_features(features: Float[Any, "row feature"], mean: Scale, sd: Scale) -> Float[Any, "row feature"]:
+    """Features as the members and the exported graph take them. [1]"""
+    return ((features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
 
 
 class Members(nn.Module):  # type: ignore[misc]
@@ -110,7 +116,7 @@ def fit(
     rate = OneCycleLR(optimiser, plan.rate, total_steps=plan.epochs * (count // plan.batch), pct_start=0.15)
     for epoch in range(1, plan.epochs + 1):
         batch = observe() if epoch > 1 else batch
-        scaled = ((batch.features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
+        scaled = scaled_features(batch.features, mean, sd)
         tensors = [torch.from_numpy(array) for array in (scaled, batch.target, batch.shown)]
         losses = []
         for rows in _orders(count, plan.batch):

@@ -14,8 +14,8 @@ from fieldkit.inference.network.ensemble import from_parts
 from fieldkit.inference.network.field_ensemble import INTERVALS, intervals
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, logits
 from fieldkit.inference.training.density import HIDDEN_UNITS, LAYERS, MEMBERS, Batch, TrainingPlan, fit
-from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.member_graphs import density_graph
 from fieldkit.inference.training.parts import drop_parts, simulate_parts
 from fieldkit.inference.training.restricted import train_restricted
 from fieldkit.inference.training.shipping import claim, ship

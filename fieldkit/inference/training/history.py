@@ -24,9 +24,10 @@ from fieldkit.inference.history.shards import HistoryTable, simulate_table
 from fieldkit.inference.history.simulated_histories import SELECTION_WORLD
 from fieldkit.inference.network.ensemble import from_parts
 from fieldkit.inference.network.history_parts import width
+from fieldkit.inference.training.density import scaled_features
 from fieldkit.inference.training.fit import Progress, one_thread
-from fieldkit.inference.training.history_graph import MAX_FEATURE_SDS, history_graph
 from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss
+from fieldkit.inference.training.member_graphs import history_graph
 from fieldkit.inference.training.parts import drop_parts
 from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.inference.training.unfinished import load_state, save_state
@@ -146,8 +147,7 @@ def fit_history(
     mean, sd = train.features.mean(axis=0), train.features.std(axis=0) + 1e-3
 
     def scaled(table: HistoryTable) -> torch.Tensor:
-        values = ((table.features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS)
-        return torch.from_numpy(values.astype(np.float32)).to(device)
+        return torch.from_numpy(scaled_features(table.features, mean, sd)).to(device)
 
     features, targets = scaled(train), HistoryTargets(train, _acts(train)).to(device)
     unseen, unseen_targets = scaled(validation), HistoryTargets(validation, _acts(validation)).to(device)

@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from fieldkit.inference.network.mixture import logits, mixture
-from fieldkit.inference.training.density import MAX_FEATURE_SDS, Batch, Members, Scale, TrainingPlan, fit
+from fieldkit.inference.training.density import Batch, Members, Scale, TrainingPlan, fit, scaled_features
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.validation.restricted import (
     SUBSETS,
@@ -63,7 +63,7 @@ def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "f
 
 
 def _run(members: Members, mean: Scale, sd: Scale, observed: Observed) -> Float[Array, "flight member part"]:
-    scaled = ((features(observed) - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
+    scaled = scaled_features(features(observed), mean, sd)
     with torch.no_grad():
         found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
     return found.swapaxes(0, 1).astype(float)

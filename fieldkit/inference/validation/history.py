@@ -147,7 +147,6 @@ def _presence(chance: Array, there: Array, evidence: Array) -> dict[str, float]:
 
 def auc(score: Float[Array, "history"], there: Float[Array, "history"]) -> float:
     """Probability that a history with the effect scores above one without, ties by half. [1]"""
-
     present = there > 0.5
     count, others = int(present.sum()), int((~present).sum())
     if not count or not others:

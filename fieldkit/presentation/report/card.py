@@ -138,11 +138,11 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
         made = forecast_from_others(ledger, motors, flight)
     except FieldkitError:
         return None
-    low, middle, high = (float(x) for x in made.apogee_quantiles())
-    shown = ShownUnits(system).length(middle)
+    interval = made.apogee_quantiles()
+    shown = ShownUnits(system).length(interval[1])
     others = counted(made.rests_on, "other clean flight")
     words = f"no saved forecast; from {others} it would have been {shown}"
-    return CardForecast(made.apogee, (low, middle, high), False, words)
+    return CardForecast(made.apogee, interval, False, words)
 
 
 def _card(
@@ -186,7 +186,6 @@ def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
 
 def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], Rows]:
     """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that constrain them."""
-
     try:
         inferred = FlightInference(ledger, motors).infer(flights).inferred
     except FieldkitError:

@@ -1,7 +1,6 @@
 """The table of finals as one printed card, a picture or a page, large enough to read in bright sun."""
 
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import Path
 from textwrap import fill
 
@@ -11,7 +10,7 @@ from matplotlib.transforms import Bbox
 
 from fieldkit.errors import BadValue
 from fieldkit.presentation.finals_text import FINALS_NOTES
-from fieldkit.presentation.report.style import without_markup
+from fieldkit.presentation.report.style import drawn, without_markup
 from fieldkit.safe_text import printable
 
 WIDTH, MARGIN = 7.5, 0.25
@@ -31,6 +30,7 @@ def check_card(file: Path) -> None:
         raise BadValue(f"{file.name}: found {file.suffix or 'no suffix'!r}, expected one of {', '.join(SUFFIXES)}")
 
 
+@without_markup()
 def finals_card(
     heading: Sequence[str],
     headers: Sequence[str],
@@ -39,16 +39,10 @@ def finals_card(
     notes: Sequence[str] = (),
 ) -> bytes:
     """The card as a picture, with `notes` at the end."""
-    with without_markup():
-        return _drawn([printable(line) for line in heading], headers, rows, suffix, [printable(line) for line in notes])
-
-
-def _drawn(
-    heading: Sequence[str], headers: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str]
-) -> bytes:
-    day = [fill(line, DAY_LINE) for line in heading[1:]]
-    below = [fill(line, LINE) for line in [*FINALS_NOTES, *notes]]
-    title = fill(heading[0], TITLE_LINE)
+    first, *others = map(printable, heading)
+    day = [fill(line, DAY_LINE) for line in others]
+    below = [fill(printable(line), LINE) for line in [*FINALS_NOTES, *notes]]
+    title = fill(first, TITLE_LINE)
     heights = TITLE * _lines([title]), DAY_ROW * _lines(day), ROW * (len(rows) + 1), NOTE_ROW * _lines(below)
     height = sum(heights) + 2 * MARGIN
     figure = Figure(figsize=(WIDTH, height))
@@ -60,9 +54,7 @@ def _drawn(
     axes.set_axis_off()
     _draw_table(axes, headers, rows)
     figure.text(left, bottom - 0.5 * MARGIN / height, "\n".join(below), fontsize=8, va="top")
-    content = BytesIO()
-    figure.savefig(content, format=suffix.lstrip("."), dpi=150)
-    return content.getvalue()
+    return drawn(figure, suffix.lstrip("."))
 
 
 def _lines(texts: Sequence[str]) -> int:

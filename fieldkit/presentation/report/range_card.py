@@ -1,7 +1,6 @@
 """The range card: a plan on one page for the check-in, with its safety checks and a map of its landing."""
 
 from collections.abc import Sequence
-from io import BytesIO
 from textwrap import fill
 
 import numpy as np
@@ -10,7 +9,7 @@ from matplotlib.figure import Figure
 from fieldkit.flight.site import Site
 from fieldkit.planning.check import ADVICE_NOTE, SEVERITY, SafetyCheck
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing
-from fieldkit.presentation.report.style import without_markup
+from fieldkit.presentation.report.style import drawn, without_markup
 from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
@@ -32,17 +31,11 @@ SHOWN_LANDINGS = 200
 """Number of points on the map. [1]"""
 
 
+@without_markup()
 def range_card(
     words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str = "SI"
 ) -> bytes:
     """The card as a picture of a page, in the units of a system."""
-    with without_markup():
-        return _drawn(words, lines, found, site, suffix, system)
-
-
-def _drawn(
-    words: Sequence[str], lines: Sequence[SafetyCheck], found: Landing, site: Site, suffix: str, system: str
-) -> bytes:
     figure = Figure(figsize=(8.27, 11.69))
     title = fill(printable(words[0]), TITLE_LINE)
     top = 0.935 - TITLE_ROW * title.count("\n")
@@ -56,9 +49,7 @@ def _drawn(
     safety, size = _fitted(texts, (below - 2 * ROW - FOOT_OF_PAGE) / ROW)
     figure.text(0.06, below - 2 * ROW, safety, fontsize=size, va="top", family="monospace")
     _map(figure, found, site, ShownUnits(system).length_unit)
-    content = BytesIO()
-    figure.savefig(content, format=suffix.lstrip("."), dpi=130)
-    return content.getvalue()
+    return drawn(figure, suffix.lstrip("."), dpi=130)
 
 
 def _fitted(texts: Sequence[str], rows: float) -> tuple[str, float]:

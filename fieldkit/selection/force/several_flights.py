@@ -58,7 +58,6 @@ class Mean:
     def excludes_zero(self, candidates: int) -> bool:
         """Whether it excludes zero: by Student's t for the observed standard deviation, and by the normal distribution
         for the scatter, corrected for the number of candidates (Bonferroni)."""
-
         unsure = (1 - INTERVAL_LEVEL) / 2
         least = max(
             stdtrit(self.flights - 1, 1 - unsure) * self.observed,

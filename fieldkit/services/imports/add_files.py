@@ -46,15 +46,11 @@ def bring_in(
     paths: Sequence[Path],
     check_motor: CheckMotor,
     *,
-    format: str | None = None,
     defaults: Mapping[str, object] | None = None,
-    choices: Sequence[ColumnChoice] = (),
-    dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
     """Import files as one change: `gather` and `take_in`."""
-    gathered = gather(paths, check_motor, format=format, defaults=defaults, choices=choices)
-    return take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=motors)
+    return take_in(ledger, gather(paths, check_motor, defaults=defaults), motors=motors)
 
 
 def take_in(

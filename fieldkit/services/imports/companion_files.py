@@ -116,7 +116,6 @@ def _maybe(there: Flight, arrival: Arrival) -> bool:
 
 def _join(ledger: Ledger, id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
     """Add the files of an arrival to a flight, unless together they turn out to be a separate flight."""
-
     flight, entered, log = ledger.flight(id), ledger.entered(id), ledger.log(id)
     kept = [Original.of(one) for one in ((log,) if log is not None else ()) + tuple(ledger.other_logs(id))]
     digests = {one.digest for one in kept}

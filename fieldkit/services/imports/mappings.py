@@ -102,7 +102,6 @@ def columns_of(choice: ColumnChoice) -> TableColumns:
 def table_columns(path: Path, of: str = "") -> TableColumns:
     """The columns of the table in a file; `of` overrides the detected kind of its rows. Raises FieldkitError for a file
     without a table."""
-
     head = table_of(read_file(path), path.name)[:HEAD]
     if of != "flights":
         try:
@@ -115,7 +114,6 @@ def table_columns(path: Path, of: str = "") -> TableColumns:
 
 def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
     """The columns of a table of samples. Raises DamagedLog if it is certainly not one."""
-
     layout = layout_of(head)
     picks = guessed(layout)
     if not certain and layout.named and "time" not in {pick.channel for pick in picks} and _looks_of_flights(head):
@@ -135,7 +133,6 @@ def _first_rows(head: bytes, layout: Layout) -> tuple[tuple[str, ...], ...]:
 
 def _of_flights(head: bytes) -> TableColumns:
     """The columns of a table of flights."""
-
     names, text = table_names(head), decode(head)
     separator = max((",", ";", "\t"), key=lambda one: len(first_row(text, one)[1]))
     top = 0 if shape(first_names(head)) else first_row(text, separator)[0]
@@ -149,7 +146,6 @@ def _of_flights(head: bytes) -> TableColumns:
 
 def _looks_of_flights(head: bytes) -> bool:
     """Whether a column of a table belongs to flights."""
-
     return any(role_of(name, strict=False).field for name in table_names(head))
 
 

@@ -55,7 +55,6 @@ class FlightView:
     @property
     def curve(self) -> "FlightCurve | None":
         """Height, speed and acceleration of the whole flight for plotting; None without samples."""
-
         return flight_curve(self.recorded) if self.recorded else None
 
 
@@ -108,7 +107,6 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
 
 def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
     """The values that a simulation states for its flight, as if they were stored."""
-
     fields, _ = columns(recorded, {})
     flight = Flight().with_changes(**fields, flight_id=f"simulation {number}")
     return replace(flight_view(flight, recorded), simulated=True)

@@ -59,9 +59,9 @@ def read_first(motors: "Catalogue", name: str, text: str, unit: str) -> object:
 
     A mass may be missing if the flyer has kits, which the rocket may be named after.
     """
-    from fieldkit.services.planning import has_kits
+    from fieldkit.services.kits import kits
 
-    if not text.strip() and name in EXAMPLES and not (name == "dry_mass" and has_kits()):
+    if not text.strip() and name in EXAMPLES and not (name == "dry_mass" and kits()):
         raise BadValue(f"expected {EXAMPLES[name]}")
     if name == "motor" and (trouble := motors.complaint(text)):
         raise BadValue(trouble)

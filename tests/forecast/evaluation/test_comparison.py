@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, against, judged_report, tally
@@ -25,6 +24,7 @@ from fieldkit.presentation.score_text import (
     way_rows,
 )
 from fieldkit.services.scores import LedgerScores
+from tests.commands import Run
 
 CHECK_SHAPES = False
 
@@ -144,18 +144,14 @@ def test_a_report_on_no_flights_is_empty() -> None:
     assert (found.ways, found.against, found.behind) == ((), (), ())
 
 
-def test_a_whole_ledger_or_one_rocket_can_be_scored(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_whole_ledger_or_one_rocket_can_be_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     base = Flight(config="A", motor="F24-4W", dry_mass=0.32, diameter=0.066)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         for number, rocket in enumerate(("Astra", "Luna", "Astra", "Luna")):
             when = datetime(2026, 5, 1 + number)
             ledger.add([base.with_changes(flight_id=str(number), rocket=rocket, date_time=when, apogee=210.0 + number)])
     monkeypatch.setenv("COLUMNS", "80")
-    arguments = ["--ledger", str(tmp_path / "ledger.db"), "score"]
-    assert main([*arguments, "--json"]) == 0
-    whole = json.loads(capsys.readouterr().out)
+    whole = run("score", "--json").document
     assert [row["flight_id"] for row in whole["flights"]] == ["2", "3"]
     assert [row["flight_id"] for row in whole["first_flights"]["flights"]] == ["0", "1"]
     assert {
@@ -171,21 +167,17 @@ def test_a_whole_ledger_or_one_rocket_can_be_scored(
     assert whole["stacking"]["weights"] == {"fieldkit": 1.0, "fleet_ratio": 0.0, "scalar": 0.0}
     assert whole["flights"][0]["persistence"] == 210.0
     assert {one["rival"] for one in whole["rivals"]} >= {"uncalibrated", "scalar", "fleet_ratio", "stacked"}
-    assert main([*arguments, "--rocket", "Luna", "--json"]) == 0
-    one = json.loads(capsys.readouterr().out)
+    one = run("score", "--rocket", "Luna", "--json").document
     assert one["flights"][0]["p50"] == whole["flights"][1]["p50"]
     assert [row["rocket"] for row in one["flights"]] == ["Luna"]
-    assert main(arguments) == 0
-    out = capsys.readouterr().out
+    out = run("score").out
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert "First flights of a rocket: 2" in out
     assert out.count("Too few flights to compare the methods: at least 5 are needed.") == 2
     assert DIFFERENCE_HEADERS[0] not in out
 
 
-def test_another_hyperprior_can_be_scored_and_nothing_is_saved(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_another_hyperprior_can_be_scored_and_nothing_is_saved(tmp_path: Path, run: Run) -> None:
     from fieldkit.model.hyperprior import learned
 
     card = tmp_path / "card.json"
@@ -193,16 +185,12 @@ def test_another_hyperprior_can_be_scored_and_nothing_is_saved(
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
         ledger.add([Flight("1", "Astra", motor="F24-4W", dry_mass=0.32, diameter=0.066, apogee=210.0)])
-    arguments = ["--ledger", str(file), "score", "--json"]
-    assert main([*arguments, "--hyperprior", str(card)]) == 0
-    narrow = json.loads(capsys.readouterr().out)["first_flights"]["flights"][0]
+    narrow = run("score", "--json", "--hyperprior", card).document["first_flights"]["flights"][0]
     with Ledger.open(file) as ledger:
         assert ledger.predictions() == []
-    assert main(arguments) == 0
-    own = json.loads(capsys.readouterr().out)["first_flights"]["flights"][0]
+    own = run("score", "--json").document["first_flights"]["flights"][0]
     assert narrow["p95"] / narrow["p05"] < 0.9 * own["p95"] / own["p05"]
-    assert main([*arguments, "--hyperprior", str(tmp_path / "none.json")]) == 1
-    assert "expected a hyperprior card" in capsys.readouterr().err
+    assert "expected a hyperprior card" in run("score", "--hyperprior", tmp_path / "none.json", status=1).err
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf"])

@@ -24,8 +24,8 @@ def test_quantiles_in_torch_agree_with_numpy() -> None:
 
 def test_members_agree_with_their_exported_graph() -> None:
     from fieldkit.inference.network.ensemble import from_parts
-    from fieldkit.inference.training.history_graph import history_graph
     from fieldkit.inference.training.history_members import HistoryMembers
+    from fieldkit.inference.training.member_graphs import history_graph
 
     torch.manual_seed(0)
     rng = np.random.default_rng(0)

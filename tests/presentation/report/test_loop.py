@@ -1,6 +1,5 @@
 """The loop's report: figures with intervals, forward in time, informative tests, and a page that escapes names."""
 
-import json
 import math
 import re
 from base64 import b64decode
@@ -11,7 +10,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
@@ -38,6 +36,7 @@ from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.selection.verdict import Verdict
 from fieldkit.services import close_loop, forecasts
 from fieldkit.services.findings import Findings, distinct, findings
+from tests.commands import Run
 from tests.presentation.report.pages import Page
 
 CHECK_SHAPES = False
@@ -411,14 +410,12 @@ def test_the_format_of_a_page_follows_from_its_file_name(found: Findings, tmp_pa
 
 
 @pytest.mark.slow
-def test_the_command_writes_the_page_and_the_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    ledger, target = str(tmp_path / "ledger.db"), tmp_path / "astra.html"
+def test_the_command_writes_the_page_and_the_document(tmp_path: Path, run: Run) -> None:
+    target = tmp_path / "astra.html"
     table = Path(__file__).parents[3] / "fieldkit" / "data" / "reference_flights.csv"
-    assert main(["--ledger", ledger, "import", str(table)]) == 0
-    assert main(["--ledger", ledger, "loop", "--report", str(tmp_path / "astra.doc")]) == 1
-    assert "astra.doc" in capsys.readouterr().err
-    assert main(["--ledger", ledger, "loop", "--report", str(target), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    run("import", table)
+    assert "astra.doc" in run("loop", "--report", tmp_path / "astra.doc", status=1).err
+    document = run("loop", "--report", target, "--json").document
     assert document["verdict"]["goes_with"] is None or document["verdict"]["effect"] == "unexplained"
     assert document["before"]["interval90"]["mae_m"][0] < document["before"]["mae_m"]
     assert document["forward"]["n_flights"] == 4

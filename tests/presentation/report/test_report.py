@@ -28,6 +28,7 @@ from fieldkit.presentation.report.write import check_report, write_report
 from fieldkit.safe_text import as_markdown
 from fieldkit.services import inferred, replay
 from fieldkit.services.forecasts import predict_plans
+from tests.commands import Run
 from tests.presentation.report.pages import Page
 from tests.seasons import season
 
@@ -128,7 +129,7 @@ def test_a_long_report_shows_the_loops_forecasts_rather_than_a_fit_for_each_flig
 
 
 def test_a_long_report_reads_a_table_once_and_infers_in_one_batch(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
     rows = [f"{n},Astra,F24-4W,{320 + n},66,{250 + n}" for n in range(12)]
     (tmp_path / "flights.csv").write_text("\n".join(["flight_id,rocket,motor,dry_mass_g,diameter_mm,apogee_m", *rows]))
@@ -146,7 +147,7 @@ def test_a_long_report_reads_a_table_once_and_infers_in_one_batch(
 
     monkeypatch.setattr(replay, "read_recordings", counted_read)
     monkeypatch.setattr(inferred.FlightInference, "infer", counted_infer)
-    assert main(["--ledger", str(tmp_path / "ledger.db"), "import", str(tmp_path / "flights.csv")]) == 0
+    run("import", tmp_path / "flights.csv")
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         found = cards(ledger, catalogue(), ledger.flights("Astra"), quiet)
     assert (len(reads), batches) == (1, [12])

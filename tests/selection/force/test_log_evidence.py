@@ -1,7 +1,6 @@
 """The evidence of several flights' logs, reported with the verdict: recurring terms are named, and one flight decides
 nothing."""
 
-import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis import Recorded
-from fieldkit.cli.main import main
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from fieldkit.selection.force.flights import FREE_TERMS, TOO_SHORT, FlightForce, flight_force
@@ -22,6 +20,7 @@ from fieldkit.selection.force.terms import library
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services import flight_logs
 from fieldkit.services.flight_logs import OLDER_LOGS_NOTE
+from tests.commands import Run
 from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
 CHECK_SHAPES = False
@@ -192,7 +191,7 @@ def log(seed: int) -> tuple[str, dict[str, float]]:
 
 @pytest.mark.slow
 def test_the_loop_reports_the_missing_force_of_the_latest_logs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(flight_logs, "MAX_LOGS", 3)
     rows = ["flight_id,rocket,motor,dry_mass_g,diameter_mm,log,apogee_m,top_speed_mps,coast_to_apogee_s"]
@@ -202,12 +201,9 @@ def test_the_loop_reports_the_missing_force_of_the_latest_logs(
         rows.append(f"F{number},Comet,F24-4W,322,66,{name}," + ",".join(f"{value:.2f}" for value in readouts.values()))
         (tmp_path / name).write_text(text)
     (tmp_path / "flights.csv").write_text("\n".join(rows) + "\n")
-    command = ["--ledger", str(tmp_path / "ledger.db")]
-    assert main([*command, "import", str(tmp_path / "flights.csv")]) == 0
-    capsys.readouterr()
+    run("import", tmp_path / "flights.csv")
     page = tmp_path / "page.html"
-    assert main([*command, "loop", "--look", "--json", "--report", str(page)]) == 0
-    shown_force = json.loads(capsys.readouterr().out)["missing_force"]
+    shown_force = run("loop", "--look", "--json", "--report", page).document["missing_force"]
     assert [flight["flight_id"] for flight in shown_force["flights"]] == ["F1", "F2", "F3"]
     assert shown_force["silent"] == [{"flight_id": "F0", "why": OLDER_LOGS_NOTE}]
     assert shown_force["law"][0]["effect"] == "base_drag"

@@ -1,6 +1,5 @@
 """Importing files: a duplicate changes nothing, even if it would be read differently today."""
 
-import json
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -8,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from fieldkit.analysis import Recorded
-from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.importing import from_samples
 from fieldkit.ledger import Ledger, Renewal
 from fieldkit.services.imports import Receipt, bring_in, remeasured
+from tests.commands import Run
 from tests.samples import SAMPLES, any_motor
 
 pytestmark = pytest.mark.fast
@@ -227,35 +226,28 @@ def test_a_readout_edited_after_remeasuring_is_kept(ledger: Ledger, request: pyt
 
 
 def test_remeasure_lists_its_changes_makes_them_and_can_be_undone(
-    ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]
+    ledger: Ledger, request: pytest.FixtureRequest, run: Run
 ) -> None:
     (id,) = taken(ledger, PNUT).ids
     ledger.add([Flight("typed", "Astra", apogee=200.0)])
     before = ledger.flight(id)
     request.getfixturevalue("better_measuring")
 
-    def run(*arguments: str) -> str:
-        capsys.readouterr()
-        assert main(["--ledger", str(tmp_path / "ledger.db"), *arguments]) == 0
-        return capsys.readouterr().out
-
     lower = before.with_changes(apogee=(before.apogee or 0) - 2, sd=before.sd, source=before.source)
     ledger.renew([Renewal(id, before, lower)])
-    capsys.readouterr()
-    assert main(["--ledger", str(tmp_path / "ledger.db"), "show", id]) == 0
-    assert f"`fieldkit remeasure {id}`" in capsys.readouterr().err
+    assert f"`fieldkit remeasure {id}`" in run("show", id).err
     ledger.undo()
-    assert "1 would change, 0 unchanged, 1 without samples" in run("remeasure", "--dry-run")
+    assert "1 would change, 0 unchanged, 1 without samples" in run("remeasure", "--dry-run").out
     assert ledger.flight(id) == before
-    (entry,) = json.loads(run("remeasure", id, "--json"))["flights"]
+    (entry,) = run("remeasure", id, "--json").document["flights"]
     apogee = entry["changes"]["apogee_m"]
     assert apogee["now"]["value"] - apogee["there"]["value"] == pytest.approx(1.0)
     assert apogee["now"]["sd"] == before.sd["apogee"]
     assert ledger.flight(id).apogee == pytest.approx((before.apogee or 0) + 1)
-    assert "0 changed, 1 unchanged" in run("remeasure", id)
+    assert "0 changed, 1 unchanged" in run("remeasure", id).out
     run("undo")
     assert ledger.flight(id) == before
-    assert "±" in run("remeasure")
+    assert "±" in run("remeasure").out
 
 
 def test_a_flight_far_from_the_others_is_named_if_another_rocket_has_its_number(ledger: Ledger, tmp_path: Path) -> None:
@@ -267,14 +259,11 @@ def test_a_flight_far_from_the_others_is_named_if_another_rocket_has_its_number(
     assert any("flight 5 of Astra" in note for note in receipt.notes)
 
 
-def test_remeasure_names_a_damaged_ledger_once(
-    ledger: Ledger, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_remeasure_names_a_damaged_ledger_once(ledger: Ledger, tmp_path: Path, run: Run) -> None:
     ledger.add([Flight(str(number), "Astra", apogee=200.0) for number in range(9)])
     with closing(sqlite3.connect(tmp_path / "ledger.db")) as raw, raw:
         raw.execute("ALTER TABLE logs RENAME TO lost")
-    assert main(["--ledger", str(tmp_path / "ledger.db"), "remeasure", "--dry-run"]) == 1
-    assert capsys.readouterr().err.count("the file is damaged") == 1
+    assert run("remeasure", "--dry-run", status=1).err.count("the file is damaged") == 1
 
 
 @pytest.mark.parametrize(
