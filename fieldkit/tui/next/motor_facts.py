@@ -27,7 +27,7 @@ def facts(motor: Motor, system: str) -> tuple[tuple[str, str], ...]:
         ("diameter", f"{motor.diameter * 1e3:g} mm"),
         ("length", f"{motor.length * 1e3:g} mm"),
         ("total impulse", f"{motor.total_impulse:.1f} N s"),
-        ("average thrust", f"{motor.average_thrust:.1f} N"),
+        ("average thrust", f"{motor.rated_thrust:.1f} N"),
         ("peak thrust", f"{motor.peak_thrust:.1f} N"),
         ("burn time", f"{motor.burn_time:.2f} s above 5% of the peak"),
         ("loaded mass", mass(motor.loaded_mass)),

@@ -51,7 +51,7 @@ def motors_listed(found: "Sequence[Motor]", system: str, width: int) -> ListCont
             else []
         )
         first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:.0f}", f"{motor.total_impulse:.1f}"]
-        return [*first, f"{motor.average_thrust:.1f}", *figures, delays_text(motor.delays), gone]
+        return [*first, f"{motor.rated_thrust:.1f}", *figures, delays_text(motor.delays), gone]
 
     return ListContents(heads, found, cells)
 
