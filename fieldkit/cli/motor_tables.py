@@ -4,6 +4,7 @@ from pathlib import Path
 
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
 from fieldkit.cli.session import known_motors
+from fieldkit.paths import motor_folder
 from fieldkit.quantities import counted, rounded
 
 MAX_DIFFERENCES = 40
@@ -53,7 +54,6 @@ def print_comparison(file: Path, json: bool) -> None:
 def print_own_corrections(json: bool) -> None:
     """Print the flyer's own corrections and their file, which is created if missing."""
     from fieldkit.motors.own_corrections import HEADER, OWN_FIELDS, correction_file, read_own_corrections
-    from fieldkit.paths import motor_folder
 
     folder = motor_folder()
     file = correction_file(folder)
