@@ -3,6 +3,7 @@
 import asyncio
 from contextlib import suppress
 
+from rich.console import RenderableType
 from textual import events
 from textual.app import App
 from textual.dom import DOMNode
@@ -26,6 +27,14 @@ class InOrder(App[None]):
         super().__init__()
         self.turn = asyncio.Lock()
         """Held while a key is handled, and by code that keys must not interrupt."""
+        self._is_leaving = False
+
+    def exit(self, result: None = None, return_code: int = 0, message: RenderableType | None = None) -> None:
+        """Leave the app. Keys typed after that are dropped, and no page is prepared any more: none can open while all
+        are closed."""
+        self._is_leaving = True
+        self.workers.cancel_group(self, "ready")
+        super().exit(result, return_code, message)
 
     async def on_event(self, event: events.Event) -> None:
         """Handle a key, and wait for its effects."""
@@ -33,7 +42,7 @@ class InOrder(App[None]):
             await super().on_event(event)
             return
         async with self.turn:
-            for key in pressed(event, typed=self._is_typed(event)):
+            for key in () if self._is_leaving else pressed(event, typed=self._is_typed(event)):
                 if not await self._did(key):
                     await super().on_event(key)
                 await self.heard()
