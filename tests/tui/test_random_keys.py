@@ -15,8 +15,8 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read 
 SEEDS = (1, 2, 3)
 """Seeds that found bugs: 2 closed the palette twice, and listed a flight while it was removed."""
 MAX_MEMORY = 250
-"""Maximum memory during 10,000 keys and after them. [MB] About 130 of it are used before the first key: Python, Textual,
-SQLAlchemy, numpy."""
+"""Maximum memory during 10,000 keys and after them. [MB] About 130 of it are used before the first key: Python,
+Textual, SQLAlchemy, numpy."""
 
 
 def pressed(seed: int, keys: int, rest: float, folder: Path) -> dict[str, object]:
