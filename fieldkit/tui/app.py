@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.app import App, SystemCommand
-from textual.await_complete import AwaitComplete
 from textual.binding import Binding, BindingType
 from textual.command import CommandPalette, Provider
 from textual.screen import Screen
@@ -113,13 +112,6 @@ class FieldkitApp(Surviving):
         """Show a page, immediately if it was drawn before, because Textual would hide it for a moment."""
         self._hides = mode not in self._opened or not self._opened[mode].size
         return super().switch_mode(mode)
-
-    def pop_screen(self) -> AwaitComplete:
-        """Close the front screen, and free what it has drawn: a cache of Textual holds the last 1,024 widgets drawn,
-        removed ones too."""
-        for widget in self.screen.walk_children(with_self=True):
-            widget.refresh()
-        return super().pop_screen()
 
     def delay_update(self, delay: float = 0.05) -> None:
         """Hide changes until the layout is done, if there is something to hide."""

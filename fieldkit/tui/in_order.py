@@ -6,6 +6,7 @@ from contextlib import suppress
 from rich.console import RenderableType
 from textual import events
 from textual.app import App
+from textual.await_complete import AwaitComplete
 from textual.dom import DOMNode
 from textual.message_pump import MessagePump
 
@@ -35,6 +36,13 @@ class InOrder(App[None]):
         self._is_leaving = True
         self.workers.cancel_group(self, "ready")
         super().exit(result, return_code, message)
+
+    def pop_screen(self) -> AwaitComplete:
+        """Close the front screen, and free what it has drawn: a cache of Textual holds the last 1,024 widgets drawn,
+        removed ones too."""
+        for widget in self.screen.walk_children(with_self=True):
+            widget.refresh()
+        return super().pop_screen()
 
     async def on_event(self, event: events.Event) -> None:
         """Handle a key, and wait for its effects."""

@@ -84,14 +84,14 @@ async def test_nothing_that_a_closed_screen_has_drawn_is_kept(tmp_path: Path, mo
         await press(pilot, "f1")
         shown(pilot)
         widgets = pilot.app.screen.walk_children(with_self=True)
-        assert kept_lines(widgets)
+        assert line_count(widgets)
         await press(pilot, "escape")
         assert not widgets[0].is_attached
-        assert not kept_lines(widgets)
+        assert not line_count(widgets)
 
 
-def kept_lines(widgets: Iterable[DOMNode]) -> int:
-    """Number of drawn lines that some widgets keep."""
+def line_count(widgets: Iterable[DOMNode]) -> int:
+    """Number of drawn lines in the caches of some widgets."""
     return sum(len(widget._styles_cache._cache) for widget in widgets if isinstance(widget, Widget))
 
 
@@ -99,12 +99,12 @@ async def test_the_result_of_a_request_is_not_kept(tmp_path: Path, monkeypatch: 
     frozen(monkeypatch)
     season(tmp_path / "ledger.db")
     async with opened(tmp_path / "ledger.db") as pilot:
-        page, begun, go = pilot.app.screen, Event(), Event()
+        page, started, go = pilot.app.screen, Event(), Event()
         assert isinstance(page, PageScreen)
         made: WeakSet[Result] = WeakSet()
 
         def work() -> Result:
-            begun.set()
+            started.set()
             go.wait(10)
             made.add(result := Result())
             return result
@@ -112,7 +112,7 @@ async def test_the_result_of_a_request_is_not_kept(tmp_path: Path, monkeypatch: 
         gc.disable()
         try:
             page.ask(work, lambda _: None, "work", alone=True)
-            while not begun.is_set():
+            while not started.is_set():
                 await pilot.pause(0.01)
             page.ask(work, lambda _: None, "work", alone=True)  # drops the first request
             go.set()
