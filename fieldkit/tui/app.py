@@ -18,7 +18,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.settings import UNITS
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
 from fieldkit.tui.keys import in_capitals
-from fieldkit.tui.memory import START_TIME, PassedBy, resume_collection, share_arenas
+from fieldkit.tui.memory import START_TIME, freeze_permanent, limit_malloc, resume_collection
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.surviving import Surviving, Whereabouts
@@ -76,9 +76,8 @@ class FieldkitApp(Surviving):
         super().__init__(Resources(where, settings_file))
         self._back = back
         self._stays = stays
-        self._passed_by = PassedBy()
         if stays:
-            share_arenas()
+            limit_malloc()
         self._opened: dict[str, PageScreen] = {}
         self._length: int | None = None
         self._hides = True
@@ -126,10 +125,7 @@ class FieldkitApp(Surviving):
         if self._back is not None and self._back.page == page:
             self._page(page).go_to_row(self._back.row)
             self._back = None
-        if self._stays and self._readied:
-            self.when_at_rest(self._passed_by.extend)
-        elif self._stays:
-            self._passed_by.extend()
+        if self._stays and not self._readied:
             self._readied = True
             self.run_worker(self._make_ready, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
@@ -140,7 +136,7 @@ class FieldkitApp(Surviving):
         for name in (*pages(), *pages()):
             await asyncio.sleep(PAUSE)
             await self._open_unseen(name)
-        self._passed_by.extend()
+        freeze_permanent()
 
     async def _open_unseen(self, name: str) -> None:
         """Open a page and the screens above it, and return before anything is painted; keys wait until then."""

@@ -4,6 +4,7 @@ import asyncio
 from collections import defaultdict
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import nullcontext
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from textual.screen import Screen
@@ -91,7 +92,7 @@ class AskingScreen(Screen[None]):
 
     async def _alone(self, group: str, question: Callable[[], T]) -> T:
         """Run a request after the previous one has ended, even if that was dropped."""
-        while (before := self._threads.get(group)) is not None and not before.done():
+        while (before := self._threads.get(group)) is not None:
             await asyncio.wait([before])
 
         def work() -> T:
@@ -101,11 +102,18 @@ class AskingScreen(Screen[None]):
                 give_back()
 
         running = asyncio.ensure_future(asyncio.to_thread(work))
-        running.add_done_callback(
-            lambda ended: ended.cancelled() or ended.exception()
-        )  # the result of a dropped request
         self._threads[group] = running
-        return await asyncio.shield(running)
+        running.add_done_callback(partial(self._has_ended, group))
+        try:
+            return await asyncio.shield(running)
+        finally:
+            del running  # the traceback of a dropped request would keep its result
+
+    def _has_ended(self, group: str, ended: "asyncio.Future[Any]") -> None:
+        """A request of a group has ended, perhaps dropped; keep neither its result nor its error."""
+        del self._threads[group]
+        if not ended.cancelled():
+            ended.exception()  # otherwise reported as never retrieved
 
     async def settled(self, *groups: str) -> None:
         """Wait until the queries of some groups are answered: keys typed ahead depend on the answers."""

@@ -1,23 +1,19 @@
 """An app that handles keys in order, so that a key reaches the screen opened by the previous one."""
 
 import asyncio
-from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
-from time import monotonic
 
+from rich.console import RenderableType
 from textual import events
 from textual.app import App
+from textual.await_complete import AwaitComplete
 from textual.dom import DOMNode
 from textual.message_pump import MessagePump
-from textual.timer import Timer
 
 from fieldkit.tui.asking import WAIT
 from fieldkit.tui.keys import pressed
 from fieldkit.tui.page import PageScreen
 
-REST = 1.0
-"""Time without a key after which work that blocks keys is done. [s]"""
 MAX_ANSWER = 1.0
 """Time limit for widgets to handle a key before the next one. [s]"""
 MAX_OPENING = 30.0
@@ -32,30 +28,32 @@ class InOrder(App[None]):
         super().__init__()
         self.turn = asyncio.Lock()
         """Held while a key is handled, and by code that keys must not interrupt."""
-        self.last_key = 0.0
-        """Time of the latest key, on the monotonic clock. [s]"""
-        self._resting: Timer | None = None
+        self._is_leaving = False
+
+    def exit(self, result: None = None, return_code: int = 0, message: RenderableType | None = None) -> None:
+        """Leave the app. Keys typed after that are dropped, and no page is prepared any more: none can open while all
+        are closed."""
+        self._is_leaving = True
+        self.workers.cancel_group(self, "ready")
+        super().exit(result, return_code, message)
+
+    def pop_screen(self) -> AwaitComplete:
+        """Close the front screen, and free what it has drawn: a cache of Textual holds the last 1,024 widgets drawn,
+        removed ones too."""
+        for widget in self.screen.walk_children(with_self=True):
+            widget.refresh()
+        return super().pop_screen()
 
     async def on_event(self, event: events.Event) -> None:
         """Handle a key, and wait for its effects."""
         if not isinstance(event, events.Key) or event.is_forwarded:
             await super().on_event(event)
             return
-        self.last_key = monotonic()
         async with self.turn:
-            for key in pressed(event, typed=self._is_typed(event)):
+            for key in () if self._is_leaving else pressed(event, typed=self._is_typed(event)):
                 if not await self._did(key):
                     await super().on_event(key)
                 await self.heard()
-
-    def when_at_rest(self, work: Callable[[], None]) -> None:
-        """Do work that blocks keys once no key was pressed for a while; it replaces what still waits."""
-        if self._resting is not None:
-            self._resting.stop()
-        if monotonic() - self.last_key < REST:
-            self._resting = self.set_timer(REST, partial(self.when_at_rest, work))
-        else:
-            work()
 
     def _is_typed(self, key: events.Key) -> bool:
         return self.focused is not None and self.focused.check_consume_key(key.key, key.character)

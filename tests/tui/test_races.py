@@ -7,6 +7,7 @@ from threading import Event
 from unittest.mock import patch
 
 import pytest
+from textual.events import Key
 from textual.widgets import Button, Input, Static
 
 from fieldkit import capture
@@ -14,8 +15,10 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services import close_loop
 from fieldkit.tui.add.add_page import AddScreen
+from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
+from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskYes
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, hurry, looked_at, opened, press, text_of, typed, words
@@ -235,3 +238,16 @@ async def test_a_motor_beyond_the_first_ones_is_forecast_when_the_cursor_reaches
             assert table.cells(table.current)[1] != "…"
             await press(pilot, "enter", "_")
             assert "Saved forecast" in words(pilot)
+
+
+async def test_keys_typed_after_q_open_no_page_of_the_closing_app(file: Path) -> None:
+    app = FieldkitApp(file, file.with_name("settings.json"))
+    running = asyncio.create_task(app.run_async(headless=True, size=(80, 24)))
+    while not (app.screen_stack and isinstance(app.screen, PageScreen) and app.screen.ready):
+        await asyncio.sleep(0.01)
+    with patch.object(FieldkitApp, "action_page_number") as turned:
+        for key in "q53":
+            app.post_message(Key(key, key))
+        await asyncio.wait_for(running, 20)
+    assert not turned.called
+    assert app.errors == []
