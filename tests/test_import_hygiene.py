@@ -76,11 +76,6 @@ def test_predicting_does_not_import_training(tmp_path: Path, ledger: str) -> Non
     assert "numpy" in modules
 
 
-def test_planning_ballast_imports_no_large_part_of_scipy(tmp_path: Path, ledger: str) -> None:
-    modules = modules_after(tmp_path, "--ledger", ledger, "ballast", "--motor", "F24-4W", "--target", "200m")
-    assert not (NEVER | {"scipy.interpolate", "scipy.optimize", "scipy.stats"}) & modules
-
-
 def test_inferring_does_not_import_training(tmp_path: Path, ledger: str) -> None:
     modules = modules_after(tmp_path, "--ledger", ledger, "infer", "1")
     assert not (NEVER | {"onnx", "scipy.optimize"}) & modules

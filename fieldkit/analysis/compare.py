@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.analysis.records import Figure, MeasuredClimb, Recorded
-from fieldkit.curves import lowest
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
     import pandas
 
-SHIFT_TOLERANCE = 1e-5
-"""Tolerance of the shift. [s]"""
 _REACH = 3.0
 """Largest difference between lift-off times that may belong to the same flight. [s]"""
 
@@ -67,6 +64,8 @@ def _aligned(
     first: Recorded, one: MeasuredClimb, second: Recorded, other: MeasuredClimb
 ) -> tuple[float, float, float] | tuple[None, None, None]:
     """Shift [s], rms difference of heights [m] and duration compared [s]."""
+    from scipy.optimize import minimize_scalar
+
     mark = next((name for name in ("liftoff", "apogee") if name in first.events and name in second.events), None)
     start = first.events[mark].time - second.events[mark].time if mark else float(one.time[-1] - other.time[-1])
 
@@ -76,12 +75,12 @@ def _aligned(
 
     tries = start + np.linspace(-_REACH, _REACH, 61)
     best = float(tries[np.argmin([mean_square(shift) for shift in tries])])
-    shift, _ = lowest(mean_square, best - 0.15, best + 0.15, SHIFT_TOLERANCE)
-    gaps = _gaps(one, other, shift)
+    found = minimize_scalar(mean_square, bounds=(best - 0.15, best + 0.15), method="bounded")
+    gaps = _gaps(one, other, float(found.x))
     if gaps.size <= 4:
         return None, None, None
     step = float(np.median(np.diff(one.time)))
-    return shift, float(np.sqrt(np.mean(gaps**2))), gaps.size * step
+    return float(found.x), float(np.sqrt(np.mean(gaps**2))), gaps.size * step
 
 
 def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array, "time"]:

@@ -5,7 +5,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from fieldkit.curves import MonotoneCurve, lowest
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
@@ -23,8 +22,6 @@ from fieldkit.units import FOOT
 
 GRID = 16
 """Number of masses simulated. [1]"""
-MASS_TOLERANCE = 1e-5
-"""Tolerance of the best mass. [kg]"""
 DRAWS = 500
 """Flights simulated at each mass. [1]"""
 MIN_MASS_RATIO, MAX_MASS_RATIO = 0.6, 1.8
@@ -152,6 +149,8 @@ def ballast(
     The apogee is as the altimeter reads it, including its error. Raises ImpossibleFlight if no mass lifts off,
     BadValue for a recovery device or rail direction that cannot be read.
     """
+    from scipy.interpolate import PchipInterpolator
+
     masses = _masses(plan, _legal(goal, found, bounds))
     plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
     predictions = forecasts(rocket, [(one, found) for one in plans], draws=draws)
@@ -159,7 +158,7 @@ def ballast(
     if not np.median(apogee[:, 0]) > 0:
         raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
     duration = _durations(rocket, predictions)
-    curve = MonotoneCurve(masses, np.stack([apogee, duration])[:, :, :-1])
+    curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
     mass = _best(curve, masses, goal)
     if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
         # far from the target every probability is zero; there the mean miss guides the search
@@ -173,7 +172,7 @@ def ballast(
         add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
         forecast=forecast,
         unchanged=predictions[-1],
-        slope=float(np.median(curve.slope(mass)[0])),
+        slope=float(np.median(curve(mass, 1)[0])),
         there=_result(goal, *curve(mass)),
         today=_result(goal, apogee[:, -1], duration[:, -1]),
         reach=(low, high),
@@ -246,13 +245,17 @@ def _durations(rocket: Rocket, predictions: list[Prediction]) -> Float[Array, "d
     return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1)))
 
 
-def _best(curve: MonotoneCurve, masses: Float[Array, "mass"], goal: Goal) -> float:
+def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
     """The mass with the lowest cost: the best grid point, refined between its neighbors. [kg]"""
+    from scipy.optimize import minimize_scalar
+
     costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]
     best = int(np.argmin(costs))
     around = masses[max(best - 1, 0)], masses[min(best + 1, len(masses) - 1)]
-    mass, cost = lowest(lambda mass: goal.cost(*curve(mass)), *around, MASS_TOLERANCE)
-    return float(mass) if cost <= costs[best] else float(masses[best])
+    found = minimize_scalar(
+        lambda mass: goal.cost(*curve(mass)), bounds=around, method="bounded", options={"xatol": 1e-5}
+    )
+    return float(found.x) if found.fun <= costs[best] else float(masses[best])
 
 
 def _result(goal: Goal, apogee: Figures, duration: Figures) -> Result:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.curves import MonotoneCurve
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
@@ -88,6 +87,8 @@ def trials(
     Raises ImpossibleFlight for a plan without a dry mass, or if no mass within bounds lifts off; BadValue for a
     recovery device or rail direction that cannot be read.
     """
+    from scipy.interpolate import PchipInterpolator
+
     if plan.dry_mass is None:
         raise ImpossibleFlight("no dry mass, expected --dry-mass, the rocket's mass without its motor")
     most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
@@ -102,17 +103,17 @@ def trials(
         raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for the lowest mass")
     fall, density = fall_of(rocket.history, plan, found), air_of(predictions[0].plan).density
 
-    def timed(area: float) -> Float[Array, "draw mass"]:
+    def timed(area: float) -> Float[Array, "mass draw"]:
         speeds = [
             fall.speeds(np.random.default_rng(7), (DRAWS, 1), landing_mass(one.plan, one.found), density, area)
             for one in predictions
         ]
-        return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1)))
+        return np.nan_to_num(durations(predictions, fall, np.concatenate(speeds, axis=1))).T
 
     fine = np.linspace(low, most, FINE_MASSES)
-    apogee = MonotoneCurve(flown, np.stack([one.apogee for one in predictions], axis=-1))(fine).T
-    duration = np.stack([MonotoneCurve(flown, timed(float(area)))(fine).T for area in AREAS])
-    return TrialFlights(fine, apogee, duration, tuple(predictions), fall)
+    apogee = PchipInterpolator(flown, np.stack([one.apogee for one in predictions]), axis=0)(fine)
+    duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
+    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration), tuple(predictions), fall)
 
 
 def finals_targets(rule: Season) -> list[float]:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.curves import lowest
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
@@ -96,6 +95,10 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
     """The fraction of the area with the lowest cost, and that cost; searched in its logarithm, where half and double
     are equal steps."""
-    bounds = math.log(AREAS[0]), math.log(AREAS[1])
-    log_area, least = lowest(lambda log_area: cost(math.exp(log_area)), *bounds, AREA_TOLERANCE)
-    return math.exp(log_area), least
+    from scipy.optimize import minimize_scalar
+
+    bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))
+    best = minimize_scalar(
+        lambda log: cost(float(np.exp(log))), bounds=bounds, method="bounded", options={"xatol": AREA_TOLERANCE}
+    )
+    return float(np.exp(best.x)), float(best.fun)
