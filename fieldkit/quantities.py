@@ -212,6 +212,11 @@ def rounded(value: float, digits: int = 4) -> str:
     return text if "e+" not in text or abs(value) >= MAX_WRITTEN_OUT else f"{value:.0f}"
 
 
+def percent(probability: float) -> str:
+    """A probability [1] in percent, never 0% or 100%: `16%`, `> 99%`."""
+    return f"{probability:.0%}" if 0.01 <= probability <= 0.99 else "> 99%" if probability > 0.5 else "< 1%"
+
+
 def with_sd(value: float, sd: float) -> str:
     """A value and its standard deviation, in the unit of both: two significant digits of the deviation, and as many
     decimals of the value: `43.8 ± 6.7`, `1204 ± 150`. Without a deviation above zero, the value alone."""

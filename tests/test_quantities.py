@@ -5,7 +5,17 @@ import math
 import pytest
 
 from fieldkit.flight import BY_NAME
-from fieldkit.quantities import ShownUnits, density, in_system, measure, rounded, significant, with_sd, with_unit
+from fieldkit.quantities import (
+    ShownUnits,
+    density,
+    in_system,
+    measure,
+    percent,
+    rounded,
+    significant,
+    with_sd,
+    with_unit,
+)
 
 pytestmark = pytest.mark.fast
 
@@ -109,3 +119,11 @@ def test_a_drift_is_per_one_unit_of_the_users_speed(system: str, text: str) -> N
 )
 def test_a_value_has_the_digits_that_its_standard_deviation_supports(value: float, sd: float, text: str) -> None:
     assert with_sd(value, sd) == text
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [(0.0, "< 1%"), (0.004, "< 1%"), (0.01, "1%"), (0.5, "50%"), (0.99, "99%"), (0.996, "> 99%"), (1.0, "> 99%")],
+)
+def test_no_chance_is_certain_or_impossible(probability: float, text: str) -> None:
+    assert percent(probability) == text

@@ -47,6 +47,7 @@ from fieldkit.planning.landing_speed import landing_speed_line, two_device_lines
 from fieldkit.planning.limits import Limit, Limits
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.rules import RuleSet, rule_sets
+from fieldkit.quantities import percent
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, STANDARD_GRAVITY, ZERO_CELSIUS
 
@@ -180,7 +181,7 @@ def _rail(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyC
     needed = max(fixed.value, times.value * (plan.wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
     chance = float(np.mean(speeds < needed))
-    text = f"{speed(three(speeds)[1])}, needs at least {speed(needed)}{why}; {chance:.0%} chance of less"
+    text = f"{speed(three(speeds)[1])}, needs at least {speed(needed)}{why}; {percent(chance)} chance of less"
     verdict = by_chance(chance)
     if plan.rail_length is None:
         verdict = "caution" if verdict == "unsafe" else verdict
@@ -259,8 +260,8 @@ def _ejection(prediction: Prediction, limits: Limits) -> SafetyCheck:
     crashed = prediction.grounded
     chance = float(np.mean(np.nan_to_num(prediction.eject_speed) > limit.value)) + crashed
     text = f"{speed(three(prediction.eject_speed)[1], 0)}; " if fired.any() else ""
-    text += f"{chance:.0%} chance of more than {speed(limit.value, 0)}"
-    text += f", {crashed:.0%} chance of hitting the ground first" if crashed >= 0.01 else ""
+    text += f"{percent(chance)} chance of more than {speed(limit.value, 0)}"
+    text += f", {percent(crashed)} chance of hitting the ground first" if crashed >= 0.01 else ""
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
@@ -269,7 +270,7 @@ def _altimeter_ejection(prediction: Prediction, limit: Limit) -> SafetyCheck:
     sideways = np.hypot(np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     chance = float(np.mean(sideways > limit.value))
     text = f"an altimeter opens the drogue at apogee, at {speed(three(sideways)[1], 0)}"
-    text += f"; {chance:.0%} chance of more than {speed(limit.value, 0)}"
+    text += f"; {percent(chance)} chance of more than {speed(limit.value, 0)}"
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
@@ -278,7 +279,8 @@ def _early_charge(prediction: Prediction, limit: Limit) -> SafetyCheck:
     caution, because most such motors can be flown without the charge. After apogee it is a backup."""
     early = np.nan_to_num(prediction.eject) < 0
     chance = float(np.mean(early & (np.nan_to_num(prediction.eject_speed) > limit.value)))
-    text = f"{chance:.0%} chance that the motor's charge fires before apogee at more than {speed(limit.value, 0)}"
+    fast = f"before apogee at more than {speed(limit.value, 0)}"
+    text = f"{percent(chance)} chance that the motor's charge fires {fast}"
     verdict = by_chance(min(chance, SAFE_RISK))
     return SafetyCheck("ejection speed", verdict, f"{text}: take a longer delay or leave out the charge", limit.source)
 

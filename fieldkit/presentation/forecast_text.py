@@ -10,7 +10,7 @@ from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import PLUGGED_DELAY, Found
 from fieldkit.motors.names import parse, with_delay
-from fieldkit.quantities import ShownUnits, counted, with_sd
+from fieldkit.quantities import ShownUnits, counted, percent, with_sd
 
 
 def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
@@ -62,7 +62,7 @@ def ejection_in_words(prediction: Prediction) -> str:
         return f"by an altimeter at apogee{charge}"
     if eject is not None:
         grounded = prediction.grounded
-        return _when(eject) + (f"; {grounded:.0%} chance of hitting the ground first" if grounded >= 0.01 else "")
+        return _when(eject) + (f"; {percent(grounded)} chance of hitting the ground first" if grounded >= 0.01 else "")
     plan, found = prediction.plan, prediction.found
     delay = plan.delay if plan.delay is not None else found.delay
     if delay is None:

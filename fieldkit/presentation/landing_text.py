@@ -15,7 +15,7 @@ from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
-from fieldkit.quantities import ShownUnits, counted
+from fieldkit.quantities import ShownUnits, counted, percent
 from fieldkit.units import DEGREE
 
 LEAST_CHANCE = 0.01
@@ -48,7 +48,7 @@ def landing_in_words(
     falls = shown.speed(down.landing_speed[1])
     yield f"  landing   at {falls}; {_device(prediction, fall, recovery, shown)}"
     if (above := _main_above_apogee(prediction, recovery)) >= LEAST_CHANCE:
-        yield f"            {above:.0%} chance of an apogee below that: the main opens at apogee"
+        yield f"            {percent(above)} chance of an apogee below that: the main opens at apogee"
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
         yield f"            {ballistic:.0%} hit the ground before deployment"
     yield f"  descent   {descent_in_words(fall, plan)}"
@@ -87,7 +87,8 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
     yield f"  ellipse   {ELLIPSE_LEVEL:.0%} of landings: {axes}, {center}"
     if site.size is not None:
         inside = float((down.away <= site.size / 2).mean())
-        yield f"  field     {shown.length(site.size)} across: {inside:.0%} chance of landing on it (pad in the middle)"
+        chance = f"{percent(inside)} chance of landing on it (pad in the middle)"
+        yield f"  field     {shown.length(site.size)} across: {chance}"
 
 
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits, holds: float | None) -> Iterator[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.physics.effect import spoken
 from fieldkit.presentation.held_out_text import mean_misses
-from fieldkit.quantities import ShownUnits, counted, in_system, strength_in_words
+from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
@@ -60,7 +60,7 @@ def _effects(found: Findings, system: str, *, every: bool) -> Iterator[str]:
         evidence = f"{item.log_bayes:+8.1f}  " if every else ""
         strength = strength_in_words(*item.best.strength(), item.best.unit, system)
         yield from candidate_row(
-            str(item.best.candidate.place), f"{evidence}{_chance(item.probability):>6}   {strength}"
+            str(item.best.candidate.place), f"{evidence}{percent(item.probability):>6}   {strength}"
         )
     if rest := len(ranking) - len(listed):
         yield f"  {counted(rest, 'effect')} with a chance below {MIN_CHANCE_LISTED:.0%}; --details lists all"
@@ -176,10 +176,10 @@ def how_sure(found: Findings) -> str:
     diagnosis = found.diagnosis
     sure = diagnosis.confidence
     if diagnosis.effect == "none":
-        return f"chance that something is missing: {_chance(1 - sure)}"
+        return f"chance that something is missing: {percent(1 - sure)}"
     what = "something is missing" if diagnosis.effect == "unexplained" else "this is right"
     what = "it is one of these" if diagnosis.also and len(diagnosis.accepted) == 1 and sure > _alone(found) else what
-    return f"chance that {what}: {_chance(sure)} ({in_odds(sure)})"
+    return f"chance that {what}: {percent(sure)} ({in_odds(sure)})"
 
 
 def _alone(found: Findings) -> float:
@@ -224,11 +224,6 @@ def what_accepting_changes(found: Findings) -> Iterator[str]:
             if certain
             else (f"--effect {name} treats it as certain, --decline {name} excludes it")
         )
-
-
-def _chance(chance: float) -> str:
-    """A probability in percent, never 0% or 100%."""
-    return f"{chance:.0%}" if 0.01 <= chance <= 0.99 else "> 99%" if chance > 0.5 else "< 1%"
 
 
 def _errors(found: Findings, shown: ShownUnits) -> Iterator[str]:

@@ -17,7 +17,7 @@ from fieldkit.planning.outlook import Outlook
 from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
-from fieldkit.quantities import ShownUnits, measure
+from fieldkit.quantities import ShownUnits, measure, percent
 from fieldkit.units import DEGREE, FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
@@ -101,7 +101,8 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three(prediction.true_apogee)[1])} above the pad"
-    yield f"  within    {shown.length(goal.within)}: {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
+    chances = [percent(one.chance) for one in (best.there, best.today)]
+    yield f"  within    {shown.length(goal.within)}: {chances[0]} ({chances[1]} without change)"
     errors = [shown.length(one.error) for one in (best.there, best.today)]
     yield f"  mean miss {errors[0]} ({errors[1]} without change)"
     if best.there.points is not None and best.today.points is not None:
@@ -149,7 +150,7 @@ def outlook_in_words(
     yield f"  based on  {rests_in_words(prediction)}"
     if cut is not None:
         chance = ahead.chance(rule, cut)
-        yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"
+        yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {percent(chance)}"
 
 
 def _better_parachute(ahead: Outlook, shown: ShownUnits) -> Iterator[str]:
