@@ -34,7 +34,7 @@ LOOK_INTERVAL = 3.0
 
 
 def finder() -> type[Provider]:
-    """What the palette finds, imported when it is first opened."""
+    """The provider of the palette's results, imported when the palette is first opened."""
     from fieldkit.tui.finder import Finder
 
     return Finder
@@ -42,12 +42,13 @@ def finder() -> type[Provider]:
 
 class FieldkitApp(Surviving):
     """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. If it `stays`,
-    it has its own process, and prepares in the background what keys would otherwise wait for."""
+    it has its own process, and prepares in the background what keys would otherwise wait for; `back` is the state to
+    return to after an error."""
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
     DEFAULT_MODE = "home"  # shown first, without an empty screen before it
-    COMMANDS = App.COMMANDS | {finder}  # as in Textual
+    COMMANDS = App.COMMANDS | {finder}  # Textual's list the pages, colors, units and keys
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }
@@ -109,7 +110,7 @@ class FieldkitApp(Surviving):
         return self._opened[name]
 
     def switch_mode(self, mode: str) -> AwaitMount:
-        """Show a page, immediately if it was drawn before, because Textual would hide it for a moment."""
+        """Show a page; one that was drawn before appears immediately, although Textual would hide it for a moment."""
         self._hides = mode not in self._opened or not self._opened[mode].size
         return super().switch_mode(mode)
 
@@ -119,7 +120,8 @@ class FieldkitApp(Surviving):
             super().delay_update(delay)
 
     def settled(self, page: str) -> None:
-        """The page of this name has read the flights."""
+        """Called when the page of this name has read the flights: return to the row before an error, and prepare the
+        other pages."""
         if self._length is None:
             self.look_round()
         if self._back is not None and self._back.page == page:
@@ -139,7 +141,7 @@ class FieldkitApp(Surviving):
         freeze_permanent()
 
     async def _open_unseen(self, name: str) -> None:
-        """Open a page and the screens above it, and return before anything is painted; keys wait until then."""
+        """Open a page and the screens above it, and switch back before anything is painted; keys wait until then."""
         async with self.turn:
             front = self.current_mode
             self.unseen = True
@@ -253,7 +255,7 @@ class FieldkitApp(Surviving):
             page.open_flight(id)
 
     async def show_flights(self, words: str) -> None:
-        """Show the flights that match all of some words."""
+        """Show only the flights that match all of these words."""
         if (page := await self._flights_page()) is not None:
             page.show_only(words)
 

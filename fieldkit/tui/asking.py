@@ -65,8 +65,8 @@ class AskingScreen(Screen[None]):
 
         A newer request of a group drops an older one, or waits for it if `in_turn`. An error becomes a notice; an
         unexpected one also a crash file. Threads cannot be stopped, so dropped work runs to its end or to its next call
-        of `go_on`. Long requests run `alone`, one at a time, the newest next. A request that needs only part of the
-        `engine` does not wait for the rest.
+        of `go_on`. Long requests run `alone`: one at a time in their group, the newest next. A request that needs only
+        part of the `engine` does not wait for the rest.
         """
 
         def with_engine() -> T:
@@ -116,12 +116,12 @@ class AskingScreen(Screen[None]):
             ended.exception()  # otherwise reported as never retrieved
 
     async def settled(self, *groups: str) -> None:
-        """Wait until the queries of some groups are answered: keys typed ahead depend on the answers."""
+        """Wait until the requests of some groups are answered: keys typed ahead depend on the answers."""
         while self.is_asking(*groups):
             await asyncio.sleep(WAIT)
 
     def is_asking(self, *groups: str) -> bool:
-        """Whether queries of some groups are not answered yet."""
+        """Whether requests of some groups are not answered yet."""
         nodes = (self, self.app)  # changes are made by the app
         return any(one.group in groups and one.node in nodes and not one.is_finished for one in self.workers)
 
@@ -149,7 +149,7 @@ class AskingScreen(Screen[None]):
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
-    """The result, or the reason in one line, without an error or a notice."""
+    """Work that returns the message of a FieldkitError instead of raising it, so that no notice is shown."""
 
     def tried() -> T | str:
         try:

@@ -99,7 +99,8 @@ class Choosing(InOrder):
         self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
 
     def choose(self, done: str = "", **changes: Any) -> None:
-        """Change settings, apply them, and save them."""
+        """Change settings, apply them, and save them; if they cannot be saved, they still apply. `done` is the notice,
+        by default the names and values of the changes."""
         before = self.resources.settings
         try:
             self.resources.choose(**changes)

@@ -37,7 +37,7 @@ class Crash:
 
 
 def record(error: BaseException) -> Crash:
-    """Log an error in the folder of crashes."""
+    """Save a crash file for an error, and delete the oldest files beyond `MAX_CRASH_FILES`."""
     where = place_of(error)
     file = crash_folder() / f"{datetime.now(UTC):%Y%m%dT%H%M%S%f}.txt"
     try:
@@ -79,13 +79,14 @@ def _chain(error: BaseException) -> list[BaseException]:
 
 
 def _frames(error: BaseException) -> list[tuple[str, int, str, str]]:
-    """The calls that led to an error: file, line, function, and the line of the program."""
+    """The calls that led to an error, the innermost last: file, line number, function, and source line."""
     found = traceback.extract_tb(error.__traceback__)
     return [(shortened(frame.filename), frame.lineno or 0, frame.name, frame.line or "") for frame in found]
 
 
 def shortened(file: str) -> str:
-    """A file of the program by its path in the package, any other from the home folder on."""
+    """A path that starts at the folder from which Python imported the file, else at the home folder; else the file's
+    name."""
     path, home = Path(file), expanded("~")
     for root in (Path(fieldkit.__file__).parents[1], *map(Path, sys.path), Path(sys.base_prefix)):
         if root.is_absolute() and root != Path(root.anchor) and root != home and path.is_relative_to(root):

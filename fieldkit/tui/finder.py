@@ -1,4 +1,5 @@
-"""The command palette beyond keys: flights, rockets, motors, settings, help, and shell commands."""
+"""What the command palette finds besides pages and keys: flights, rockets, motors, settings, help, and shell
+commands."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 MAX_HITS = 40
-"""Maximum number of listed results of one kind. [1]"""
+"""Maximum number of results that `Finder` lists, of all kinds together. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

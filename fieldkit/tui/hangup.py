@@ -18,7 +18,8 @@ GRACE = 5.0
 
 
 def terminal() -> int | None:
-    """The terminal or server that keys come from; None if there is none or it cannot be polled."""
+    """The file descriptor of the terminal or server that keys come from; None if there is none or it cannot be
+    polled."""
     keys = sys.__stdin__
     served = "TEXTUAL_DRIVER" in os.environ
     return keys.fileno() if keys is not None and poll is not None and (served or keys.isatty()) else None
@@ -32,7 +33,8 @@ def gone(terminal: int) -> bool:
 
 
 def nobody_looks(error: BaseException) -> bool:
-    """Whether an error is only that the other end is closed, or comes after that: nothing in the app has failed."""
+    """Whether an error means only that the other end is closed, or comes after it was closed: nothing in the app has
+    failed."""
     held = terminal()
     return isinstance(error, BrokenPipeError) or (held is not None and gone(held))
 

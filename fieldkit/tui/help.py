@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Help:
-    """The help of a screen: its purpose, each field in plain words, and the equivalent commands."""
+    """The help of a screen: its purpose, each field by name in plain words, and the equivalent commands (`twin`)."""
 
     about: str
     fields: tuple[tuple[str, str], ...] = ()

@@ -9,7 +9,8 @@ if TYPE_CHECKING:
 
 
 class Host(Protocol):
-    """The interface of the app for its pages."""
+    """The interface of the app for its pages: `revision` and `look` count changes, as in `Choosing`; `unseen` means
+    that a page is being prepared behind the visible one; `changing` is held while the ledger is changed."""
 
     resources: "Resources"
     notices: "list[Notice]"
@@ -19,7 +20,7 @@ class Host(Protocol):
     changing: Lock
 
     def settled(self, page: str) -> None:
-        """The page of this name has read the flights."""
+        """Called when the page of this name has read the flights."""
 
     def changed(self) -> None:
         """The ledger has changed: pages must be reloaded."""
@@ -52,7 +53,7 @@ class Host(Protocol):
         """Open a flight over the Flights page."""
 
     async def show_flights(self, words: str) -> None:
-        """Show the flights that match all of some words."""
+        """Show only the flights that match all of these words."""
 
     def action_read(self) -> None:
         """Dismiss the current notice."""

@@ -35,7 +35,7 @@ def freeze_permanent() -> None:
     them takes 0.13 s, which a key would wait for."""
     gc.collect()
     gc.freeze()
-    gc.collect()  # the collector waits until a quarter is new of what it scanned last: now nothing
+    gc.collect()  # a full collection waits until a quarter as many objects are new as the last one scanned: now none
 
 
 def give_back() -> None:

@@ -58,7 +58,7 @@ def pages() -> dict[str, Page]:
 
 class PageScreen(AskingScreen):
     """A screen between the bars. `body` composes it, `reload` fills it when the ledger has changed, and `redraw` shows
-    the same data in other units or with another target."""
+    the same data in other units or with another target. `ABOUT` is its help, `NAME` the page marked in the top bar."""
 
     ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
@@ -164,7 +164,7 @@ class PageScreen(AskingScreen):
             self.redraw()
 
     def soon(self, show: Callable[[], None]) -> None:
-        """Show something after the current key is answered; several requests before that count as one."""
+        """Show something after the current key is answered, once even if it is requested several times before that."""
         if show not in self._due:
             self._due.append(show)
             self.call_after_refresh(self._show_due)

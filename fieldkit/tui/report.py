@@ -20,7 +20,7 @@ def ask_report(page: PageScreen, what: str) -> None:
 
 
 def _check(name: str) -> None:
-    """Raise BadValue for the name of a file in no known format; an empty one cancels."""
+    """Raises BadValue for the name of a file in no known format; an empty one cancels."""
     from fieldkit.presentation.report.write import check_report
 
     if name.strip():

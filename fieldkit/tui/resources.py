@@ -124,7 +124,7 @@ class Resources:
 
     def choose(self, **changes: Any) -> None:
         """Change settings and save the changes, keeping those that another app has saved since. Raises FieldkitError if
-        they cannot be saved."""
+        they cannot be saved; this app uses them anyway."""
         self.settings = replace(self.settings, **changes)
         self.settings = change_settings(changes, self._file)
 

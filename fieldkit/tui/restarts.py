@@ -14,7 +14,7 @@ MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 def run(where: str | None) -> None:
     """Open the app on a ledger until the user quits; after a bug, reopen it in the same place.
 
-    Raises FieldkitError if errors repeat.
+    Raises FieldkitError if errors repeat, or after the first one if the app is served to a browser.
     """
     began: list[float] = []
     place: Whereabouts | None = None

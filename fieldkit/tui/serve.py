@@ -53,7 +53,7 @@ other sites."""
 MAX_LOG_LINE = 500
 """Size limit of a line of the log. [character]"""
 MAX_APPS = 8
-"""Number of apps that run at the same time, each in its own process. [1]"""
+"""Maximum number of apps that run at the same time, each in its own process. [1]"""
 MAX_COLUMNS, MAX_ROWS = 500, 200
 """Largest size of a terminal in a browser. [cells]"""
 MAX_MESSAGE = 1 << 20

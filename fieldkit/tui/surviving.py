@@ -36,7 +36,7 @@ class Surviving(Choosing):
         self._crashes: dict[str, Crash] = {}
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event; a failing key changes nothing."""
+        """Handle an event; an error in it is reported, and the app continues."""
         try:
             await super().on_event(event)
         except Exception as error:

@@ -42,6 +42,7 @@ def _asked() -> Iterable[Question]:
 
 BY_NAME = {question.name: question for question in _asked()}
 READ = tuple(column.name for column in READOUTS)
+"""The questions about readouts, in the order of the altimeter."""
 BODY = ("dry_mass", "diameter")
 """Needed for Cd and the next forecast; asked before saving if the ledger does not know them."""
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ, *BODY))
@@ -77,9 +78,9 @@ class FormStart:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The result of saving: the id of the flight (empty for a duplicate) and what it lacks to constrain Cd; or the
-    question with an error, and its reason; or why the flight is excluded from every fit; or what must be
-    `confirmed` before it is added."""
+    """The result of saving: the id of the flight (empty for a duplicate), what it lacks to constrain Cd, and the
+    `trouble` that excludes it from every fit; or the name of a `wrong` answer, and the `trouble` with it; or a
+    question to `confirm` before the flight is added."""
 
     id: str = ""
     flight: Flight | None = None
@@ -162,7 +163,7 @@ class Draft:
         """Whether the draft in the ledger has been filled into the form; until then it is not overwritten."""
 
     def begin(self) -> FormStart:
-        """Load the draft; one that was started on another day is of a flight of that day."""
+        """Load the draft; one that was started on another day has that day as its default date."""
         from fieldkit.services.manual_entry import UNITS
 
         ledger, own = self._resources.ledger, self._resources.own_draft
@@ -230,8 +231,8 @@ class Draft:
             return self._resources.ledger.drop_draft(self._resources.own_draft.name)
 
     def save(self, answered: Answered, *, confirmed: bool = False) -> Saved:
-        """Save the flight in the ledger if all answers can be read, its motor is known, and its apogee is plausible or
-        `confirmed`."""
+        """Save the flight in the ledger if all answers can be read and its motor is known; a duplicate, a name that may
+        be misspelled or an implausible apogee must be `confirmed`."""
         from fieldkit.services.manual_entry import enter, weighed
         from fieldkit.services.plausible_flights import implausible_flights
 
@@ -281,7 +282,7 @@ class Draft:
         return "\n".join(doubts)
 
     def motor_trouble(self, name: str) -> str:
-        """Why a motor is unknown, empty if it is known or none is named."""
+        """Why a motor is unknown; empty if it is known or a cluster, or if none is named."""
         from fieldkit.motors import is_cluster
 
         trouble = "" if not name or is_cluster(name) else self._resources.motors.complaint(name)

@@ -89,7 +89,7 @@ class AddScreen(PageScreen):
         return self._sheet.field(name)
 
     def reload(self) -> None:
-        """Continue a draft, or offer defaults from the last flight; the card changes its units."""
+        """Continue a draft and offer defaults; clear a typed flight that is saved now; the card changes its units."""
         self.query_one(EstimateLine).forget()
         self._saving.card.redraw(self.resources.settings.units)
         if self._sheet.touched:
@@ -263,7 +263,7 @@ class AddScreen(PageScreen):
             self.ask(partial(self._draft.motor_trouble, event.value), self._saving.object_to, "motor")
 
     def _offer_again(self) -> None:
-        """Change the defaults after another rocket or configuration if nothing was typed."""
+        """Change the defaults of untouched fields after another rocket or configuration was typed."""
         self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
 
     def _offered(self, offers: dict[str, str]) -> None:

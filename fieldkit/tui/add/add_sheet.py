@@ -123,7 +123,8 @@ class Sheet:
                 self.field(name).fill("")
 
     def first_empty(self) -> Input:
-        """The first empty field to ask about: rocket and motor, else the first readout without a value."""
+        """The first empty field to ask about: rocket or motor, else the first readout without a value; the first
+        readout if none is empty."""
         named = [name for name in ("rocket", "motor") if not self.field(name).line.value]
         unread = [name for name in READ if not self.field(name).line.value]
         return self.field((named or unread or READ)[0]).line
@@ -148,12 +149,12 @@ def in_units(question: Question, text: str, system: str) -> str:
 
 
 def field_of(widget: Widget | None) -> Field | None:
-    """The field that a line belongs to."""
+    """The field that a line belongs to; None if it belongs to none."""
     return widget.parent if widget is not None and isinstance(widget.parent, Field) else None
 
 
 class SaveButton(Button):
-    """The button behind the ten readouts, the mass and the diameter."""
+    """The button below the ten readouts, the mass and the diameter."""
 
     def __init__(self, touched: set[str]) -> None:
         super().__init__("Save this flight", id="save", compact=True)

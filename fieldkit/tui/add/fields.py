@@ -173,7 +173,8 @@ class Form(HelpedModal[dict[str, object] | None]):
             self._picker.follow(event.input, event.input.parent.question.name)
 
     def _read(self, field: Field) -> tuple[object, str]:
-        """The value of a field, and a note on it that starts with a cross if it cannot be read."""
+        """The value of a field, and a note on it that starts with `✗` if the value cannot be used, and with `?` if it
+        may be misspelled."""
         name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:
@@ -183,7 +184,7 @@ class Form(HelpedModal[dict[str, object] | None]):
         if self._names is None or not field.typed:
             return value, self._beside(field, value, unit)
         if name == "motor" and (trouble := self._names.motor_trouble(str(value or ""))):
-            return value, f"✗ {trouble}"  # no ledger takes it
+            return value, f"✗ {trouble}"  # no ledger accepts it
         doubt = self._names.doubt(name, value)
         return value, f"? {doubt}" if doubt else self._beside(field, value, unit)
 
@@ -227,8 +228,8 @@ class Form(HelpedModal[dict[str, object] | None]):
             self.dismiss(None)
 
     async def action_take(self) -> None:
-        """Submit the answers if all can be read, once known names are; one that may be misspelled must be confirmed
-        first."""
+        """Submit the answers, once the known names are read, if all answers can be used; one that may be misspelled
+        must be confirmed first."""
         if self._reading is not None:
             await self._reading.wait()
         values: dict[str, object] = {}

@@ -23,17 +23,17 @@ class Saving:
 
     @property
     def card(self) -> AfterCard:
-        """The message about a saved flight."""
+        """The card of the flight that was just saved."""
         return self._page.query_one(AfterCard)
 
     def object_to(self, trouble: str) -> None:
-        """Ask about a doubtful answer until the flight is saved; nothing to do without `trouble`."""
+        """Show `trouble` with an answer as a notice, which stays until the flight is saved; nothing if it is empty."""
         if trouble:
             self._objections.append(trouble)
             self._page.complain(trouble)
 
     async def save_once(self, answered: Answered) -> None:
-        """Save the flight in the ledger unless that is done; the next keys wait, because saving clears the form."""
+        """Save the flight in the ledger unless a card is shown; the next keys wait, because saving clears the form."""
         if not self.card.display:
             self.save(answered)
             await self._page.settled("save")

@@ -24,7 +24,8 @@ screens of 100 columns, and of 120 with the card beside it. [cell]"""
 
 @dataclass(slots=True, eq=False)
 class Row:
-    """A flight with its results; `miss` is flown minus forecast [m], `drag` and `thrust` are added later.
+    """A flight with its results; `place` is its index in the order flown, `miss` is flown minus forecast [m]; `drag`
+    (Cd [1]) and `thrust` (relative to the certified one [1]) are added later.
 
     `drag` stays None without a diameter. `stale` means that inputs of the `forecast` had changed when the flight was
     added.
@@ -153,7 +154,7 @@ def _drawn(room: int, scale: HeightScale, system: str) -> Shown:
 
 
 def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
-    """Every flight in the order flown, with the error of its forecast."""
+    """Every flight in the order flown, with its saved forecast and the error of that."""
     from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
     flights = ledger.flights()

@@ -144,7 +144,7 @@ class FlightsScreen(PageScreen):
         return columns(self.query_one(Table).size.width, self._scale, self.resources.settings.units, beside=beside)
 
     def _sorted_by(self, shown: Sequence[Shown]) -> int:
-        """The place of the column that determines the order; the usual one if it does not fit."""
+        """The place of the column that determines the order; that of the date if the column does not fit."""
         keys = [one.key for one in shown]
         return keys.index(self._order if self._order in keys else "date")
 
@@ -231,7 +231,7 @@ class FlightsScreen(PageScreen):
             self.app.push_screen(self._flight)
 
     def show_only(self, words: str) -> None:
-        """Show the flights that match all of some words."""
+        """Show only the flights that match all of these words."""
         self.query_one(Input).value = words
         self.set_focus(self.query_one(Table))
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ChannelTrace:
-    """One channel of a log, thinned to the resolution of a screen, in the displayed units."""
+    """One channel of a log, thinned to the resolution of a screen: times [s], and values in the displayed units."""
 
     title: str
     time: list[float]
@@ -23,7 +23,8 @@ class ChannelTrace:
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A log for a plot: its channels, and its events by name and time from the start of the clock. [s]"""
+    """A log for a plot: its channels, and its events by name; times are on the log's own clock, or from lift-off after
+    `from_liftoff`. [s]"""
 
     device: str
     traces: dict[str, ChannelTrace]
@@ -60,11 +61,12 @@ DRAWN_MARGIN = 1.0
 TRACES = ("altitude", "speed", "acceleration")
 """Channels to draw, from top to bottom."""
 POINTS = 400
-"""Maximum number of samples of a channel to draw, more than the widest screen has dots. [1]"""
+"""Number of samples to which a channel is thinned, more than the widest screen has dots; because every n-th sample is
+drawn, up to twice as many can be left. [1]"""
 
 
 def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
-    """The log of a flight as traces, or the reason there is nothing to draw."""
+    """The log of a flight as traces from lift-off, or the reason there is nothing to draw."""
     import numpy as np
 
     from fieldkit.services.replay import recording_of

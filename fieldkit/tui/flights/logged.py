@@ -9,6 +9,7 @@ from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.quantities import measure, spelled, unit_of, with_sd
 
 TIME_TO_APOGEE = ("time_to_apogee_s", "time_to_apogee_sd_s")
+"""Extra columns: the time to apogee, and its standard deviation. [s]"""
 SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g": "g"}
 """Suffixes of extra columns that are units, in their printed form."""
 
@@ -49,7 +50,7 @@ def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
 
 
 def _stated(column: Column, text: str, system: str) -> str:
-    """The device's own values, in the user's units."""
+    """The device's own value in the user's units; the text itself if it is not a number."""
     try:
         return measure(column, column.parse(text), system)
     except BadValue:

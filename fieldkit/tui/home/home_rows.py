@@ -73,7 +73,7 @@ def _bounds(one: "ListedFlight") -> Bounds | None:
 
 
 def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:
-    """The profile of each flight that has a log, by its number."""
+    """The profile of each flight by its id, empty if its log cannot be read or has no altitude. Raises Dropped."""
     from fieldkit.tui.flights.log_plot import Drawn, drawn
 
     found: dict[str, str] = {}

@@ -11,8 +11,8 @@ from fieldkit.tui.page import PageScreen
 
 
 def ask_columns(page: PageScreen, path: Path, answer: Callable[[Sequence[str]], None], of: str = "") -> None:
-    """Ask for the meaning of a file's columns; its rows are `of` samples or flights. The answer has the form
-    NAME=COLUMN."""
+    """Ask for the meaning of a file's columns; its rows are `of` samples or flights, or of the kind detected if it is
+    empty. `answer` gets a text NAME=COLUMN for each column."""
 
     def show(columns: TableColumns | str) -> None:
         if isinstance(columns, str):

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from fieldkit.services.imports import Receipt
 
 MAX_DRAWN_ALTITUDES = 600
-"""Number of drawn altitudes of a telemetry stream."""
+"""Number of latest altitudes of a telemetry stream that are drawn. [1]"""
 MAX_LOG_LINES = 50
 """Number of lines in the event log, of which the last few are visible."""
 
@@ -89,7 +89,7 @@ class CaptureScreen(PageScreen):
 
     @dataclass
     class Happened(Message):
-        """An event that a capture reports."""
+        """An event that a capture reports; None if the capture failed."""
 
         event: Any
 
@@ -172,7 +172,8 @@ class CaptureScreen(PageScreen):
         self.query_one(Plot).display = False
 
     def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
-        """All events of a capture, each reported to the screen; the last one is returned."""
+        """Capture from a port, or continue the newest unfinished capture; report each event to the screen, and return
+        the last one. Raises CaptureTrouble or PortTrouble."""
         try:
             if port is not None:
                 events = capture.capture(port, device, folder=capture_folder(), stop=self._stop.is_set)
@@ -283,7 +284,7 @@ class CaptureScreen(PageScreen):
 
 
 def _check_device(name: str) -> None:
-    """Raise PortTrouble for a device that is not known; an empty name means that it is recognized."""
+    """Raises PortTrouble for a device that is not known; an empty name means that it is recognized."""
     if name.strip():
         known_device(name)
 

@@ -16,6 +16,7 @@ STEPS = (
     ("2", "Enter captures from the port. h names the device first if it only answers commands."),
     ("3", "At the end you are asked whether to import its flights; k ends a stream."),
 )
+"""The steps of a capture: number and text."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,5 @@
-"""Values that a log lacks, from the saved forecast: rocket, motor, mass and site, and today."""
+"""Values that a log lacks, from the open forecast or the last flight: rocket, motor, mass and site; the date is
+today."""
 
 from collections.abc import Callable, Mapping
 
@@ -19,7 +20,7 @@ def setup_of_day(resources: Resources) -> dict[str, str]:
 
 
 def waiting_setup(resources: Resources) -> dict[str, str]:
-    """The same while a saved forecast has no flight yet; otherwise empty."""
+    """The setup as in `setup_of_day` while a forecast is open; otherwise empty."""
     return setup_of_day(resources) if planned_answers(resources.ledger) else {}
 
 

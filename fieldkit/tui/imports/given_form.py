@@ -18,7 +18,8 @@ QUESTIONS = (
 
 
 def ask_given(page: PageScreen, given: Mapping[str, str], answer: Callable[[dict[str, str]], None]) -> None:
-    """Ask for values that a file lacks; values given for other columns are unchanged."""
+    """Ask for values that a file lacks; values `given` for other columns are unchanged. `answer` gets all of them as
+    text."""
     units = {name: unit_of(BY_NAME[name], page.resources.settings.units) for name in NUMBERS}
     texts = {question.name: given.get(question.name, "") for question in QUESTIONS}
 

@@ -85,7 +85,7 @@ def folder_text(folder: Path) -> str:
 
 
 def listed(folder: Path) -> list[Path]:
-    """Folders and then files, without hidden ones. Raises FieldkitError if they cannot be read."""
+    """The folder above, folders, and files, without hidden ones. Raises FieldkitError if they cannot be read."""
     try:
         found = [path for path in folder.iterdir() if not path.name.startswith(".")]
         return [UP, *sorted(found, key=lambda path: (not isdir(path), path.name.lower()))]
@@ -237,7 +237,7 @@ def name_and_size(path: Path) -> tuple[str, str]:
 
 
 def check_format_name(name: str) -> None:
-    """Raise UnknownFormat for a name that no parser has; an empty one means that the content decides."""
+    """Raises UnknownFormat for a name that no parser has; an empty one means that the content decides."""
     from fieldkit.importing.recognize import check_format
 
     if name.strip():
@@ -250,6 +250,6 @@ def typed_path(text: str) -> Path:
 
 
 def check_path(text: str) -> None:
-    """Raise BadValue for a path at which there is no file or folder; an empty one cancels."""
+    """Raises BadValue for a path at which there is no file or folder; an empty one cancels."""
     if text.strip() and not exists(typed_path(text)):
         raise BadValue(f"{typed_path(text)}: no such file or folder")

@@ -163,7 +163,8 @@ class ImportScreen(PageScreen):
             self.show_notice("Still reading the file; Enter again imports it")
 
     async def _store(self, path: Path, look: Look) -> None:
-        """Store a file; if it lacks a rocket or a motor, ask first, with those of an open forecast filled in."""
+        """Store a file; if it lacks a rocket or a motor, ask first, with those of an open forecast, or else the last
+        answers, filled in."""
         from fieldkit.tui.imports.day_setup import is_open, waiting_setup
 
         if self._reading.given or not is_open(look.flights):

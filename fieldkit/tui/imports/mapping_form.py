@@ -101,7 +101,7 @@ class MappingForm(Form):
 
 
 def _first_rows(columns: TableColumns, used: set[int | None]) -> Content:
-    """The names of the columns, bold where none of the fields has one yet, above the first rows."""
+    """The names of the columns above the first rows; columns that a field uses are dimmed, names of others bold."""
     lines = [columns.names, *columns.rows]
     widths = [
         min(MAX_CELL, max(len(printable(line[place])) for line in lines if place < len(line)))
@@ -176,7 +176,7 @@ class MappingList(HelpedModal[None]):
         return "Saved mappings", MAPPINGS_HELP
 
     def on_mount(self) -> None:
-        """Load them."""
+        """List the mappings."""
         self._show()
         self.set_focus(self.query_one(Table))
 

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
 """The panels of the page, shown one at a time or all at once."""
 PLAIN_MODEL = 0
-"""The index of the model without any effect added."""
+"""The number of the model without any effect added."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A rocket's models, the flights for a verdict, and the other rockets."""
+    """A rocket's models and flights, and the names of all rockets."""
 
     rocket: str
     rockets: tuple[str, ...]

@@ -78,7 +78,7 @@ class LoopScreen(PageScreen):
 
     @property
     def panels(self) -> Panels:
-        """The findings, if there are any."""
+        """The panels with the findings, if there are any."""
         return self.query_one(Panels)
 
     def on_mount(self) -> None:
@@ -139,7 +139,7 @@ class LoopScreen(PageScreen):
         self.ask(or_why(partial(look, self.resources, rocket, report)), self._looked, "look", alone=True)
 
     def _looking(self, rocket: str, text: str, done: float) -> None:
-        """Show the progress, unless another search was started or the app is closed."""
+        """Report the progress. Raises Dropped if another search was started or the app is closed."""
         go_on()
         self.post_message(self.TrialProgress(rocket, text, done))
 

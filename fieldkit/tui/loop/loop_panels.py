@@ -114,14 +114,15 @@ class Panels(Container):
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def show_residuals(self, turn: int, system: str) -> None:
-        """Show residuals against a column, flight by flight."""
+        """Show residuals against the `turn`-th column, flight by flight; after the last column comes the first."""
         if self.found is not None:
             caption, points, ticks = residual_points(self.found, turn, system)
             self.query_one("#against", Static).update(Content(caption))
             self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
 
     def show_marks(self, turn: int) -> None:
-        """Show the fingerprints of the residual and of an effect."""
+        """Show the fingerprints of the residual and of the `turn`-th effect; after the last effect comes the first
+        again."""
         if self.found is not None:
             self._effect = turn
             width = self.size.width // 2 if self.screen.has_class("-wide") else self.size.width
@@ -162,7 +163,7 @@ class Panels(Container):
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
 
     def front(self, panel: int) -> Widget | None:
-        """Bring a panel to the front; returns the widget for its keys."""
+        """Bring a panel to the front; returns the widget for its keys, None if it needs none."""
         for number, name in enumerate(PANELS):
             self.query_one(f"#p-{name}").set_class(number == panel, "-front")
         name = PANELS[panel]

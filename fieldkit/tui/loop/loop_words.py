@@ -73,7 +73,7 @@ def _bars(found: Findings, system: str) -> list[str]:
 
 
 def _errors(title: str, compared: Compared, system: str) -> Iterable[str]:
-    """Mean error before and after with its interval, and the number of flights inside their intervals."""
+    """Mean error before and after with its interval, and the fraction of flights inside their 90% intervals."""
     if not compared.before.flights:
         return
     yield f"{title}, {counted(compared.before.flights, 'flight')}"
@@ -173,14 +173,14 @@ def _odds(log_bayes: float) -> str:
 
 
 def version_rows(versions: Sequence[Version], system: str) -> dict[int, tuple[str, ...]]:
-    """Models by number, the plain one first: date, added effects, and which is in use."""
+    """Models by number, the plain one first: number, date, added effects, errors, and which is in use."""
     used = any(version.active for version in versions)
     rows: dict[int, tuple[str, ...]] = {PLAIN_MODEL: ("0", "", "plain", "", "" if used else "in use ✓")}
     return rows | {version.number: _version(version, system) for version in versions}
 
 
 def _version(version: Version, system: str) -> tuple[str, ...]:
-    """A row: the effects that a model added, and the errors before and after."""
+    """A row: number, date, the effects that a model added, the errors before and after, and whether it is in use."""
     payload = version.payload
     errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
     made, mark = f"{version.at:%Y-%m-%d}", "in use ✓" if version.active else ""

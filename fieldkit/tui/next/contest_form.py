@@ -20,6 +20,7 @@ DAY = (
     Question("declared", "Declared flights", "The flights whose best are summed, by their ids: 4,5,6."),
     Question("length", "Rocket length", "From nose to fins, in mm or with its unit: for the season's limit."),
 )
+"""Questions about a contest day."""
 
 WEIGHED = Question(
     "lift_off_mass", "Lift-off mass", "On the scale with this motor: sets the dry mass of the plan. Empty: as planned."
@@ -32,8 +33,8 @@ def questions(site: Site) -> tuple[Question, ...]:
 
 
 def read(motor: Motor, system: str, name: str, text: str, unit: str) -> object:
-    """An answer as typed; a lift-off mass as the dry mass under a motor [kg]. Raises BadValue, with masses in the units
-    of a system."""
+    """The value of an answer; for a lift-off mass, the dry mass under a motor [kg]. Raises BadValue, with masses in the
+    units of a system."""
     if name != WEIGHED.name:
         return read_part(name, text, unit)
     mass = read_lift_off_mass(text, unit)

@@ -17,6 +17,7 @@ from fieldkit.safe_text import printable
 FLOWN = "◆"
 """The mark of a flight's result, which is neither an error (✗) nor unsafe."""
 TARGET = "◎"
+"""The mark of a target."""
 Bounds = tuple[float, float, float]
 """A forecast: the 5%, the median and the 95%. [m]"""
 
@@ -40,7 +41,8 @@ class Interval:
 
 @dataclass(frozen=True)
 class Intervals(Visual):
-    """A title, lines of intervals and the scale below them; `marks` are common values by their names."""
+    """A title, lines of intervals and the scale below them; `spelled` formats a value, and `marks` are common values by
+    their names."""
 
     rows: tuple[Interval, ...]
     spelled: Callable[[float], str]
@@ -90,8 +92,8 @@ class Intervals(Visual):
 
 
 def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
-    """An interval on a scale from `start` to `end`: `├──●──┤`, with `◎` at the marks and `◆` at the result; an arrow
-    points to what is beyond the scale."""
+    """An interval on a scale from `start` to `end`, `width` cells wide: `├──●──┤`, with `◎` at the marks (`◉` on the
+    median) and `◆` at the result; an arrow points to an end of the interval beyond the scale."""
     line = [" "] * width
     low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
     line[low : high + 1] = "─" * (high - low + 1)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def of_delay(answer: "Answer", judged: "Delays") -> "Answer":
-    """The best delay."""
+    """The best delay; the answer is unchanged if there is none or it is not known when it fires."""
     if not judged.delays or not isfinite(judged.delays[0].after_apogee[1]):
         return answer
     best = judged.delays[0]

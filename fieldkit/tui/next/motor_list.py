@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 AT_ONCE = 40
 """Number of motors forecast together, so that the first results appear before the others."""
 MAX_FORECAST_MOTORS = 200
-"""Maximum number of motors to forecast in a search, besides the current one; a longer word narrows the search."""
+"""Maximum number of motors to forecast in a search, besides the current and the preferred ones; a longer word narrows
+the search. [1]"""
 
 
 @dataclass(slots=True)
@@ -65,7 +66,7 @@ class MotorList:
             self.exact.add(motor)
 
     def fits(self, motor: "Motor") -> bool:
-        """Whether it fits the mount and is safe and sensible by its forecast, if there is one yet."""
+        """Whether a motor fits the mount and is safe and sensible by its forecast, if there is one yet."""
         one = self.known.get(motor)
         return (one is None or one.fits) and (self.plan is None or self.plan.wanted.fits(motor))
 

@@ -17,9 +17,9 @@ from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.table import Cells, Head
 
 NAME, SHORT_NAME = 22, 14
-"""Cells for a motor's name, with and without its manufacturer."""
+"""Widths of a motor's name, with and without its manufacturer. [cell]"""
 LEAST_BAR = 14
-"""Minimum number of cells for drawing an interval."""
+"""Minimum width of a drawn interval. [cell]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
 
 
 def _brief(settings: Settings) -> list[MotorColumn]:
-    """The distance from the target, or without a target the interval."""
+    """Apogee, the distance from the target, or without a target the interval, and ejection."""
     return [_apogee(settings), *(_off(settings) or [_range(settings)]), _eject()]
 
 
@@ -130,7 +130,7 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
 
 
 def off(choice: MotorChoice, settings: Settings) -> str:
-    """Forecast minus target; from 100 on without a decimal."""
+    """Forecast minus target, from 100 on without a decimal; empty without a target."""
     target = settings.target
     if not target:
         return ""

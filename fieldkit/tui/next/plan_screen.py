@@ -35,8 +35,9 @@ from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.tabs import TabLine
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Finals")
+"""Names of the answers."""
 FINALS = VIEWS.index("Finals")
-"""The place of the table of finals, which is computed only here. [1]"""
+"""The index of the table of finals among the answers. [1]"""
 AREA_RATIOS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Fractions of the parachute's area to choose from. [1]"""
 
@@ -209,12 +210,12 @@ class PlanScreen(PageScreen):
         self.action_view(self._view + by)
 
     def action_aim(self) -> None:
-        """Change the goal of the ballast."""
+        """Change the goal of the ballast, or show the ballast if another answer is shown."""
         self._aim = (self._aim + (self._view == 1)) % len(AIMS)
         self.action_view(1)
 
     def action_season(self, by: int) -> None:
-        """Choose the next or previous season."""
+        """Choose the next or previous season, and show the points by its rule unless the answer depends on a season."""
         years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
         points = self._view == FINALS or (self._view == 1 and AIMS[self._aim] == "points")

@@ -1,4 +1,4 @@
-"""An OpenRocket design on the Import page: the start of a rocket, and saving it."""
+"""An OpenRocket design on the Import page: the start of a rocket, with its text."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,7 +19,7 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
     """The start of a rocket from a design, with its text.
 
     Rocket and configuration come from `given`, or else the rocket from the file. Raises FieldkitError if the file
-    cannot be read.
+    cannot be read or the rocket is named in neither.
     """
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file

@@ -51,7 +51,7 @@ def kit_text(kit: Kit | None, name: str, system: str) -> str:
 
 
 def read(name: str, text: str, unit: str) -> object:
-    """An answer as typed. Raises BadValue, also for a kit without a name."""
+    """The value of an answer. Raises BadValue, also for a kit without a name."""
     if name != "name":
         return read_answer(_column(name), text, unit)
     if not text.strip():

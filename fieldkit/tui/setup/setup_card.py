@@ -168,7 +168,7 @@ def _dates(flights: Sequence[Flight]) -> Iterable[tuple[str, str]]:
 
 
 def _heights(flights: Sequence[Flight], system: str) -> str:
-    """The number of flights and their apogees: `3 times, 242 m (200.1 to 281.3)`."""
+    """The number of flights and their apogees: `3 times, to between 200.1 and 281.3 m`."""
     times = "once" if len(flights) == 1 else f"{len(flights)} times"
     heights = [one.apogee for one in flights if one.apogee is not None]
     if not heights:
@@ -179,7 +179,7 @@ def _heights(flights: Sequence[Flight], system: str) -> str:
 
 
 def _highest(flights: Sequence[Flight], system: str) -> str:
-    """The highest apogee and its rocket."""
+    """The highest apogee, with its rocket and motor."""
     best = max(flights, key=lambda one: one.apogee or 0.0, default=None)
     if best is None or best.apogee is None:
         return ""

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.kits import Kit
 
 KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
+"""Names of the lists."""
 
 EMPTY = (
     "No matching motor; / changes the search",
@@ -45,7 +46,7 @@ EMPTY = (
     "No kits yet.\n\ni Add   save the mass, diameter and motor mount of a kit",
     "",
 )
-"""Texts of empty lists."""
+"""Texts of these lists if they are empty."""
 
 
 class SetupScreen(PageScreen):
@@ -100,7 +101,7 @@ class SetupScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read the rockets and sites of the flights."""
+        """Read the rockets and sites of the flights, the kits, and the motors."""
         self._show()
         from fieldkit.services.kits import kits
 
@@ -195,7 +196,7 @@ class SetupScreen(PageScreen):
                 return setup_card.of_setting(key, MEANS[key])
 
     def _list(self) -> ListContents:
-        """Show the current list with the columns that fit."""
+        """The current list with the columns that fit."""
         resources, width = self.resources, self.query_one(Table).size.width
         match KINDS[self._kind]:
             case "Motors":

@@ -24,6 +24,7 @@ QUESTIONS = (
     Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),
     *ROOM,
 )
+"""Questions about a site at which flights were made."""
 
 NEW_SITE = (
     Question("site", "Site", "Its name, which Add and plans then offer."),
@@ -45,7 +46,7 @@ def units(system: str) -> dict[str, str]:
 
 
 def read(name: str, text: str, unit: str) -> object:
-    """An answer as typed. Raises BadValue."""
+    """The value of an answer. Raises BadValue."""
     return read_part(name, text, unit) if name in room_names() else read_answer(name, text, unit)
 
 
@@ -55,7 +56,8 @@ def room_names() -> set[str]:
 
 
 def answered(site: Site, values: dict[str, Any], texts: dict[str, str], system: str) -> Site:
-    """The site from the answers; a length with the same text was not changed."""
+    """The site from the answers; a length with the same text was not changed, and an elevation is set only if one was
+    known."""
     known: dict[str, Any] = {}
     for name, field in {"site_elevation": "elevation", **{name: name for name in room_names()}}.items():
         if read(name, texts[name], units(system)[name]) != values[name]:

@@ -40,7 +40,7 @@ class TopBar(Static):
         self._titles, self._current = titles, current
 
     def render(self) -> Content:
-        """As wide as possible; narrower spacing at 60 columns."""
+        """The pages in one line; a narrower terminal drops first the program's name, then spaces."""
         gap = "  " if self.size.width >= 78 else " "
         parts = [Content.from_markup("[b $accent]fieldkit[/] ")] if self.size.width >= 92 else []
         for name, number, title in self._titles:
@@ -117,7 +117,7 @@ class KeyBar(Static):
         self.follow()
 
     def _follow_soon(self) -> None:
-        """Follow once for several changes of the focus together, of which a page that opens has three."""
+        """Follow several changes of the focus at once: a page that opens causes three."""
         if not self._due:
             self._due = self.call_later(self._follow_now)
 
@@ -126,8 +126,8 @@ class KeyBar(Static):
         self.follow()
 
     def follow(self) -> None:
-        """Show the available keys. The number of lines never shrinks, because a page that changed its height with the
-        focus would jump and be laid out again."""
+        """Show the available keys. At one width, the number of lines never shrinks, because a page that changed its
+        height with the focus would jump and be laid out again."""
         lines, room = self._lines(), self._room()
         width, most = self._most
         most = min(self.MOST, max(len(lines), most if width == room else 0))

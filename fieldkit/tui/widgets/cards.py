@@ -16,7 +16,8 @@ Pairs = Sequence[tuple[str, str]]
 
 
 def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:
-    """A heading and `name value` lines; values are never interpreted as markup."""
+    """A heading and `name value` lines, without empty values; values are never interpreted as markup. `width` is that
+    of the names [cell], 0 for the longest."""
     known = [(printable(name), printable(value)) for name, value in pairs if value]
     width = width or max((cell_len(name) for name, _ in known), default=0)
     made = [(0, Content.assemble((printable(heading), "b $primary")))] if heading else []
@@ -38,7 +39,7 @@ def readouts(flight: Flight, system: str) -> list[tuple[str, str]]:
 
 
 def circumstances(flight: Flight, system: str) -> list[tuple[str, str]]:
-    """Recorded setup and conditions, and notes."""
+    """Recorded setup and conditions, site, notes and log."""
     texts = [("Site", flight.site), ("Notes", flight.notes), ("Log", flight.log)]
     return columns(flight, (*SETUP, *CONDITIONS), system) + [(n, v) for n, v in texts if v]
 
@@ -61,7 +62,7 @@ def apogee(flight: Flight, system: str) -> str:
 
 
 def as_text(title: str, pairs: Pairs) -> str:
-    """The same as plain text, to be copied."""
+    """A title and `name value` lines as plain text, to be copied."""
     known = [(name, value) for name, value in pairs if value]
     width = max((len(name) for name, _ in known), default=0)
     return "\n".join([title, *(f"{name:{width}}  {value}" for name, value in known)])

@@ -1,4 +1,4 @@
-"""Small screens over a page: help, a question with a typed answer, and the base of all such screens."""
+"""Small screens over a page: help, a question with a typed answer, one to agree to, and the base of such screens."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
@@ -198,7 +198,7 @@ class AskText(HelpedModal[str | None]):
         self._picker.move(by)
 
     def action_leave(self) -> None:
-        """Close the list, or else cancel."""
+        """Close the list if the text was changed, or else cancel."""
         if self._picker.open and self.query_one(Input).value != printable(self._text):
             self._picker.close()
         else:

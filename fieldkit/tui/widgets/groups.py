@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
+"""Columns whose last known values a group has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,8 @@ class LedgerNames:
 
 
 def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
-    """Flights by some of their text fields, those flown last first; a group carries the last known numbers."""
+    """Flights by some of their text fields, the group flown last first, without flights that lack the first of these
+    fields; a group carries the last known numbers."""
     groups: dict[tuple[str, ...], list[tuple[str, Flight]]] = {}
     for id, flight in zip(ids, flights, strict=True):
         key = tuple(str(getattr(flight, name)) for name in names)

@@ -14,7 +14,7 @@ class Line(Input):
         self.cursor_blink = False
 
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
-        """Whether a key is a character here; Textual has no name for the slash."""
+        """Whether a key is a character here; Textual finds no character for the key `slash`."""
         character = "/" if key == "slash" else character
         asks = character == "?" and not self.takes_marks
         return super().check_consume_key(key, character) and not asks

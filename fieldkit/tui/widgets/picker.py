@@ -48,7 +48,7 @@ class Picker(OptionList, can_focus=False):
         return self.has_class("-open")
 
     def follow(self, line: Input, name: str) -> None:
-        """Offer answers that match the text of an input."""
+        """Offer answers that match the text of an input; `name` is that of its question."""
         source = self.sources.get(name)
         text = line.value.strip()
         if source is None or not line.has_focus or (text and text == self._taken):

@@ -124,7 +124,8 @@ def round_ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
-    """A smooth density of draws: positions and heights (Gaussian kernels, Silverman's rule of thumb, 1986)."""
+    """A smooth density of the finite draws (Gaussian kernels, Silverman's rule of thumb, 1986): positions in the unit
+    of the values, and heights relative to the highest [1], without those below `MIN_DENSITY_FRACTION`."""
     values = values[np.isfinite(values)]
     spread = min(values.std(), np.subtract(*np.quantile(values, [0.75, 0.25])) / 1.34) or values.std() or 1e-9
     width = 0.9 * spread * len(values) ** -0.2
@@ -138,8 +139,8 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
 def draw_density(
     values: Float[Array, "draw"], marks: Sequence[tuple[float, str]], number: Callable[[float], str]
 ) -> Callable[[Any, Ink], None]:
-    """Draws a density with vertical lines at some values; `number` formats the values below it, the first ones if there
-    is not enough room."""
+    """Draws a density with vertical lines at the `marks`, each a value and its label; `number` formats the values below
+    it, of which the first have priority if there is not enough room."""
     at, heights = density(values)
 
     def draw(plt: Any, ink: Ink) -> None:

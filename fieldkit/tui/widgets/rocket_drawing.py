@@ -53,5 +53,5 @@ def centers(cg: float, cp: float, width: int) -> str:
 
 
 def caption(length: float | None) -> str:
-    """The parts of a drawing that are to scale."""
+    """The note below a drawing that is not to scale; empty if the length [m] is known."""
     return "" if length else "a sketch: import its .ork file for its length"

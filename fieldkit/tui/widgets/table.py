@@ -120,8 +120,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         keep: bool = True,
         name: Callable[[Any], Hashable] = lambda key: key,
     ) -> None:
-        """Show a row for each key. If the user chose a row, the cursor stays on it, or takes the place of a row that is
-        gone; `name` identifies a row whose key has changed."""
+        """Show a row for each key. With `keep`, if the user chose a row, the cursor stays on it, or takes the place of
+        a row that is gone; otherwise it is on the first row. `name` identifies a row whose key has changed."""
         before = self.current
         row = _place(self.cursor, list(map(name, self.keys)), list(map(name, keys))) if keep and self.by_hand else 0
         self.heads, self.keys, self.cells = heads, keys, cells
@@ -255,8 +255,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
 
 def _place(cursor: int, old: Sequence[Hashable], new: Sequence[Hashable]) -> int:
-    """The place of the cursor when other rows are shown: that of its row, or of the row instead of it, or of the next
-    row that is still there, or of the one before it."""
+    """The place of the cursor when other rows are shown: that of its row; the same place if its row is gone and the
+    number of rows is the same; else that of the next row that is still there, or of the one before it."""
     places = {name: place for place, name in enumerate(new)}
     if old[cursor : cursor + 1] and old[cursor] not in places and len(old) == len(new):
         return cursor

@@ -8,7 +8,7 @@ from textual.widgets import Static
 
 
 class TabLine(Static):
-    """The current one is marked as in the line of pages; a click on another runs an action with its number."""
+    """The current view is marked as in the line of pages; a click on another runs an action with its index."""
 
     DEFAULT_CSS = """
     TabLine { height: 1; padding: 0 1; background: $panel; color: $foreground; text-wrap: nowrap;
@@ -20,7 +20,7 @@ class TabLine(Static):
         self._names, self._action = names, action
 
     def front(self, number: int) -> None:
-        """Bring one to the front."""
+        """Mark the view with this index as the current one."""
         marks = (
             f"[b reverse] {name} [/]" if at == number else f"[@click={self._action}({at})] {name} [/]"
             for at, name in enumerate(self._names)
