@@ -45,7 +45,8 @@ def add(
 ) -> None:
     """Enter a flight by hand. Enter accepts the default, < goes back, ? shows help, - means "not recorded".
 
-    With any flight option nothing is asked; dry mass and diameter are by default those of the rocket's last flight.
+    With any flight option nothing is asked; dry mass and diameter are by default those of the plan, of the rocket's
+    last flight, or of its kit.
     Without a terminal, answers are read from standard input, one per line.
     """
     from fieldkit.services.unknown_names import unknown_names
@@ -80,8 +81,8 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
 
 
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":
-    """A flight with the mass and diameter of its plan or of the rocket's last flight if none are given, and the names
-    of what was filled in, which is printed."""
+    """A flight with the mass and diameter of its plan, of the rocket's last flight, or of its kit if none are given,
+    and the names of what was filled in, which is printed."""
     from fieldkit.services.manual_entry import with_build
 
     flight, filled = with_build(ledger, flight, given)
@@ -103,8 +104,8 @@ def _doubt(ledger: "Ledger", flight: "Flight") -> None:
 
 
 def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, Collection[str], str | None]":
-    """Ask for a flight, or continue with one; the flight, the names of what was filled in, and the name of the draft
-    that it completes.
+    """Ask for a flight, or continue with one; returns the flight, the names of what was filled in, and the name of the
+    draft that it completes, None if that is continued later.
 
     Exits with 1 if the user stops halfway; the draft is retained.
     """
@@ -131,7 +132,8 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, Collectio
 
 
 def _resume_draft(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
-    """Continue a draft if the user wants to; without a terminal it is continued only on request."""
+    """Continue a draft if the user wants to; without a terminal it is continued only on request. Exits with 1 if the
+    input ends."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)
@@ -149,6 +151,7 @@ def _resume_draft(conversation: "Conversation", draft: dict[str, str] | None, *,
 
 
 def _ask_in_terminal(prompt: str) -> str | None:
+    """The answer to a prompt; None at the end of the input or after Ctrl-C."""
     with contextlib.suppress(ImportError):
         import readline  # noqa: F401  # arrow keys while typing
 
@@ -160,6 +163,7 @@ def _ask_in_terminal(prompt: str) -> str | None:
 
 
 def _read_from_pipe(_prompt: str) -> str | None:
+    """The next line of the input; None at its end."""
     return sys.stdin.readline() or None
 
 

@@ -138,7 +138,7 @@ def _unfinished() -> Path:
 
 
 def _port(names: Sequence[str], device: str | None) -> "Port":
-    """The named port, or the only one. Raises PortTrouble that lists the ports."""
+    """The named port, or the only one that may have a logger. Raises PortTrouble that lists those ports."""
     from fieldkit.capture import Port, ports
 
     here = ports()
@@ -158,7 +158,8 @@ def _port(names: Sequence[str], device: str | None) -> "Port":
 def _chooser(
     wanted: Sequence[int], pause: Callable[[], None], asks: bool
 ) -> "Callable[[Sequence[Stored]], Sequence[int]]":
-    """The flights to read: those of the options, or those that the user types."""
+    """Chooses the flights to read: those `wanted`; else those that the user types, if it `asks` and there are several;
+    else all. Raises BadValue for a wanted flight that is not in memory."""
 
     def choose(flights: "Sequence[Stored]") -> Sequence[int]:
         numbers_found = [flight.number for flight in flights]

@@ -39,7 +39,7 @@ def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
 
 
 def motor_names(context: typer.Context, incomplete: str) -> list[str]:
-    """Motors flown before, then those of the catalog, each with its delays."""
+    """Motors flown before, then those of the catalog, one name for each delay on sale."""
     from fieldkit.motors.names import with_delay
     from fieldkit.motors.own import known_motors
 

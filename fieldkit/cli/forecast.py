@@ -138,7 +138,7 @@ def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]",
 def _plan(
     ledger: "Ledger", given: dict[str, str | None], motors: "Catalogue", check: "Callable[[str], str | None]"
 ) -> "Flight":
-    """The flight described by the options; missing values are as last flown. Raises BadValue."""
+    """The flight described by the options; missing values are as last flown. Raises BadValue, BadParameter."""
     if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
     if given.get("rocket"):

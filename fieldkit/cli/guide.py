@@ -121,6 +121,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
 
 
 def _classes(text: str) -> tuple[str, str] | None:
+    """The first and the last impulse class of `D` or `D-F`; None if it is empty. Raises BadParameter."""
     first, _, last = text.upper().replace(" ", "").partition("-")
     if not text:
         return None

@@ -66,7 +66,7 @@ def kits(
 
 
 def _millimeters(value: float | None) -> str:
-    """A width [m] with the tenths of a ruler."""
+    """A width [m] in millimeters, with four significant digits; empty if it is unknown."""
     return "" if value is None else f"{value * 1e3:.4g} mm"
 
 

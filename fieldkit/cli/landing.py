@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 CARD_LINES = 30
-"""Lines of a range card above its safety lines. [1]"""
+"""Maximum number of lines of a range card above its safety checks. [1]"""
 USUAL_WIND_FROM = 270.0
 """Direction of the wind on a map if none is given, clockwise from north. [deg]"""
 

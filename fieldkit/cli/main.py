@@ -61,6 +61,7 @@ GROUPS = {
 }
 """The commands of every module of `fieldkit.cli`, in the order in which `--help` lists them."""
 HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
+"""The module of each command."""
 
 
 class OnDemand(Mapping[str, Any]):

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 GUIDE = "With --fit"
+"""Heading of the options of the motor guide in the command's help."""
 MAX_LISTED_MOTORS = 40
 """Maximum number of motors in a table. [1]"""
 MAX_CORRECTED_MOTORS = 3

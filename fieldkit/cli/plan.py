@@ -48,7 +48,7 @@ def delay(
 
 
 LONGEST_CUT = 10.0
-"""A step is repeated up to this total; no shipped tool removes more than 8 s. [s]"""
+"""A step is repeated up to this total, the most that a shipped tool removes. [s]"""
 SMALLEST_CUT = 0.1
 """Smallest step of a tool, far below the 1.5 s by which delays vary. [s]"""
 

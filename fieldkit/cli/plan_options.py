@@ -37,7 +37,7 @@ Given = Mapping[str, str | None]
 
 
 def kit_named(given: Given) -> "Kit | None":
-    """The named kit. Raises BadValue."""
+    """The kit that is named; None if none is. Raises BadValue."""
     from fieldkit.planning.kits import kit_of
 
     name = given.get("kit")

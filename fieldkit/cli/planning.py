@@ -110,8 +110,8 @@ NEW_ROCKET = "new rocket"
 
 
 def known_rocket(ledger: "Ledger", given: Given) -> str:
-    """The rocket of a plan: the named one, else the kit's, else that of the flight entered last; with a mass, a
-    new one.
+    """The rocket of a plan: the named one, else the kit's, else that of the flight entered last; with a kit or a mass,
+    it may be one that has not flown.
 
     Raises NoFlights, BadValue.
     """
@@ -129,7 +129,7 @@ def known_rocket(ledger: "Ledger", given: Given) -> str:
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
-    """The site of a plan, with ceiling and size as given. Raises BadValue."""
+    """The site of a plan, with ceiling, size, distances and rules as given. Raises BadValue."""
     from fieldkit.services.sites import site_of
 
     known = site_of(ledger, plan.site)
@@ -237,7 +237,7 @@ def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyChec
 
 
 _WIDTH = 79
-"""Width of a line that is printed unwrapped. [character]"""
+"""Maximum width of a line that is printed unwrapped. [character]"""
 
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:

@@ -23,6 +23,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services import manual_entry
 
 BACK = "<"
+"""The answer that returns to the question before."""
 WITH_MOTOR = "with motor"
 """The end of an answer that is a mass on the pad."""
 
@@ -32,7 +33,8 @@ ReadAnswer = Callable[[str], str | None]
 
 @dataclass(slots=True)
 class Conversation:
-    """A conversation: the answers so far, as typed and as a flight. `interactive` means that a person answers.
+    """A conversation: the answers so far, as typed and as a flight. `interactive` means that a person answers, `keeps`
+    that the answers are saved as a draft.
 
     `units` are those typed last, by kind of column. They apply to later numbers only if a person answers, who sees
     them.
@@ -68,7 +70,8 @@ def converse(conversation: Conversation) -> bool:
 
 
 def _caught_up(conversation: Conversation) -> int:
-    """Copy the answers of a draft; returns the position of the first question without one."""
+    """Copy the answers of a draft; returns the position of the first question without an answer, or with one that
+    cannot be read any more."""
     for place, question in enumerate(QUESTIONS):
         text = conversation.answers.get(question.name)
         if text is None:
@@ -83,7 +86,7 @@ def _caught_up(conversation: Conversation) -> int:
 
 
 def offer(conversation: Conversation, question: Question) -> str:
-    """The default answer: the one given before, or that of the last similar flight."""
+    """The default answer: the one given before, else that of the plan or of the last similar flight."""
     if question.name in conversation.answers:
         return conversation.answers[question.name]
     plan = manual_entry.planned_answers(conversation.ledger)
@@ -105,7 +108,8 @@ def _unit(conversation: Conversation, question: Question) -> str:
 
 
 def _answered(conversation: Conversation, question: Question, text: str) -> bool:
-    """Accept an answer if it can be read and, if it is unusual, is confirmed."""
+    """Accept an answer if it can be read and, if it is unusual and a person answers, is confirmed; returns whether it
+    was accepted."""
     text = text.strip() or offer(conversation, question)
     while True:
         try:
@@ -183,7 +187,7 @@ def _look_up(conversation: Conversation, text: str) -> None:
 
 
 def _explain(conversation: Conversation, question: Question) -> None:
-    """Print the help of a question, and the answers so far."""
+    """Print the help of a question, and the names in the ledger that answer it."""
     complain(question.help)
     if question.name == "dry_mass":
         complain(f"  or weighed ready to fly: 620g {WITH_MOTOR}")

@@ -86,8 +86,8 @@ def _print_scores(found: "LedgerScores") -> None:
 
 
 def _print(found: "ScoreReport", *, placed: bool = True) -> None:
-    """Print the scores of each method, the differences from each rival, the verdicts, and the quantiles of the
-    flights."""
+    """Print the scores of each method, the differences from each rival, the verdicts, and, with `placed`, the quantiles
+    of the flights."""
     from fieldkit.presentation.score_text import (
         DIFFERENCE_HEADERS,
         DIFFERENCE_LEGEND,

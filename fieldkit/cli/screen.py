@@ -90,7 +90,8 @@ def print_json(document: Mapping[str, object]) -> None:
 
 
 def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[str] = ()) -> None:
-    """Print a table fitted to the terminal's width, or to 80 columns if there is none."""
+    """Print a table fitted to the terminal's width, or to 80 columns if there is none; columns in `numbers` are
+    right-aligned, and their cells are cut instead of wrapped."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text

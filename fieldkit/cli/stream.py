@@ -13,6 +13,7 @@ GAP = "  "
 MIN_COLUMN_WIDTH = 5
 """Minimum width of a column if the terminal is too narrow. [cell]"""
 CUT_MARK = "…"
+"""The end of a text that was cut."""
 
 
 def stream_table(headers: Sequence[str], pages: Iterable[Sequence[Sequence[str]]], numbers: Sequence[str] = ()) -> None:

@@ -5,6 +5,7 @@ from importlib.util import find_spec
 from fieldkit.errors import FieldkitError
 
 HOW = "from a checkout of fieldkit: pip install -e ."
+"""How to install the studies."""
 
 
 def studies_are_here() -> bool:

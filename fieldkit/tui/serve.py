@@ -1,7 +1,8 @@
 """Serve the app to a browser, on this computer or on a phone in the same network, with textual-serve.
 
-Requests from other computers need a token, and pages of another origin are always refused. Without a token, a request
-that addresses this computer by a foreign name is refused too, because a page may point its own name to this computer.
+If the server has a token, as that of `fieldkit serve` has, every request needs it; pages of another origin are always
+refused. A server without a token also refuses requests that address this computer by a foreign name, because a page may
+point its own name to this computer.
 """
 
 import asyncio

@@ -41,12 +41,15 @@ def _asked() -> Iterable[Question]:
 
 
 BY_NAME = {question.name: question for question in _asked()}
+"""Every question by its name."""
 READ = tuple(column.name for column in READOUTS)
 """The questions about readouts, in the order of the altimeter."""
 BODY = ("dry_mass", "diameter")
 """Needed for Cd and the next forecast; asked before saving if the ledger does not know them."""
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ, *BODY))
+"""The other questions, asked below the button."""
 TODAY = "today"
+"""The default date."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from fieldkit.tui.page import PageScreen
 
 TEXTS = {"rocket": "Rocket", "config": "Configuration", "motor": "Motor", "site": "Site", "date_time": "Date"}
 NUMBERS = ("dry_mass", "diameter")
+"""Columns that are asked for: texts with their titles, and numbers."""
 QUESTIONS = (
     *(Question(name, title, "For every flight in the file that lacks it.") for name, title in TEXTS.items()),
     *(Question(name, BY_NAME[name].title, BY_NAME[name].help) for name in NUMBERS),

@@ -52,7 +52,7 @@ class Look:
     flights: tuple[Flight, ...] = ()
     """The flights in it that can be imported, including duplicates."""
     owner: str = ""
-    """The rocket with which the only flight of a file that names none is in the ledger."""
+    """If the only flight of a file names no rocket: the rocket under which the ledger has that flight; else empty."""
 
 
 @dataclass(frozen=True, slots=True)

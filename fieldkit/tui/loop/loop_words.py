@@ -30,7 +30,7 @@ Parts = list[str | tuple[str, str]]
 
 def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
     """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
-    the test that would decide, the consequences of accepting it, and the leave-one-out errors."""
+    the test that would decide, the consequences of accepting it, and the errors on held-out flights."""
     diagnosis = found.diagnosis
     parts: Parts = [
         (f"Verdict: {diagnosis.effect}", "b $primary"),

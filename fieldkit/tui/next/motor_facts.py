@@ -8,6 +8,7 @@ from fieldkit.quantities import written
 from fieldkit.safe_text import printable
 
 KINDS = {"SU": "single use", "reload": "reloadable", "hybrid": "hybrid"}
+"""Kinds of motors in the catalog, in the words of a flyer."""
 
 
 def facts(motor: Motor, system: str) -> tuple[tuple[str, str], ...]:

@@ -121,9 +121,10 @@ def next_build(plan: Plan | PlanWithoutMass) -> Flight | None:
 
 
 def read_plan(resources: "Resources") -> Plan | PlanWithoutMass | None:
-    """The saved plan, or else one for the last flown rocket with a known mass; None if nothing has flown.
+    """The saved plan, or else one for the last flown rocket with a known mass or, without flights, for a designed one;
+    without forecasts if its mass is unknown; None without plan, flights and designs.
 
-    Raises LedgerError if the ledger cannot be read.
+    Raises LedgerError if the ledger cannot be read, BadValue if the saved plan cannot.
     """
     from fieldkit.planning.motor_guide import Wanted, widest_motor
     from fieldkit.services import launch_day
