@@ -48,7 +48,7 @@ class FieldkitApp(Surviving):
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
     DEFAULT_MODE = "home"  # shown first, without an empty screen before it
-    COMMANDS = App.COMMANDS | {finder}  # Textual's list the pages, colors, units and keys
+    COMMANDS = App.COMMANDS | {finder}  # Textual's provider lists the pages, colors, units and keys
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }

@@ -1,4 +1,4 @@
-"""The app until the user quits: opened again where one was after a bug."""
+"""Runs the app until the user quits, and reopens it in the same place after a bug."""
 
 import time
 

@@ -40,7 +40,7 @@ class Choice(Static):
 
 
 class Choices(Horizontal):
-    """The three of them."""
+    """The three choices."""
 
     DEFAULT_CSS = """
     Choices { height: 3; padding: 0 1; }

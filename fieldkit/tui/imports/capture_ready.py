@@ -28,7 +28,7 @@ class Ready:
 
 
 def ready_in(folder: Path) -> Ready:
-    """What is known before a capture."""
+    """The latest captures in a folder, and the known devices."""
     files = captured.captures(folder)[: -MAX_CAPTURES - 1 : -1]
     states = tuple((file.name, _state(file)) for file in files)
     return Ready(states, tuple((name, device.title) for name, device in known_devices().items()))

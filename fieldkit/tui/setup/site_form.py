@@ -24,7 +24,7 @@ QUESTIONS = (
     Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),
     *ROOM,
 )
-"""Questions about a site at which flights were made."""
+"""Questions about a listed site."""
 
 NEW_SITE = (
     Question("site", "Site", "Its name, which Add and plans then offer."),

@@ -54,7 +54,7 @@ class Hanging(Visual):
 
 
 def hanging(text: Iterable[str]) -> Hanging:
-    """Lines of text, wrapped below their text after a name or spaces, else a little to the right."""
+    """Lines of text; a wrapped line continues below its text after a name or spaces, else two cells to the right."""
     return Hanging(tuple((_column(line), marked(line)) for line in map(printable, text)))
 
 
