@@ -18,7 +18,7 @@ def finite(value: float | None) -> float | None:
 def not_negative(value: float | None) -> float | None:
     """The number itself, in the unit of its option. Raises BadParameter for one below zero, nan and infinity."""
     if value is not None and value < 0:
-        raise typer.BadParameter(f"found {value:g}, expected a number above zero")
+        raise typer.BadParameter(f"found {value:g}, expected zero or more")
     return finite(value)
 
 

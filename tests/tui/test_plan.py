@@ -281,3 +281,9 @@ async def test_a_flight_added_by_another_program_is_used_in_an_open_decision(
         await pilot.pause(0.2)
         await press(pilot, "_")
         assert screen_text(pilot) != before, "terminals side by side report no focus"
+
+
+def test_an_elevation_typed_for_a_site_without_one_is_saved() -> None:
+    texts = {"site_elevation": "", **site_form.room(Site("Field"), "SI")}
+    values = {"site": "Field", "site_elevation": 210.0, "size": None, "ceiling": None}
+    assert site_form.answered(Site("Field"), values, texts, "SI").elevation == 210.0

@@ -199,7 +199,7 @@ class CaptureScreen(PageScreen):
             self._say(f"! {line}" if isinstance(message.event, capture.Lost) else line)
 
     def _say(self, text: str) -> None:
-        self._events = [*self._events, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
+        self._events = [*self._events, printable(text).replace("--device", "h")][-MAX_LOG_LINES:]
         self.query_one("#events", Static).update(hanging(map(shortened, self._events)))
         self.query_one("#happened").scroll_end(animate=False)
 

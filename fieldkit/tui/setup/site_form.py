@@ -56,12 +56,9 @@ def room_names() -> set[str]:
 
 
 def answered(site: Site, values: dict[str, Any], texts: dict[str, str], system: str) -> Site:
-    """The site from the answers; a length with the same text was not changed, and an elevation is set only if one was
-    known."""
+    """The site from the answers; a length with the same text was not changed."""
     known: dict[str, Any] = {}
     for name, field in {"site_elevation": "elevation", **{name: name for name in room_names()}}.items():
         if read(name, texts[name], units(system)[name]) != values[name]:
             known[field] = values[name]
-    if site.elevation is None:
-        known.pop("elevation", None)
     return replace(site, name=values["site"], **known)
