@@ -179,7 +179,7 @@ CUSTOMARY_UNITS = frozenset({"ft", "in", "yd", "mi", "mph", "fps", "ft/s", "lb",
 _SMALLER = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
 """The unit that may follow a larger one, as in `12 ft 6 in`."""
 MAX_TYPED_VALUE = 1e30
-"""Largest magnitude of a typed number, in any unit."""
+"""Limit of the magnitude of a typed number, in SI."""
 
 
 @lru_cache(maxsize=1024)

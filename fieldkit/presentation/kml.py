@@ -84,7 +84,7 @@ def track_kml(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
     """A satellite track, with its altitude above sea level [m] if recorded, and its ends on the ground. Raises BadValue
-    if there are no positions."""
+    for fewer than two positions."""
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if altitude is not None:
         known &= np.isfinite(altitude)

@@ -75,7 +75,8 @@ def candidate_row(name: str, figures: str) -> Iterator[str]:
 
 
 def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
-    """The absolute errors of the latest flights as bars, before and after; empty if nothing is missing."""
+    """The absolute errors of the latest flights as bars, before and after; empty if nothing is missing or forecasts use
+    the plain model."""
     if found.diagnosis.effect == "none" or all(not places for _, places in found.diagnosis.averaged):
         return
     most, before, after = miss_bars(found, MAX_DRAWN)

@@ -21,6 +21,7 @@ RANK_BINS = 10
 MIN_FLIGHTS_FOR_EFFECTS = 8
 """Minimum number of flights for evaluating inclusion effect by effect. [1]"""
 DEEP_TAIL = 1e-4
+"""Lowest rank of a truth, and distance of the highest from 1. [1]"""
 
 
 def judge(ensemble: Ensemble, table: HistoryTable) -> dict[str, Any]:
@@ -76,7 +77,7 @@ def _coverage(quantiles: Array, truth: Array, low: float, high: float) -> float:
 
 
 def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """Twice the mean pinball loss over evenly weighted levels: the CRPS as far as the levels reach. [1]"""
+    """Twice the mean pinball loss over levels weighted by their spacing, which approximates the CRPS. [1]"""
     levels = np.array(LEVELS)
     ends = np.r_[0.0, 0.5 * (levels[1:] + levels[:-1]), 1.0]
     miss = truth[:, None] - quantiles
@@ -84,7 +85,8 @@ def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "histo
 
 
 def ranks(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """The rank of each truth in its forecast, from 0 to 1, interpolated between levels. [1]"""
+    """The rank of each truth in its forecast, interpolated between levels; beyond them it reaches `DEEP_TAIL`, or 1
+    minus that, after two more steps. [1]"""
     known = np.r_[DEEP_TAIL, LEVELS, 1 - DEEP_TAIL]
     found = []
     for row, value in zip(quantiles, truth, strict=True):
