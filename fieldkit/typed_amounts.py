@@ -64,8 +64,9 @@ def typed_in_two(text: str) -> TypedAmount | None:
 def value_of(digits: str, *, customary: bool) -> float:
     """The value of digits such as `12.5`, `1,250`, `1 250` or `1 1/2`.
 
-    A comma before three digits separates thousands in a `customary` unit. Raises BadValue for a comma with two
-    meanings, a denominator of zero, and digits that are not a number.
+    A comma before three digits separates thousands in a `customary` unit, and a comma or point that is repeated or
+    followed by the other does in any unit. Raises BadValue for a comma with two meanings, a denominator of zero, and
+    digits that are not a number.
     """
     if "/" in digits:
         *whole, above, below = re.findall(r"\d+", digits)

@@ -20,7 +20,7 @@ MAX_POINTS = 2000
 """Maximum number of points of a track, evenly selected. [1]"""
 
 RED = "0000ff"
-"""Color of what is drawn: blue, green, red as KML writes it, after the opacity."""
+"""Color of what is drawn, as KML writes it after the opacity: blue, green, red."""
 STYLES = {
     "area": f"<LineStyle><color>ff{RED}</color><width>2</width></LineStyle>"
     f"<PolyStyle><color>33{RED}</color></PolyStyle>",

@@ -184,7 +184,7 @@ def how_sure(found: Findings) -> str:
 
 
 def _alone(found: Findings) -> float:
-    """Probability of the first named effect."""
+    """Probability of the effect in the verdict, with a margin for rounding. [1]"""
     return found.diagnosis.posterior.inclusion.get(found.diagnosis.effect, 0.0) + 1e-9
 
 

@@ -17,18 +17,20 @@ from fieldkit.shapes import Array, Flags, Float
 MAX_FLIGHTS = 60
 """Maximum number of flights in a history. [1]"""
 MOTOR_COUNTS = (0.25, 0.3, 0.2, 0.1, 0.06, 0.04, 0.03, 0.02)
-"""Probabilities of one, two, ... motor types."""
+"""Probabilities of one, two, ... motor types. [1]"""
 CONFIG_COUNTS = (0.65, 0.25, 0.1)
 SITE_COUNTS = (0.5, 0.3, 0.2)
+"""Probabilities of one, two or three configurations, and sites. [1]"""
 DECLARED_SETS = ("all", "temperature and wind", "only wind", "nothing")
 DECLARED_ODDS = (0.35, 0.1, 0.2, 0.35)
+"""Conditions that a flyer may record, and the probability of each set. [1]"""
 READOUT_SETS = (
     ("apogee",),
     ("apogee", "top_speed", "coast_to_apogee"),
     ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject"),
 )
 READOUT_ODDS = (0.35, 0.25, 0.2, 0.2)
-"""Probabilities of each of `READOUT_SETS`, and of the apogee with any of the others."""
+"""Probabilities of each of `READOUT_SETS`, and of the apogee with each readout of the last set at even odds. [1]"""
 THRUST_TO_WEIGHT = (3.5, 25.0)
 """Bounds of the first motor's average thrust over the weight at lift-off, unless the rocket would then be too light for
 its motor. [1]"""

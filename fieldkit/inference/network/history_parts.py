@@ -22,6 +22,7 @@ PARAMETERS = ("cd", "alpha", "log_sd_cd", "log_sd_alpha", "coupling")
 OVERALL_OUTPUTS = 2
 """Outputs between effects and forecast: nothing is missing, and something unexplained is present."""
 LOG_SD_RANGE = (-2.5, 2.5)
+"""Bounds of the logs of the standard deviations in `PARAMETERS`. [1]"""
 
 
 def width(effects: int) -> int:

@@ -25,6 +25,7 @@ GUARD_SHARPEST = (-4.0, 6.0)
 """Bounds of the log of the inverse standard deviation with which a readout is predicted."""
 _GRID = np.linspace(-1.0, 1.0, 161)
 _REACH = 7.0
+"""Half width of the grid of a marginal distribution, in its standard deviations. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,7 @@ from fieldkit.inference.network.history_parts import (
 MEMBERS = 5
 EFFECT_UNITS = 64
 UNITS = 96
+"""Units of each hidden layer of the part that sees one effect, and of the other part. [1]"""
 FIRST_LOGIT = -2.5
 """Log odds of an effect before training, near those of the prior. [1]"""
 FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5

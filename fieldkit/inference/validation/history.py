@@ -17,6 +17,7 @@ FLIGHT_BINS = ((1, 2), (3, 5), (6, 12), (13, 25), (26, 60))
 READOUT_BINS = ((1, 1), (2, 3), (4, 6))
 """Groups by the number of kinds of readouts."""
 INTERVALS = {0.4: (0.3, 0.7), 0.8: (0.1, 0.9), 0.9: (0.05, 0.95)}
+"""Levels of the ends of central intervals, by their coverage. [1]"""
 RANK_BINS = 10
 MIN_FLIGHTS_FOR_EFFECTS = 8
 """Minimum number of flights for evaluating inclusion effect by effect. [1]"""
