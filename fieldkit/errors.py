@@ -12,7 +12,7 @@ MAX_NEAREST = 3
 MIN_SIMILARITY = 0.6
 """Minimum similarity (`difflib`) of a misspelling to a name. [1]"""
 LONGEST_LINE = 1000
-"""Length to which lines of messages that quote a file are shortened. [characters]"""
+"""Length of a line of a message above which it loses its middle: messages may quote a file. [characters]"""
 
 
 def shortened(text: str) -> str:
@@ -24,13 +24,15 @@ def shortened(text: str) -> str:
 
 
 def nearest(typed: str, known: Iterable[str], least: float = MIN_SIMILARITY) -> list[str]:
-    """The known names that a typed one may misspell, the most similar first; `least` is the minimum similarity. [1]"""
+    """Up to `MAX_NEAREST` known names that a typed one may misspell in any case, the most similar first; `least` is the
+    minimum similarity. [1]"""
     by_fold = {name.casefold(): name for name in known}
     return [by_fold[one] for one in get_close_matches(typed.strip().casefold(), by_fold, MAX_NEAREST, least)]
 
 
 def unknown(kind: str, typed: str, known: Iterable[str]) -> str:
-    """The message about a name that is not known: `no rocket 'Astrra'; did you mean Astra?`, or the known names."""
+    """The message about a name that is not known: `no rocket 'Astrra'; did you mean Astra?`, or the known names,
+    or `no rocket 'Astra' yet`."""
     names = list(known)
     if near := nearest(typed, names):
         return f"no {kind} {typed!r}; did you mean {' or '.join(near)}?"
@@ -38,7 +40,7 @@ def unknown(kind: str, typed: str, known: Iterable[str]) -> str:
 
 
 class FieldkitError(Exception):
-    """A problem that the flyer can fix; its `str()` is one complete line."""
+    """A problem that the flyer can fix; its `str()` is the complete message, in one line unless it lists matches."""
 
     def __init__(self, found: str = "") -> None:
         super().__init__(shortened(found))

@@ -50,7 +50,7 @@ def hold(lock: Path) -> int | None:
 
 def _opened(file: Path, name: str = LOCK_NAME) -> int:
     """The open lock of this name in a file's folder, which is created if necessary. A link has the lock of its
-    target."""
+    target. Raises FieldkitError if it cannot be written."""
     try:
         folder = file.resolve().parent
         folder.mkdir(parents=True, exist_ok=True)

@@ -100,8 +100,8 @@ def _poured(file: Path, most: int) -> bytes | None:
 
 
 def check_target(file: Path, *, force: bool = False) -> None:
-    """Raise FieldkitError for a path that must not be written: a folder, a file of fieldkit, and any existing file
-    without `force`.
+    """Raise FieldkitError for a path that must not be written: a folder, a disk, a file of fieldkit, and any existing
+    file without `force`.
 
     Files of fieldkit are every ledger (also a damaged or deleted one, recognized by its backups), its journals and
     backups, and the flyer's settings and additions, under any name and through links.
@@ -136,7 +136,7 @@ def write(file: Path, content: bytes, *, force: bool = False) -> None:
 
 
 def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
-    """Write a group of files, or none if one must not be written; see `write`. Raises FieldkitError."""
+    """Write a group of files, or none if `check_target` rejects one; see `write`. Raises FieldkitError."""
     for file in contents:
         check_target(file, force=force)
     for file, content in contents.items():
@@ -158,7 +158,7 @@ def _write(file: Path, content: bytes, force: bool) -> None:
 
 
 def _put(target: Path, content: bytes, force: bool) -> None:
-    """Write a file atomically, with the permissions of the one that it replaces."""
+    """Write a file atomically, with the permissions of one that it replaces. Raises FileExistsError unless `force`."""
     mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
     new = _written_beside(target, content)
     try:
@@ -277,7 +277,7 @@ def replace(file: Path, content: bytes) -> None:
 
 
 def also_named(file: Path, name: str) -> Path:
-    """Give a file's bytes another name in the same folder, with a number if that is taken."""
+    """Give a file's bytes another name in the same folder, with a number if that is taken. Raises OSError."""
     aside = free_name(file, name)
     try:
         os.link(file, aside)

@@ -10,7 +10,7 @@ from typing import Literal, get_args
 REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
 """Twelve flights of one rocket, for trying things out."""
 HOME = "FIELDKIT_HOME"
-"""The environment variable for another data folder."""
+"""The environment variable for another folder of the data and the settings."""
 DataFile = Literal[
     "captures",
     "crashes",

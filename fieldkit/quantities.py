@@ -65,10 +65,11 @@ QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "
 
 
 def written(value: float, unit: str, system: str, digits: int | None = None) -> str:
-    """A figure [SI] in the unit of a system, given its SI unit: `written(304.8, "m", "US")` is `1000 ft`.
+    """A figure [SI] in the unit of a system, given the unit that the system `SI` shows: `written(304.8, "m", "US")` is
+    `1000 ft`.
 
-    `digits` is the number of decimals in SI. Smaller units have at most as many; larger ones such as the ounce keep
-    their own.
+    `digits` is the number of decimals in that unit, by default those of `DECIMALS`. A shown unit with at most as many
+    decimals, such as the foot, has at most `digits`; one with more, such as the ounce, keeps its own.
     """
     shown = SYSTEMS[system].get(unit, unit)
     places = DECIMALS.get(shown, 0)
@@ -95,8 +96,9 @@ _OF_SI["K"] = ("°F", 1.8)
 def in_system(note: str, system: str) -> str:
     """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`.
 
-    Masses are converted after the words `mass of` and `range (`, because `g` is also an acceleration, and widths after
-    `diameter of`, because motors and their mounts are named by millimeters everywhere.
+    In a system with ounces, areas [m²] are converted too; masses only after the words `mass of` and `range (`, because
+    `g` is also an acceleration; and widths only after `diameter of`, because motors and their mounts are named by
+    millimeters everywhere.
 
     In estimates with a standard deviation, such as `13.7 ± 14 m/s^2`, accelerations and temperature differences [K]
     are converted too.
@@ -218,8 +220,9 @@ def percent(probability: float) -> str:
 
 
 def with_sd(value: float, sd: float) -> str:
-    """A value and its standard deviation, in the unit of both: two significant digits of the deviation, and as many
-    decimals of the value: `43.8 ± 6.7`, `1204 ± 150`. Without a deviation above zero, the value alone."""
+    """A value and its standard deviation, in the unit of both: at least two significant digits of the deviation, and as
+    many decimals of the value: `43.8 ± 6.7`, `1204 ± 153`. Without a deviation above zero and below `MAX_WRITTEN_OUT`,
+    the value alone, with four significant digits."""
     if not 0 < sd < MAX_WRITTEN_OUT:
         return rounded(value)
     places = max(1 - math.floor(math.log10(float(f"{sd:.1e}"))), 0)

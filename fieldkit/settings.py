@@ -23,7 +23,7 @@ class Settings:
     """The settings.
 
     `target` is the apogee that motors are compared with, or None. [m] `rail_length` [m] and `rail_angle` [rad] are the
-    defaults for plans without a rail.
+    defaults for plans that do not state them.
     """
 
     units: str = UNITS[0]

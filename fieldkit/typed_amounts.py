@@ -1,5 +1,5 @@
 """The digits of a number as flyers type them: `1,250`, `1 250`, `281,3`, `1/2`, `1½`, and numbers in two units such as
-`12'6"` and `1lb 3oz`. What the units are is for `fieldkit.units`.
+`12'6"` and `1lb 3oz`. `fieldkit.units` interprets the units.
 """
 
 import re
@@ -64,8 +64,9 @@ def typed_in_two(text: str) -> TypedAmount | None:
 def value_of(digits: str, *, customary: bool) -> float:
     """The value of digits such as `12.5`, `1,250`, `1 250` or `1 1/2`.
 
-    A comma before three digits separates thousands in a `customary` unit. Raises BadValue for a comma with two
-    meanings.
+    A comma before three digits separates thousands in a `customary` unit, and a comma or point that is repeated or
+    followed by the other does in any unit. Raises BadValue for a comma with two meanings, a denominator of zero, and
+    digits that are not a number.
     """
     if "/" in digits:
         *whole, above, below = re.findall(r"\d+", digits)

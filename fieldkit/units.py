@@ -179,7 +179,7 @@ CUSTOMARY_UNITS = frozenset({"ft", "in", "yd", "mi", "mph", "fps", "ft/s", "lb",
 _SMALLER = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
 """The unit that may follow a larger one, as in `12 ft 6 in`."""
 MAX_TYPED_VALUE = 1e30
-"""Largest magnitude of a typed number, in any unit."""
+"""Limit of the magnitude of a typed number, in SI."""
 
 
 @lru_cache(maxsize=1024)
@@ -226,8 +226,8 @@ def parse(text: str, quantity: str, default: str) -> float:
     """The SI value of a number typed with or without its unit: `923ft`, `281,3 m`, `1/2 in`, `1lb 3oz`, `12.5`.
 
     A number without a unit is in the unit `default`. A comma is a decimal comma, except before three digits: there it
-    separates thousands in a customary unit and is ambiguous in others. Raises BadValue if the text is not an
-    unambiguous number with an allowed unit.
+    separates thousands in a customary unit, or if it is repeated, and is ambiguous otherwise. Raises BadValue if the
+    text is not an unambiguous number with an allowed unit.
     """
     two = _in_two(text, quantity)
     if two is not None:

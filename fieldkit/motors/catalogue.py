@@ -59,7 +59,7 @@ class Catalogue:
 
     def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
         """The motor named by a text, or the cluster or stages it names combined into one motor; see
-        `fieldkit.motors.several`. Raises UnknownMotor, BadValue."""
+        `fieldkit.motors.several`. Raises UnknownMotor, and BadValue for motors that cannot be combined."""
         if not names_several(text):
             return self.resolve(text)
         key = tidy(text), boosters
@@ -90,7 +90,7 @@ class Catalogue:
         return ""
 
     def complaint_of_several(self, text: str) -> str | None:
-        """Like `complaint`, but also None for a cluster that can be simulated."""
+        """Like `complaint`, but also None for a cluster that can be simulated. Raises BadValue as `resolve_several`."""
         try:
             self.resolve_several(text)
         except UnknownMotor as error:
@@ -98,7 +98,8 @@ class Catalogue:
         return None
 
     def search(self, text: str) -> list[Motor]:
-        """Every motor that a text could mean, best first, or the cluster it names; see `fieldkit.motors.search`."""
+        """Every motor that a text could mean, best first, or the cluster it names; see `fieldkit.motors.search`. Raises
+        BadValue as `resolve_several`."""
         if names_several(text):
             with suppress(UnknownMotor):
                 return [self.resolve_several(text).motor]
@@ -107,7 +108,7 @@ class Catalogue:
         return [self.lots.get(_lot_key(one, lot), one) for one in found] if lot else found
 
     def knows(self, text: str) -> bool:
-        """Whether `search` finds motors that a text could mean, and not only motors with similar names."""
+        """Whether a text names several motors, or `search` finds motors that it could mean, not only similar names."""
         return names_several(text) or bool(search.matches(self.listings, split_lot(text)[0]))
 
     def unknown_lot(self, text: str, found: Iterable[Motor]) -> str:

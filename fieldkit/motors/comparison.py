@@ -1,9 +1,10 @@
 """Compare the catalog with a table of tests: certification letters, stated values, curves.
 
-The table has one row per test, with the columns `manufacturer`, `designation`, `common_name`, `delays` and those of
-`FIGURES`; its `note` may start with `basis=letter`, `basis=stated` or `basis=curve`, of which the best is used, and
-curves of `file class cert` before others. A mass that a note calls doubtful is not compared. Neither is the propellant
-mass of a curve of Cesaroni, or of AeroTech's Redline: such files state the mass lost, with liner, delay and charge.
+The table has one row per test, with the columns `manufacturer`, `designation`, `common_name`, `delays`, `source` and
+those of `FIGURES`. Its `note` may start with `basis=letter`, `basis=stated` or `basis=curve`, best first; curves whose
+note contains `file class cert` come before others. Of each value, the tests with the best basis count. A mass that a
+note calls doubtful is not compared. Neither is the propellant mass of a curve of Cesaroni, or of AeroTech's Redline:
+such files state the mass lost, with liner, delay and charge.
 """
 
 import csv

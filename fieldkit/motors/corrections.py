@@ -70,7 +70,7 @@ class Correction:
 
 
 def read_corrections(path: Path = DATA) -> dict[tuple[str, str], list[Correction]]:
-    """The corrections in a table by maker and designation. Raises BadValue that names the row."""
+    """The corrections in a table by maker and designation. Raises BadValue that names the row, OSError."""
     found: dict[tuple[str, str], list[Correction]] = {}
     for number, row in enumerate(csv.DictReader(StringIO(read_own(path), newline="")), start=2):
         one = Correction(row["field"], row["was"], row["value"], row["confidence"], row["source"])

@@ -76,7 +76,7 @@ class MotorDraft:
         self.samples.append((place, time, thrust))
 
     def motor(self) -> Motor:
-        """The motor. Raises DamagedLog for a truncated curve or impossible masses."""
+        """The motor. Raises DamagedLog for a curve that is truncated, negative or empty, and for impossible masses."""
         if not self.samples:
             raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below its header")
         last, _, end = self.samples[-1]
@@ -154,7 +154,10 @@ def _least_impulse(name: str) -> float:
 
 
 def delays(text: str, place: FileLine) -> tuple[float, ...]:
-    """Parse delays as written in files: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L are ignored. [s]"""
+    """Parse delays as written in files: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L are ignored. [s]
+
+    Raises DamagedLog for other texts.
+    """
     found = []
     for word in re.split(r"[-,;/\s]+", text.strip().upper()):
         number = re.fullmatch(r"(\d+(?:\.\d+)?)[A-Z]?", word)

@@ -78,7 +78,7 @@ class Motor:
 
     @property
     def burn_time(self) -> float:
-        """Duration for which the thrust is above 5% of its peak. [s]"""
+        """Duration between the first and the last time at which the thrust is 5% of its peak. [s]"""
         start, end = self.burning
         return end - start
 
@@ -142,9 +142,9 @@ def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, 
     """Convert a recorded thrust curve [s], [N] to knots that start at (0, 0), end at zero thrust and strictly increase
     in time.
 
-    A jump (a repeated time) becomes a ramp of at most 0.1 ms; so does a curve that starts with thrust. A curve that
-    ends above zero falls to zero within one more interval of the same length as its last. Raises BadValue for
-    decreasing times, a negative or infinite number, or no thrust at all.
+    A jump (a repeated time) becomes a ramp of at most 0.1 ms; so does thrust at time 0. A curve that starts later rises
+    from (0, 0), and one that ends above zero falls to zero within one more interval of the same length as its last.
+    Raises BadValue for fewer than two samples, decreasing times, a negative or infinite number, or no thrust at all.
     """
     t, f = np.array(time, dtype=float), np.array(thrust, dtype=float)
     if t.size < 2 or not (np.isfinite(t).all() and np.isfinite(f).all()):

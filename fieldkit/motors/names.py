@@ -87,7 +87,7 @@ def tidy(text: str) -> str:
 
 
 def squeeze(text: str) -> str:
-    """The letters and digits of a text."""
+    """The letters, in capitals, and digits of a text."""
     return re.sub(r"[^A-Z0-9]", "", text.upper())
 
 
@@ -110,7 +110,8 @@ def count_first(text: str) -> str:
 
 
 def parse(text: str, makers: Collection[str] = ()) -> Name:
-    """Parse a motor name; see `Name`. `makers` are those of the user's own motors, in addition to the known ones."""
+    """Parse a motor name; see `Name`. `makers` are those of the user's own motors, in addition to the known ones.
+    A text longer than `MAX_NAME` has an empty name."""
     if len(text) > MAX_NAME:
         return Name("", "", None, "", "", None, "")
     rest = tidy(text)

@@ -37,7 +37,8 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
 
 
 def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
-    """The shipped motors plus the user's own, and the errors of the user's files that cannot be read."""
+    """The shipped motors plus the user's own, with the user's corrections, and an error for each file that cannot be
+    read and each correction that cannot be applied."""
     motors, errors = own_motors(folder)
     rows, unread = read_own_corrections(folder)
     known = catalogue().with_motors(motors) if motors else catalogue()

@@ -21,7 +21,7 @@ _ENDING = re.compile(r"\d[A-Z]*-([A-Z]+)$")
 LETTER_DELAYS = {"S": "4 or 6", "M": "4 to 10", "L": "6 to 14", "X": "10 to 18"}
 """Delays that AeroTech's letters stand for: short, medium, long, extra long. [s]
 
-Source: transcription by others; the seconds are on the package.
+Source: lists by others, not by the maker; the package states the seconds.
 """
 _WORD = 3
 """Minimum number of letters for a word to be a maker and not a propellant."""

@@ -37,7 +37,7 @@ _GROUP = re.compile(_COUNT + r"([^@]+?)(?:\s*@\s*(\d+(?:\.\d+)?)\s*s?)?", re.IGN
 _FRACTION = "\N{FRACTION SLASH}"
 """Replaces the slash of a class such as 1/2A while stages are split."""
 MAX_MOTORS = 20
-"""Maximum number of motors in a cluster. [1]"""
+"""Maximum number of motors of one type in a cluster. [1]"""
 MAX_STAGES = 3
 """Maximum number of stages, the largest number checked against other programs. [1]"""
 
@@ -96,7 +96,8 @@ def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequen
     """Combine the motors in a text into one; `boosters` are the lower stages, lowest first.
 
     Raises UnknownMotor for unsupported combinations: more than three stages, or unknown boosters.
-    Raises BadValue for an upper motor too weak for its burnout to be distinguished from the booster's.
+    Raises BadValue for a cluster without a motor lit at first, and for an upper motor too weak for its burnout to be
+    distinguished from the booster's.
     """
     stages = _stages(text)
     if len(stages) == 1:
@@ -118,7 +119,7 @@ def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequen
 
 
 def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
-    """One motor, or a cluster. Raises UnknownMotor."""
+    """One motor, or a cluster. Raises UnknownMotor, BadValue."""
     parts: list[tuple[Motor, float]] = []
     delays: list[float | None] = []
     notes: list[str] = []
@@ -178,8 +179,9 @@ def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:
 
 
 def two_stages(lower: Motor, upper: Motor, booster: Booster) -> Motor:
-    """Combine a booster and an upper motor, which may itself have stages and lights when the booster's airframe and
-    casing drop at its burnout. Everything dropped or burned by the end counts as propellant.
+    """Combine a booster and an upper motor, which may itself have stages and lights as soon as the booster's airframe
+    and casing have dropped, at the end of its thrust curve. Everything dropped or burned by the end counts as
+    propellant.
 
     Raises BadValue for an upper motor too weak for its burnout to be distinguished from the booster's.
     """

@@ -55,7 +55,8 @@ def build_in_words(prediction: Prediction) -> str:
 
 
 def ejection_in_words(prediction: Prediction) -> str:
-    """When the charge fires, `0.5 s BEFORE apogee`, or why it does not. An altimeter opens two devices."""
+    """When the charge fires, `0.5 s BEFORE apogee`, or why it does not. With dual deployment, an
+    altimeter fires at apogee."""
     eject = prediction.median_eject
     if recovery_of(prediction.plan).dual:
         charge = "" if eject is None else f"; the motor's charge {_when(eject)}"

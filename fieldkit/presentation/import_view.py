@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fieldkit.importing.tables.columns_read import ColumnRead
 
 PLOT_WIDTH = 60
-"""Width and height of a text plot. [character]"""
+"""Width of a text plot. [character]"""
 MOST_FLIGHTS = 20
 """Maximum number of flights of a table that are printed; the JSON has all of them."""
 MAX_TEXTS = 8
@@ -29,7 +29,8 @@ def document(files: tuple[FileView, ...]) -> dict[str, Any]:
 
 
 def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
-    """The entry of each file in `import --json`: its format, the apogee if it has one flight, and notes."""
+    """The entry of each file in `import --json`: its format, its apogees, the apogee alone if it has one flight, and
+    notes."""
     return [
         {
             "file": one.file,
@@ -43,7 +44,7 @@ def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
 
 
 def _file(one: FileView) -> dict[str, Any]:
-    """One file; readouts and events of its first flight are at the top level, those of all flights under `flights`."""
+    """One file; readouts and events of its first flight, or else simulation, are also at the top level."""
     flights, simulations = ([_flight(flight) for flight in part] for part in (one.flights, one.simulations))
     first: dict[str, Any] = next(iter([*flights, *simulations]), {"readouts": {}, "events": []})
     return {

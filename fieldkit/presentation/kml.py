@@ -20,7 +20,7 @@ MAX_POINTS = 2000
 """Maximum number of points of a track, evenly selected. [1]"""
 
 RED = "0000ff"
-"""Color of what is drawn: blue, green, red as KML writes it, after the opacity."""
+"""Color of what is drawn, as KML writes it after the opacity: blue, green, red."""
 STYLES = {
     "area": f"<LineStyle><color>ff{RED}</color><width>2</width></LineStyle>"
     f"<PolyStyle><color>33{RED}</color></PolyStyle>",
@@ -84,7 +84,7 @@ def track_kml(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
     """A satellite track, with its altitude above sea level [m] if recorded, and its ends on the ground. Raises BadValue
-    if there are no positions."""
+    for fewer than two positions."""
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if altitude is not None:
         known &= np.isfinite(altitude)

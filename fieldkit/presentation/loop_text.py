@@ -75,7 +75,8 @@ def candidate_row(name: str, figures: str) -> Iterator[str]:
 
 
 def misses_drawn(found: Findings, system: str = "SI") -> Iterator[str]:
-    """The absolute errors of the latest flights as bars, before and after; empty if nothing is missing."""
+    """The absolute errors of the latest flights as bars, before and after; empty if nothing is missing or forecasts use
+    the plain model."""
     if found.diagnosis.effect == "none" or all(not places for _, places in found.diagnosis.averaged):
         return
     most, before, after = miss_bars(found, MAX_DRAWN)
@@ -183,7 +184,7 @@ def how_sure(found: Findings) -> str:
 
 
 def _alone(found: Findings) -> float:
-    """Probability of the first named effect."""
+    """Probability of the effect in the verdict, with a margin for rounding. [1]"""
     return found.diagnosis.posterior.inclusion.get(found.diagnosis.effect, 0.0) + 1e-9
 
 

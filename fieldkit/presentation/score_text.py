@@ -102,7 +102,7 @@ def _mixes_nothing(found: "ScoreReport") -> bool:
 
 
 def verdict_lines(found: "ScoreReport") -> Iterator[str]:
-    """The rivals that the mean absolute error is better, worse, or not clearly different from."""
+    """The rivals with a clearly larger mean absolute error, those with a clearly smaller one, and the others."""
     for verdict, words in (
         ("better", "Better than"),
         ("worse", "WORSE than"),

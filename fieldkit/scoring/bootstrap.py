@@ -19,7 +19,7 @@ MIN_FLIGHTS_FOR_VERDICT = 5
 """Minimum number of flights for a verdict on a difference. [1]"""
 
 Interval = tuple[float, float]
-"""The 90% interval of a figure over histories like this one."""
+"""The ends of a central 90% bootstrap interval of a figure, in its unit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +83,8 @@ def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], see
 
 @dataclass(frozen=True, slots=True)
 class ScoreDifference:
-    """The mean score of our forecast and a rival's on the same flights. `less` is how much smaller ours is, with its 90
-    % bootstrap interval from paired resampling."""
+    """The mean score of our forecast and a rival's on the same flights. `less` is how much smaller ours is, with its
+    90% bootstrap interval from paired resampling."""
 
     flights: int
     ours: float
@@ -94,7 +94,8 @@ class ScoreDifference:
 
     @property
     def verdict(self) -> str:
-        """`better`, `worse`, or `unclear` on these flights."""
+        """`better` or `worse` on these flights, or `unclear` if the interval contains zero or there are fewer than
+        `MIN_FLIGHTS_FOR_VERDICT`."""
         low, high = self.interval
         if self.flights < MIN_FLIGHTS_FOR_VERDICT or not low * high > 0:
             return "unclear"

@@ -42,8 +42,8 @@ class Forecasts:
 def mixed(
     mean: Float[Array, "part flight"], variance: Float[Array, "part flight"], log_weight: Float[Array, "part flight"]
 ) -> Forecasts:
-    """A mixture of normals of the log apogee, each component weighted by its likelihood on the other flights; mean and
-    variance [log m]."""
+    """A mixture of normals of the log apogee, each component weighted by its likelihood on the other flights; mean
+    [log m], variance [log m squared]."""
     weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
     return Forecasts(mean, np.sqrt(variance), weight)
 

@@ -7,9 +7,9 @@ import numpy as np
 from fieldkit.shapes import Array
 
 INSIDE_SDS = 5.0
-"""At this distance inside a bound, in standard deviations, the probability beyond it is zero. [1]"""
+"""At this distance inside a bound, in standard deviations, the probability beyond it is taken as zero. [1]"""
 MIN_MASS = 1e-250
-"""Mass between two bounds below which it is treated as zero. [1]"""
+"""Minimum probability between two bounds, so that its logarithm is finite. [1]"""
 _ERFC = np.frompyfunc(erfc, 1, 1)
 
 
@@ -18,8 +18,9 @@ def strength_posterior(
 ) -> tuple[Array, Array, Array]:
     """Log Bayes factor [nat], posterior mean and standard deviation of a strength, in its unit; elementwise.
 
-    `a` and `b` are the precision of the readouts for the strength and their product with its estimate; `log_prior_mass`
-    is the log probability of its prior between the bounds.
+    `a` is the precision with which the readouts determine the strength, and `b` is `a` times their estimate of it.
+    `log_prior_mass` is the log probability of its prior between the bounds `low` and `high`. The mean is clipped to the
+    bounds; the standard deviation is that of the normal distribution without them.
 
     Derivation: the product of two normal densities, by completing the square; the bounds add the logarithm of the ratio
     of the probabilities within them, posterior to prior.

@@ -3,10 +3,10 @@
 The network's draws are weighted by the model's posterior density over the density they were drawn from (Robert and
 Casella, Monte Carlo Statistical Methods, 2004, chapter 3), and the readouts of every draw are simulated. Log Cd and log
 alpha of the plan are drawn from the network's normal distribution; the other terms are drawn from the linear fit given
-those two, slightly widened. The weight of a draw is its prior times its likelihood, with multivariate Student t noise
-for each flight, summed over the scales of scatter and reading. The weighted draws are the model's forecast of the
-plan's apogee. The network's draws of the apogee, with tails of that Student t beyond its last quantiles, are weighted
-by the density of this forecast over their own.
+those two, slightly widened. The posterior density of a draw is, up to a constant, its prior times its likelihood, with
+multivariate Student t noise for each flight, summed over the scales of scatter and reading. The weighted draws are the
+model's forecast of the plan's apogee. The network's draws of the apogee, with tails of that Student t beyond its last
+quantiles, are weighted by the density of this forecast over their own.
 
 Weights are unreliable if the largest follow a generalized Pareto distribution of shape k > 0.7 (Vehtari, Simpson,
 Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research 25, 2024): then the
@@ -43,7 +43,8 @@ LEAST_SD = 1e-4
 class Check:
     """The model's check of the network's draws of the parameters and of the planned apogee.
 
-    `pareto_k` is the shape of the tail of the parameters' weights; the others are effective fractions of draws. [1]
+    `pareto_k` is the shape of the tail of the parameters' weights; `parameters_effective` and `apogee_effective` are
+    effective fractions of draws [1], and `draws` is their number.
     """
 
     pareto_k: float
@@ -53,13 +54,14 @@ class Check:
 
     @property
     def agrees(self) -> bool:
-        """Whether the weights of the parameters are reliable and most draws of the apogee are effective."""
+        """Whether the weights of the parameters are reliable and at least `LEAST_EFFECTIVE` of the apogee's draws are
+        effective."""
         return self.pareto_k <= RELIABLE_PARETO_K and self.apogee_effective >= LEAST_EFFECTIVE
 
 
 def check(answer: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
-    """Weight the network's draws for the plan of a history by the forecast model, with more draws if the weights of the
-    first are unreliable. `linear` is the model's linear fit, by default the one that the network corrected.
+    """Weight the network's draws for the plan of a history by the forecast model, with more draws if the check of the
+    first fails. `linear` is the model's linear fit, by default the one that the network corrected.
 
     Raises ValueError for a history of several plans, ImpossibleFlight for a flight without a dry mass, BadValue for a
     recovery figure or rail direction that cannot be read.
@@ -174,7 +176,7 @@ def _log_student(square: Float[Array, "..."], freedom: float) -> Float[Array, ".
 
 
 def _log_normal(off: Float[Array, "draw n"], covariance: Float[Array, "n n"]) -> Float[Array, "draw"]:
-    """Log density of a normal distribution, up to 2 pi."""
+    """Log density of a normal distribution of mean zero, without the constant of 2 pi."""
     root = np.linalg.cholesky(covariance)
     scaled = np.linalg.solve(root, off.T)
     return np.asarray(-0.5 * (scaled**2).sum(axis=0) - np.log(np.diagonal(root)).sum())
@@ -186,7 +188,8 @@ def _log_forecast(
     by_scale: Float[Array, "draw scale"],
     apogees: Float[Array, "apogee"],
 ) -> Float[Array, "apogee"]:
-    """Log density of the model's forecast of the plan's log apogee: a Student t around every draw."""
+    """Log density of the model's forecast of the plan's log apogee: a Student t around every draw that leaves the
+    pad."""
     flies = np.isfinite(middle)
     nu = linear.model.hyperprior.tail
     constant = _log_student(np.zeros(()), nu)

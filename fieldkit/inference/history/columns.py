@@ -39,7 +39,7 @@ PER_EFFECT = (
 )
 """Features of every effect."""
 EVIDENCE_COLUMNS = PER_EFFECT.index("places")
-"""The first features of an effect, up to this number, are evidence."""
+"""Number of an effect's first features, which are evidence. [1]"""
 OF_HISTORY = (
     "flights",
     *(f"seen_{name}" for name in OBSERVED_READOUTS[:6]),
@@ -89,7 +89,8 @@ OF_HISTORY = (
 def of_history(
     history: History, selection: LinearFit, plain: LinearFit, robustly: LinearFit, data: Data, left_out: LeaveOneOut
 ) -> dict[str, float | Array]:
-    """Columns of the flights, and for the number of earlier flights of each plan's motor and configuration."""
+    """Columns of the flights, and for the number of earlier flights with an apogee on each plan's motor and in its
+    configuration."""
     count = len(history.used_in_fit)
     flown = history.flights[:count]
     used = max(int(data.seen.any(axis=1).sum()), 1)
@@ -143,7 +144,7 @@ def _scales(linear: LinearFit, suffix: str) -> dict[str, float]:
 
 
 def _before(kinds: Sequence[str], data: Data) -> Float[Array, "plan"]:
-    """Log of one plus the number of earlier flights in each plan's group."""
+    """Log of one plus the number of earlier flights with an apogee in each plan's group."""
     count = len(data.seen)
     flown = Counter(kind for kind, seen in zip(kinds[:count], data.seen[:, 0].tolist(), strict=True) if seen)
     return np.asarray(np.log1p(np.array([flown[kind] for kind in kinds[count:]], float)))
@@ -170,7 +171,7 @@ def _rows_of(family: tuple[str, ...]) -> Mapping[str, list[int]]:
 
 
 def _sums(trials: Trials, which: str = "log_bayes") -> dict[str, float]:
-    """The evidence of each family. [nat]"""
+    """The evidence of each family, averaged over its trials by their prior weights. [nat]"""
     groups = families(trials)
     if not groups:
         return {}
@@ -181,7 +182,7 @@ def _sums(trials: Trials, which: str = "log_bayes") -> dict[str, float]:
 
 
 def _leaders(trials: Trials) -> dict[str, int]:
-    """The strongest trial of each family."""
+    """The row of the strongest trial of each family, by evidence with its prior."""
     weight = trials.weight.tolist()
     return {name: max(rows, key=weight.__getitem__) for name, rows in families(trials).items()}
 

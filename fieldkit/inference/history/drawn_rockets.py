@@ -17,22 +17,25 @@ from fieldkit.shapes import Array, Flags, Float
 MAX_FLIGHTS = 60
 """Maximum number of flights in a history. [1]"""
 MOTOR_COUNTS = (0.25, 0.3, 0.2, 0.1, 0.06, 0.04, 0.03, 0.02)
-"""Probabilities of one, two, ... motor types."""
+"""Probabilities of one, two, ... motor types. [1]"""
 CONFIG_COUNTS = (0.65, 0.25, 0.1)
 SITE_COUNTS = (0.5, 0.3, 0.2)
+"""Probabilities of one, two or three configurations, and sites. [1]"""
 DECLARED_SETS = ("all", "temperature and wind", "only wind", "nothing")
 DECLARED_ODDS = (0.35, 0.1, 0.2, 0.35)
+"""Conditions that a flyer may record, and the probability of each set. [1]"""
 READOUT_SETS = (
     ("apogee",),
     ("apogee", "top_speed", "coast_to_apogee"),
     ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject"),
 )
 READOUT_ODDS = (0.35, 0.25, 0.2, 0.2)
-"""Probabilities of each of `READOUT_SETS`, and of the apogee with any of the others."""
+"""Probabilities of each of `READOUT_SETS`, and of the apogee with each readout of the last set at even odds. [1]"""
 THRUST_TO_WEIGHT = (3.5, 25.0)
-"""Bounds of the thrust-to-weight ratio of the first motor at lift-off. [1]"""
+"""Bounds of the first motor's average thrust over the weight at lift-off, unless the rocket would then be too light for
+its motor. [1]"""
 WORKABLE_THRUST_TO_WEIGHT = (2.8, 40.0)
-"""Bounds of the thrust-to-weight ratio of the other motors. [1]"""
+"""Bounds of the same ratio of the other motors. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +51,7 @@ class Stock:
 
 
 def stock(motors: Sequence[Motor]) -> Stock:
-    """The motors with distinct names, all impulse classes equally likely."""
+    """The motors, with equal odds for every impulse class, and for every motor in it."""
     names = np.array([motor.impulse_class for motor in motors])
     weight = 1.0 / np.array([(names == name).sum() for name in names])
     return Stock(
@@ -62,8 +65,8 @@ def stock(motors: Sequence[Motor]) -> Stock:
 
 @dataclass(frozen=True, slots=True)
 class DrawnRocket:
-    """Flights without readouts in the order flown, the last one planned; the readouts each will have; and which flights
-    are used in the fit."""
+    """Flights without readouts in the order flown, the last one planned, with their motors; and for the flown ones, the
+    names of the readouts each will have, and whether it is used in the fit."""
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
@@ -132,7 +135,7 @@ def _can_fly(choice: Stock, mass: float, diameter: float) -> Flags:
 
 
 def _another(rng: np.random.Generator, choice: Stock, motors: Sequence[Motor], mass: float) -> Motor:
-    """A motor that the rocket has not flown, if one fits."""
+    """A motor that is not among the rocket's motors, if one fits, or else its first one."""
     free = [i for i in np.flatnonzero(_can_fly(choice, mass, motors[0].diameter)) if choice.motors[i] not in motors]
     return choice.motors[int(rng.choice(free))] if free else motors[0]
 
@@ -158,7 +161,7 @@ def _delay(rng: np.random.Generator, motor: Motor, mass: float, diameter: float)
 
 
 def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
-    """Place and time of each flight and the plan, and the recorded weather."""
+    """Flights and a plan with site, time, and the conditions that `declared`, one of `DECLARED_SETS`, names."""
     sites = 1 + int(rng.choice(len(SITE_COUNTS), p=SITE_COUNTS))
     heights = rng.choice([200.0, 800.0, 1800.0], p=[0.7, 0.2, 0.1]) * rng.uniform(size=sites)
     windy = 2.5 * float(np.exp(0.5 * rng.normal()))
@@ -190,7 +193,7 @@ def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
 
 
 def _shows(rng: np.random.Generator, count: int) -> tuple[tuple[str, ...], ...]:
-    """Whether each flight has each readout."""
+    """The names of the readouts that each flown flight has."""
     which = int(rng.choice(len(READOUT_ODDS), p=READOUT_ODDS))
     whole: tuple[str, ...] = READOUT_SETS[min(which, len(READOUT_SETS) - 1)]
     if which == len(READOUT_SETS):

@@ -27,8 +27,10 @@ class Trials:
     `candidate` is the number of the candidate, and `family` its name in a verdict. `log_bayes` includes no prior;
     `log_fraction` is the candidate's part of its effect's log prior. `robust` is `log_bayes` without the flight that
     contributes most to it. `shift` has the effect of a unit of strength on the flown flights as columns, and `weighed`
-    is the same times the inverse covariance at the most likely scales. `forecast_gain` is the effect of a unit on the
-    log apogee of each plan, net of what the other terms absorb.
+    is the same times the inverse covariance at the most likely scales. `gradient` is the derivative of the log
+    likelihood with respect to the strength, at zero and the same scales. `forecast_gain` is the effect of a unit on the
+    log apogee of each plan, net of what the other terms absorb. `unit` is the value of the effect's parameter at a
+    strength of 1.
     """
 
     candidate: tuple[int, ...]
@@ -56,6 +58,7 @@ class Trials:
 class _Weights:
     """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
 
+    `used` are the indices of the readouts of any flight and of the apogee; `usable` marks those that a flight has.
     `sharp` is the inverse covariance of single flights, and `weighted_residual` the inverse covariance of all readouts
     times the residual.
     """
@@ -158,7 +161,10 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
 
 
 def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: int) -> Trials:
-    """A candidate with a separate strength in each of several groups; its strength is their root mean square."""
+    """A candidate with a separate strength in each of several groups; its strength is their root mean square.
+
+    Its `robust` evidence leaves out no flight, bounds are ignored, and it does not change the forecasts of plans.
+    """
     shift, sds = weights.shift(linear, columns), columns.sd
     weighed = weights.weighed(shift)
     flat = shift.reshape(-1, len(sds))

@@ -88,7 +88,8 @@ def history_model(
     *,
     declared: bool,
 ) -> Model:
-    """The model of a history and its alternative plans; a `declared` wind acts with the prior of its effect.
+    """The model of a history and its alternative plans; if `declared`, the effects of recorded conditions such as the
+    wind act with their priors.
 
     Plans on motors that neither this rocket nor the others of the flyer have flown share the terms of one new motor.
     Raises ImpossibleFlight for a flight without a dry mass.
@@ -111,7 +112,7 @@ def on_one_new_motor(found: Sequence[Found], flown: int, known: Collection[str] 
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:
-    """Effects that act on all flights of a forecast if their column is recorded."""
+    """Effects that act on all flights of a forecast if their column is recorded and not always zero."""
     every = np.ones(len(flights))
     return [
         Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
@@ -137,7 +138,7 @@ def linear_fit(
     ready: PreparedFit, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
 ) -> LinearFit:
     """The posterior given the flown flights, those in `data`, with log drag moved from `start` to its
-    posterior mean; both relative to the reference of the response. [1]"""
+    posterior mean in `rounds` steps; both relative to the reference of the response. [1]"""
     model, past, flown = ready.model, ready.past, ready.flown
     level = drag_term(past)
     offset = start

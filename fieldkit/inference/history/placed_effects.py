@@ -36,7 +36,8 @@ class Directions:
     `number` is the number of the candidate, and `family` its name in a verdict. `moves` are the properties and effects
     that some strength changes, as named in a response, and `kind` is the index of the one that each
     changes. `weight` is how strongly it acts on each flight. `log_prior_mass` is that of the strength's prior between
-    its bounds.
+    its bounds. `unit` is the value of the effect's parameter at a strength of 1, in which `mean`, `sd` and the bounds
+    are given.
     """
 
     number: tuple[int, ...]

@@ -18,7 +18,8 @@ above inference."""
 @dataclass(frozen=True, slots=True)
 class History:
     """A rocket's flights in the order flown, with their hyperpriors, and one planned flight after them, or several
-    alternative plans that differ only in their motors. Either all or none of the plans use motors flown before."""
+    alternative plans that differ only in their motors. Either all or none of the plans use motors flown before.
+    `shared` is the information from the flyer's other rockets, None if it is not used."""
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]

@@ -33,7 +33,7 @@ MAX_DRAG_OFFSET = 0.9
 STEPS = {"thrust": 0.05, "stretch": 0.05, "mass": 0.03, "opening": 0.3, "tilt": 1.0}
 """Finite-difference step of each property of a flight, in the unit of its terms."""
 DELAY_STEP = 0.08
-"""Central step of the delay, because readouts have a kink when ejection is at apogee. [1]"""
+"""Step of the log delay to both sides, because readouts have a kink when ejection is at apogee. [1]"""
 GROWN = 8.0
 """Number of earlier flights for the step of an effect that grows from flight to flight. [1]"""
 IN_LOG = np.array([name in FROM_LOGS for name in OBSERVED_READOUTS])
@@ -46,9 +46,9 @@ _OF_READOUTS = dict(zip(OBSERVED_READOUTS, np.eye(len(OBSERVED_READOUTS)), stric
 class FlightResponse:
     """Readouts in the form that a fit compares, at each of `DRAG_OFFSETS`, and their derivatives.
 
-    The first entry of `moved` is the readouts; `names` lists the others: the effect of one unit of a property or of the
-    fitted value of an effect. An effect with several `starts` has one entry for each, named by the effect and the
-    number of the start.
+    `names` names the entries of `moved`. The first, with an empty name, is the readouts; the others are the effects of
+    one unit of a property or of the fitted value of an effect. An effect with several `starts` has one entry for each,
+    named by the effect and the number of the start.
     """
 
     names: tuple[str, ...]
@@ -121,7 +121,8 @@ def _interpolation(offset: float) -> tuple[Float[Array, "drag"], Float[Array, "d
 
 
 def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, "flight readout"]]:
-    """Every quantity of a response at an offset of the log drag [1], and its derivative with respect to drag."""
+    """Every quantity of a response at an offset of the log drag [1], and as `drag` the derivative of the readouts with
+    respect to it."""
     weights, steeper = _interpolation(offset)
     along = np.tensordot(weights, response.moved, axes=(0, 1))
     found = dict(zip(response.names, along, strict=True))

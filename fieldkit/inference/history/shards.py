@@ -151,8 +151,10 @@ def simulate_table(
     *,
     held_out: bool = False,
 ) -> HistoryTable:
-    """The histories of this number of rockets; shards from an earlier run in the folder are reused. Raises
-    DamagedModel if the hyperprior cannot be read.
+    """The histories of this number of rockets; shards from an earlier run in the folder are reused.
+
+    `on_shard` is called with the number of shards done and their total. Raises DamagedModel if the hyperprior cannot be
+    read.
     """
     sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
     plans = {

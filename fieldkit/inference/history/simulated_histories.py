@@ -41,8 +41,8 @@ DRAWS_PER_ROCKET = 2
 ROCKETS_PER_BATCH = 25
 """Rockets per batch."""
 BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
-"""Standard deviation of the strengths of effects that are always weakly present: effects in flight, and effects of
-recorded conditions. [1]"""
+"""Standard deviation of the strengths, in their units, of effects that are always weakly present: of those that cannot
+be negative, whose strengths are the absolute values of the draws, and of the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def simulated_histories(
     draws: int = DRAWS_PER_ROCKET,
     flights: int | None = None,
 ) -> list[SimulatedHistory]:
-    """Histories of this number of rockets, `draws` of each; plans that do not leave the pad are left out.
+    """Histories of this number of rockets, `draws` of each; those whose plan does not reach 3 m are left out.
 
     `inclusion` has the independent prior probabilities of each effect and of `UNEXPLAINED`; an effect that some flights
     cannot show does not change them. `flights` is the number of flights of each, random by default. Raises
@@ -153,7 +153,7 @@ def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float
 
 
 def _background() -> list[str]:
-    """Effects that are always weakly present."""
+    """Effects that are always weakly present: those that act in flight, and those of recorded conditions."""
     return [name for name, effect in effects().items() if effect.acceleration is not None or effect.needs]
 
 
@@ -253,7 +253,7 @@ class _World:
         return np.asarray(flown + noise)
 
     def history(self, readings: Float[Array, "draw flight readout"], number: int, draw: int) -> SimulatedHistory | None:
-        """One history; None if its plan does not leave the pad."""
+        """One history; None if its plan does not reach 3 m."""
         one, lacks = self.some[number], self.kinds[number][draw]
         rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
         own, rocket = readings[draw, rows], one.rocket

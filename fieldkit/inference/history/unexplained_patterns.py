@@ -9,7 +9,7 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 _PATTERN_SIZES = {"drag": (0.08, 0.6), "mass": (0.04, 0.3), "thrust": (0.03, 0.15)}
-"""Bounds of the shift of the logarithm of each property. [1]"""
+"""Bounds of the size of a pattern in the logarithm of each property. [1]"""
 
 
 def unexplained_pattern(rng: np.random.Generator, rocket: DrawnRocket) -> dict[str, Float[Array, "flight"]]:

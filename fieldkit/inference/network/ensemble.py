@@ -38,12 +38,12 @@ class Ensemble:
     def __call__(
         self, features: Float[Array, "flight feature"]
     ) -> tuple[Float[Array, "flight output"], Float[Array, "flight output"]]:
-        """Mean and standard deviation over the members."""
+        """Mean and standard deviation over the members, for an ensemble whose card has no `parts`."""
         mean, spread = self.session.run(("mean", "spread"), {"features": np.asarray(features, np.float64)})
         return mean, spread
 
     def members(self, features: Float[Array, "flight feature"]) -> Float[Array, "flight member part"]:
-        """All outputs of each member of a density ensemble. [1]"""
+        """All outputs of each member, for an ensemble whose card has `parts`. [1]"""
         parts: Array = self.session.run(("parts",), {"features": np.asarray(features, np.float64)})[0]
         return parts
 

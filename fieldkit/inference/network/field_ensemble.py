@@ -192,7 +192,7 @@ def _warnings(
 
 
 def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]:
-    """Conditions outside the ensemble's training range."""
+    """A line for each condition outside the ensemble's training range."""
     lines = []
     for name, (low, high) in ensemble.card["reach"].items():
         value = columns[FEATURES.index(name)]
@@ -204,7 +204,8 @@ def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]
 
 
 def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
-    """Whether the flight does not constrain drag or thrust."""
+    """A line if the flight hardly constrains drag or thrust, empty otherwise; `area` and `alpha` are the ratios of
+    posterior to prior standard deviation. [1]"""
     seen = [name for name in there if name in INDEPENDENT_READOUTS]
     if not seen:
         return "no readout: this flight does not constrain Cd and alpha"

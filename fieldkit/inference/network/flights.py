@@ -103,7 +103,7 @@ def _flyable(flight: Flight, motors: Catalogue) -> Found:
 
 
 def _doubted(flight: Flight, motors: Catalogue) -> str | None:
-    """Why no rocket can have made this flight; empty if it is possible or the motor is unknown."""
+    """Why no rocket can have made this flight; None if it is possible or the motor is unknown."""
     try:
         return implausible(flight, motors.resolve(flight.motor).motor)
     except FieldkitError:

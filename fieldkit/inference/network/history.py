@@ -39,11 +39,12 @@ NORMAL_95 = STANDARD[LEVELS.index(0.95)]
 class QuickAnswer:
     """The network's answer for a history and its plan.
 
-    `inclusion` is the probability of each effect the network knows, `none` the probability that nothing is missing, and
-    `unexplained` the probability of something that no effect represents. Effects do not exclude each other.
-    `log_apogee` are quantiles of the plan's log apogee [log m] at `levels`; `log_cd` and `log_alpha` are mean and
-    standard deviation, and `correlation` is the correlation of the two. [1] `readouts` are the 5, 50 and 95% quantiles
-    of the plan's other readouts, without reading errors, in SI, from the linear fit with the network's Cd and alpha.
+    `inclusion` is the probability of each effect that the network knows and these flights can show, `none` the
+    probability that nothing is missing, and `unexplained` the probability of something that no effect represents.
+    Effects do not exclude each other. `log_apogee` are quantiles of the plan's log apogee [log m] at `levels`; `log_cd`
+    and `log_alpha` are mean and standard deviation, and `correlation` is the correlation of the two. [1] `readouts` are
+    the 5, 50 and 95% quantiles of the plan's other readouts, without reading errors, in SI, from the linear fit with
+    the network's Cd and alpha.
     `plan` is the number of the plan in the history.
     """
 

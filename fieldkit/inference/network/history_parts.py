@@ -22,6 +22,7 @@ PARAMETERS = ("cd", "alpha", "log_sd_cd", "log_sd_alpha", "coupling")
 OVERALL_OUTPUTS = 2
 """Outputs between effects and forecast: nothing is missing, and something unexplained is present."""
 LOG_SD_RANGE = (-2.5, 2.5)
+"""Bounds of the logs of the standard deviations in `PARAMETERS`. [1]"""
 
 
 def width(effects: int) -> int:
@@ -36,12 +37,12 @@ def quantile_steps() -> Float[Array, "step"]:
 
 @dataclass(frozen=True, slots=True)
 class HistoryAnswer:
-    """The combined outputs of the members, one row per history.
+    """The combined outputs of the members, one row per history, or per plan of one.
 
     `inclusion` is the probability of each effect, `none` the probability that nothing is missing, and `unexplained` the
     probability of something that no effect represents. `quantiles` are of (log apogee - mean) / sd, with mean and sd
-    from the linear fit. `shift` and `scale` do the same for log Cd and log alpha, and `coupling` is added to Fisher's z
-    of their correlation. [1]
+    from the linear fit. `shift` and `scale` are the mean and standard deviation of log Cd and log alpha, standardized
+    in the same way, and `coupling` is added to Fisher's z of their correlation. [1]
     """
 
     inclusion: Float[Array, "history effect"]
@@ -54,8 +55,7 @@ class HistoryAnswer:
 
 
 def answer(parts: Float[Array, "history member part"], effects: int) -> HistoryAnswer:
-    """Probabilities and quantiles averaged over members; drag and thrust as the moments of their mixture. [1],
-    log apogee [log m]"""
+    """Probabilities and quantiles averaged over members; drag and thrust as the moments of their mixture. [1]"""
     chances = 1 / (1 + np.exp(-parts[..., : effects + OVERALL_OUTPUTS]))
     mean = chances.mean(axis=1)
     first = effects + OVERALL_OUTPUTS

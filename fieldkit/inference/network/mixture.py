@@ -18,13 +18,14 @@ from fieldkit.shapes import Array, Flags, Float
 COMPONENTS = 8
 """Number of Gaussians of each member."""
 WIDTH = 6 * COMPONENTS
-"""Number of outputs of a member: a weight, two means, two log precisions and a slope for each Gaussian."""
+"""Number of outputs of a member: for each Gaussian a log weight, two means, two log precisions and a slope."""
 LOG_PRECISION_RANGE = (-4.0, 7.0)
-"""Bounds of the log of a precision: standard deviations of 55 to 0.0009 on the logit scale."""
+"""Bounds of the log of a precision, here the inverse of a standard deviation: 55 to 0.0009 on the logit scale."""
 GUARD_SHARPEST = (-4.0, 6.0)
-"""Bounds of the logarithm of the precision with which a readout is predicted."""
+"""Bounds of the log of the inverse standard deviation with which a readout is predicted."""
 _GRID = np.linspace(-1.0, 1.0, 161)
 _REACH = 7.0
+"""Half width of the grid of a marginal distribution, in its standard deviations. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,7 @@ class Mixture:
         return len(self.weight)
 
     def rows(self, which: Any) -> "Mixture":
-        """Those of some of the flights."""
+        """The selected flights."""
         return Mixture(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     def log_density(self, values: Float[Array, "*draw #flight 2"]) -> Float[Array, "*draw #flight"]:
@@ -74,7 +75,7 @@ class Mixture:
         return np.asarray(self.low + (self.high - self.low) / (1 + np.exp(-logit)))
 
     def margin(self, axis: int) -> "Margin":
-        """The marginal distribution of one parameter."""
+        """The marginal distribution of the first parameter, 0, or the second, 1."""
         sd = np.exp(-self.sharp[..., axis])
         if axis == 1:
             sd = sd * np.sqrt(1 + self.slope**2)
@@ -100,7 +101,7 @@ class Margin:
     below: Float[Array, "flight node"]
 
     def rows(self, which: Any) -> "Margin":
-        """Those of some of the flights."""
+        """The selected flights."""
         return Margin(self.values[which], self.below[which])
 
     def quantiles(self, levels: Float[Array, "level"]) -> Float[Array, "flight level"]:

@@ -24,7 +24,7 @@ FALSE_ALARMS = 0.01
 
 @dataclass(frozen=True, slots=True)
 class PredictedReadouts:
-    """Each readout predicted from the others, on the scale of `shown`; nan if it is missing."""
+    """Each readout, nan if missing, and its prediction from the others, on the scale of `field_features.shown`."""
 
     shown: Float[Array, "flight seen"]
     mean: Float[Array, "flight seen"]
@@ -37,7 +37,7 @@ class PredictedReadouts:
 
 
 def predict_readouts(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
-    """Each readout predicted from the others, in one run of the graph for a block of flights."""
+    """Each readout predicted from the others, with one run of the graph for each block of flights."""
     blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
     parts = [_predict_block(ensemble, observed.rows(block)) for block in blocks]
     return PredictedReadouts(
@@ -61,7 +61,7 @@ def _predict_block(ensemble: "Ensemble", observed: Observed) -> PredictedReadout
 
 
 def derived_from(name: str) -> tuple[str, ...]:
-    """The readouts that determine one readout: average acceleration is speed over burn time."""
+    """A readout and those derived from it, which would reveal it: average acceleration is speed over burn time."""
     return (name, "avg_accel") if name in ("top_speed", "burn_time") else (name,)
 
 

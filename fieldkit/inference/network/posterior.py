@@ -54,7 +54,7 @@ def _motor_index(flight: Flight) -> int:
 def paper_dry_mass(flight: Flight) -> float:
     """Dry mass of a flight of the paper's rocket, as weighed or by its configuration. [kg]
 
-    Raises ImpossibleFlight for a mass other than the two the ensemble was trained with.
+    Raises ImpossibleFlight without a mass, and for one other than the two that the ensemble was trained with.
     """
     masses = paper.DRY_MASS
     found = masses.get(flight.config.strip().upper()) if flight.dry_mass is None else flight.dry_mass

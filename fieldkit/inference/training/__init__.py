@@ -17,7 +17,7 @@ def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
     """The function that trains by a recipe into a folder.
 
     The folder is checked first, because importing torch takes seconds. Raises FieldkitError if the extra is not
-    installed or the folder cannot be used.
+    installed, for an unknown recipe, and if the folder cannot be used.
     """
     missing = [name for name in EXTRA if find_spec(name) is None]
     if missing:

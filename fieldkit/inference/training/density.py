@@ -65,7 +65,7 @@ class Members(nn.Module):  # type: ignore[misc]
 
 
 def log_density(outputs: Tensor, target: Tensor) -> Tensor:
-    """Log density of the logits [... 2] under each member's mixture."""
+    """Log density of the logits [... 2] under each member's mixture. [nat]"""
     parts = outputs[..., :WIDTH].unflatten(-1, (6, COMPONENTS)).unbind(-2)
     sharp_x, sharp_y = (part.clamp(*LOG_PRECISION_RANGE) for part in parts[3:5])
     z_x = (target[..., :1] - parts[1]) * sharp_x.exp()
@@ -75,7 +75,8 @@ def log_density(outputs: Tensor, target: Tensor) -> Tensor:
 
 
 def guard_loss(outputs: Tensor, shown: Tensor) -> Tensor:
-    """Loss of the predictions of the recorded readouts, in nats per readout."""
+    """Negative log density of the recorded readouts as predicted, in nats per readout, up to a constant; 0 for missing
+    ones."""
     mean, sharp = outputs[..., WIDTH:].chunk(2, -1)
     sharp = sharp.clamp(*GUARD_SHARPEST)
     there = shown.isfinite()
@@ -106,7 +107,8 @@ def fit(
 ) -> tuple[Members, Scale, Scale]:
     """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
-    `observe()` returns new observations of the same flights. Each member sees them in a different order.
+    `observe()` returns new observations of the same flights. Each member sees them in a different order. `progress`
+    receives the training loss of an epoch's last 100 batches.
     """
     batch = observe()
     count = len(batch.features)

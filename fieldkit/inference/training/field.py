@@ -119,12 +119,12 @@ def batch(rng: np.random.Generator, truth: Truth) -> Batch:
 
 
 def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]) -> Observed:
-    """Held-out flights, with gaps."""
+    """New flights on these motors, with gaps in their readouts."""
     return forget(rng, measure(rng, simulate(rng, motors, 4 * EVALUATION_FLIGHTS, effects)))
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
-    """Bounds of features that contain 99.96% of simulated flights, in the units of the features."""
+    """For each feature in `REACH`, bounds that contain 99.96% of simulated flights, in the unit of the feature."""
     bounds = np.percentile(columns, [0.02, 99.98], axis=0)
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 

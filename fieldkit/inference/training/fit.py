@@ -11,7 +11,8 @@ from torch.optim.lr_scheduler import OneCycleLR, ReduceLROnPlateau
 from fieldkit.inference.training.network import Network
 
 Progress = Callable[[int, int, float], None]
-"""Callback after each epoch: its number from 1, the number of epochs, the loss on validation flights."""
+"""Callback after each epoch: its number from 1, the number of epochs, and the loss, on validation flights if the recipe
+has them."""
 
 BATCH = 256
 WEIGHT_DECAY = 1e-4
@@ -32,7 +33,7 @@ SCHEDULES = {
     "quick": Schedule("quick", epochs=10, rate=1e-2, one_cycle=True),
     "published": Schedule("published", epochs=100, rate=1e-3, one_cycle=False),
 }
-"""The paper's schedule, and one that reaches the same errors in 10% of the time."""
+"""`published` is the paper's schedule; `quick` reaches the same errors in 10% of the time."""
 
 
 @contextmanager

@@ -77,8 +77,9 @@ def train_history(
 
     Shards and the state of training are saved in the folder until the end, so that an interrupted run can resume.
     `candidates_of` returns the candidates for a history, and `inclusion` has the prior probabilities of the effects.
-    Raises BadValue for an unknown schedule or a folder that already contains an ensemble, FieldkitError if the cluster
-    cannot be used.
+    While histories are simulated, `progress` counts shards and its loss is nan. Raises BadValue for an unknown schedule
+    or a folder that already contains an ensemble, FieldkitError if the cluster cannot be used, DamagedModel if the
+    hyperprior cannot be read.
     """
     if schedule not in PLANS:
         raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
@@ -124,7 +125,7 @@ def train_history(
 
 
 def split(whole: HistoryTable) -> tuple[HistoryTable, HistoryTable, HistoryTable]:
-    """Histories for training, validation and evaluation; those of one rocket stay together."""
+    """Histories for training, validation and evaluation, in their order: at most two rockets are in more than one."""
     count = len(whole.features)
     test, validation = (max(int(count * fraction), 1) for fraction in (TEST_FRACTION, VALIDATION_FRACTION))
     ends = (count - test - validation, count - test)
@@ -192,8 +193,7 @@ def _acts(table: HistoryTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]
 
 
 def _digest(document: object) -> str:
-    """Digest of the hyperpriors of the simulated histories; with another card, only the features of a forecast
-    change."""
+    """SHA-256 of a document as JSON."""
     return hashlib.sha256(json.dumps(document, sort_keys=True, default=dict).encode()).hexdigest()
 
 

@@ -23,6 +23,7 @@ from fieldkit.inference.network.history_parts import (
 MEMBERS = 5
 EFFECT_UNITS = 64
 UNITS = 96
+"""Units of each hidden layer of the part that sees one effect, and of the other part. [1]"""
 FIRST_LOGIT = -2.5
 """Log odds of an effect before training, near those of the prior. [1]"""
 FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5
@@ -103,7 +104,7 @@ class HistoryTargets:
         return part
 
     def to(self, device: str) -> "HistoryTargets":
-        """A copy on a device."""
+        """These targets, moved to a device."""
         for name, values in list(vars(self).items()):
             setattr(self, name, values.to(device))
         return self
@@ -120,7 +121,8 @@ def _tensor(values: object) -> Tensor:
 
 
 def loss(parts: Tensor, targets: HistoryTargets) -> Tensor:
-    """Cross entropy of inclusion, pinball loss of the forecast, negative log density of drag and thrust; in nats."""
+    """Cross entropy of inclusion [nat], plus weighted, the pinball loss of the standardized forecast [1] and the
+    negative log density of drag and thrust [nat]."""
     effects = parts.shape[-1] - OVERALL_OUTPUTS - len(LEVELS) - len(PARAMETERS)
     first = effects + OVERALL_OUTPUTS
     entropy = nn.functional.binary_cross_entropy_with_logits(parts[..., :first], targets.present, reduction="none")
@@ -135,7 +137,7 @@ def loss(parts: Tensor, targets: HistoryTargets) -> Tensor:
 
 
 def quantiles(raw: Tensor) -> Tensor:
-    """As `history_parts.monotone`."""
+    """As `history_parts.monotone`, as tensors."""
     offsets = torch.tensor(quantile_steps(), dtype=raw.dtype, device=raw.device)
     middle = raw[..., MEDIAN : MEDIAN + 1]
     inner = torch.cat([raw[..., :MEDIAN], raw[..., MEDIAN + 1 :]], dim=-1) + offsets
@@ -146,7 +148,8 @@ def quantiles(raw: Tensor) -> Tensor:
 
 
 def _density(parts: Tensor, targets: HistoryTargets) -> Tensor:
-    """Negative log density of log Cd and log alpha in a normal distribution, of each history."""
+    """Negative log density of log Cd and log alpha in a normal distribution, of each history, without its constant; the
+    squared distance is limited."""
     log_sd = parts[..., 2:4].clamp(*LOG_SD_RANGE)
     z = (targets.parameters - parts[..., :2]) * torch.exp(-log_sd)
     rho = torch.tanh(targets.coupling + parts[..., 4]).clamp(-0.995, 0.995)

@@ -40,7 +40,8 @@ class SimulationPart:
 def simulate_parts(
     out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, on_part: ReportPart | None = None
 ) -> Truth:
-    """About the requested number of flights; parts from an earlier run in `out` are reused."""
+    """The requested number of flights, less those that hardly leave the pad; parts from an earlier run in `out` are
+    reused."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
     items = {f"{n:05d}.npy": SimulationPart(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
     found: dict[str, Truth] = {}

@@ -37,7 +37,8 @@ def train_restricted(
 ) -> dict[str, Any]:
     """Train on the restricted problem, and return the distance of the ensemble from the exact posterior.
 
-    `burn_sd` is the standard deviation of the log burn time. [1]
+    `judged` is the number of new flights on which they are compared, and `burn_sd` the standard deviation of the log
+    burn time. [1]
     """
     rng = np.random.default_rng(seed)
     flights, clean = restricted_draws(rng, n_train, burn_sd)

@@ -30,7 +30,8 @@ BLOCK = 1000
 def judge(
     ensemble: "Ensemble", rng: np.random.Generator, motors: Sequence[Motor], count: int, effects: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """The evaluation by subset of the readouts, on new flights with these motors and all conditions declared.
+    """The evaluation by subset of the readouts, on new flights with these motors and all conditions declared; the
+    last entry is for any readouts and conditions, with gaps.
 
     Raises BadValue for an unknown effect.
     """
@@ -56,8 +57,8 @@ def score(
 ) -> tuple[dict[str, Any], Float[Array, "flight"]]:
     """Log density, errors of the median, coverage, ranks and expected coverage of posteriors with known truths.
 
-    The first parameter is the logarithm of a drag area [log m^2], the second is alpha [1], whose median is returned
-    too.
+    The first parameter is the logarithm of a drag area [log m^2], the second is alpha [1]. The medians of the first are
+    returned too.
     """
     blocks = [slice(first, first + BLOCK) for first in range(0, len(truth), BLOCK)]
     figures = np.concatenate([_figures(density.rows(block), truth[block]) for block in blocks])

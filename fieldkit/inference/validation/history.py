@@ -17,10 +17,12 @@ FLIGHT_BINS = ((1, 2), (3, 5), (6, 12), (13, 25), (26, 60))
 READOUT_BINS = ((1, 1), (2, 3), (4, 6))
 """Groups by the number of kinds of readouts."""
 INTERVALS = {0.4: (0.3, 0.7), 0.8: (0.1, 0.9), 0.9: (0.05, 0.95)}
+"""Levels of the ends of central intervals, by their coverage. [1]"""
 RANK_BINS = 10
 MIN_FLIGHTS_FOR_EFFECTS = 8
 """Minimum number of flights for evaluating inclusion effect by effect. [1]"""
 DEEP_TAIL = 1e-4
+"""Lowest rank of a truth, and distance of the highest from 1. [1]"""
 
 
 def judge(ensemble: Ensemble, table: HistoryTable) -> dict[str, Any]:
@@ -76,7 +78,7 @@ def _coverage(quantiles: Array, truth: Array, low: float, high: float) -> float:
 
 
 def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """Twice the mean pinball loss over evenly weighted levels: the CRPS as far as the levels reach. [1]"""
+    """Twice the mean pinball loss over levels weighted by their spacing, which approximates the CRPS. [1]"""
     levels = np.array(LEVELS)
     ends = np.r_[0.0, 0.5 * (levels[1:] + levels[:-1]), 1.0]
     miss = truth[:, None] - quantiles
@@ -84,7 +86,8 @@ def pinball(quantiles: Float[Array, "history level"], truth: Float[Array, "histo
 
 
 def ranks(quantiles: Float[Array, "history level"], truth: Float[Array, "history"]) -> Float[Array, "history"]:
-    """The rank of each truth in its forecast, from 0 to 1, interpolated between levels. [1]"""
+    """The rank of each truth in its forecast, interpolated between levels; beyond them it reaches `DEEP_TAIL`, or 1
+    minus that, after two more steps. [1]"""
     known = np.r_[DEEP_TAIL, LEVELS, 1 - DEEP_TAIL]
     found = []
     for row, value in zip(quantiles, truth, strict=True):

@@ -27,7 +27,7 @@ NOISE: Mapping[str, tuple[float, float]] = MappingProxyType(
         "coast_to_apogee": (0.1, 0.0),
     }
 )
-"""The readouts and their noise: a standard deviation in SI, or a fraction of the true value."""
+"""The readouts and the two parts of their standard deviation: a constant in SI, and a fraction of the true value."""
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"apogee": ("apogee",), "apogee, speed": ("apogee", "top_speed"), "all five": tuple(NOISE)}
 )
@@ -153,7 +153,8 @@ def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
 def against_exact(
     flights: Restricted, densities: Mapping[str, Mixture], grid: Exact, count: int = 500
 ) -> dict[str, dict[str, float]]:
-    """Mean absolute errors of an ensemble's median and of the exact one, and their divergence.
+    """Mean absolute errors of an ensemble's median and of the exact one on the first `count` flights, and their
+    divergence.
 
     `kl` is the mean Kullback-Leibler divergence of the ensemble from the exact posterior. [nat]
     """

@@ -55,7 +55,11 @@ class HeightTrace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Card:
-    """One flight with all its figures; `record` are the apogees of its rocket in the order flown."""
+    """One flight with all its figures.
+
+    `record` are the apogees of its rocket in the order flown [m], `clean` is which of those flights are clean, and
+    `place` is its own index among them, -1 without an apogee.
+    """
 
     id: str
     flight: Flight
@@ -185,7 +189,7 @@ def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
 
 
 def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], Rows]:
-    """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that constrain them."""
+    """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that allow it."""
     try:
         inferred = FlightInference(ledger, motors).infer(flights).inferred
     except FieldkitError:

@@ -198,7 +198,8 @@ def _both_ends(text: str, most: int) -> str:
 
 
 def _charge(prediction: Prediction) -> str:
-    """When the motor's charge fires after apogee, or what opens the parachute instead."""
+    """When the motor's charge fires after apogee; `altimeter` with dual deployment or a plugged motor, `unknown`
+    without a delay, `none` if it does not fire in flight."""
     delay = prediction.plan.delay if prediction.plan.delay is not None else prediction.found.delay
     if recovery_of(prediction.plan).dual or delay == PLUGGED_DELAY:
         return "altimeter"

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MARGIN = 0.085
 """Margin on each side of a page, as a fraction of its width. [1]"""
 LEFT_EDGE, RIGHT_EDGE = 0.0, 1.0
-"""Maximum number of characters between the margins. [1]"""
+"""Edges of the text, as fractions of the width between the margins. [1]"""
 PER_PAGE = 34
 """Maximum number of flights in the table on one page. [1]"""
 FOOT_LINE = f"fieldkit {__version__}. Forecasts are advice: at the field the range safety officer decides."

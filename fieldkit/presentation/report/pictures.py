@@ -78,7 +78,7 @@ def _hill(panel: "Axes", forecast: CardForecast, shown: ShownUnits) -> None:
 
 
 def log(figure: "Figure | SubFigure", card: Card) -> None:
-    """Draw height and speed against time, with a line at each event."""
+    """Draw height and speed against time, with a line at each event; without a log, the `record` of the rocket."""
     trace = card.trace
     if trace is None:
         record(figure, card)
@@ -133,7 +133,8 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
 
 
 def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -> None:
-    """Draw the forecast interval of each flight and its apogee; hollow if there was no forecast before the flight."""
+    """Draw the forecast interval of each flight, dashed if it was computed later, and its apogee, hollow if the flight
+    is not clean."""
     panel, shown = figure.subplots(), ShownUnits(cards[0].system if cards else "SI")
     names = []
     for row, card in enumerate(cards):
@@ -155,7 +156,7 @@ def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -
 
 
 def picture(draw: Draw, size: tuple[float, float], kind: str, margins: Margins | None = None) -> bytes:
-    """One picture as a file of one kind. [inch]
+    """One picture as a file of one kind; `size`, width and height, and `margins` are in inches.
 
     Without `margins` they are fitted to the words, which takes twice as long as the drawing.
     """

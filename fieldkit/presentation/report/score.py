@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".png", ".svg", ".pdf")
 CURVE = tuple(float(level) for level in np.linspace(0.1, 0.95, 18))
-"""Number of levels of the reliability curve. [1]"""
+"""Nominal coverages at which the reliability curve is drawn. [1]"""
 
 
 def check_picture(path: Path) -> None:
@@ -32,7 +32,7 @@ def check_picture(path: Path) -> None:
 def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
     """Draw each available report as a row of three pictures, to a file of the type of its suffix.
 
-    Raises FieldkitError if the file cannot be written, or exists and `force` is False.
+    Raises BadValue for another suffix, FieldkitError if the file cannot be written, or exists and `force` is False.
     """
     from matplotlib.figure import Figure
 

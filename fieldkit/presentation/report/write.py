@@ -41,9 +41,10 @@ def check_report(path: Path) -> None:
 def write_report(
     book: FlightReport, path: Path, on_progress: ReportProgress = no_op, *, force: bool = False
 ) -> list[Path]:
-    """Write a report in the format of its file name, completely or not at all; returns the paths of the files.
+    """Write a report in the format of its file name, and nothing if `check_target` rejects one of its files; returns
+    their paths.
 
-    Raises FieldkitError if a file cannot be written, or exists and `force` is False.
+    Raises BadValue for another suffix, FieldkitError if a file cannot be written, or exists and `force` is False.
     """
     check_report(path)
     files = dict(_files(book, path, on_progress))

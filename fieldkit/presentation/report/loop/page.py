@@ -48,7 +48,7 @@ def page(found: Findings, system: str = "SI") -> str:
 
 
 def content(found: Findings, system: str = "SI") -> dict[str, Any]:
-    """Everything that the page shows, as text, in the units of a system."""
+    """Everything that the page shows, as text and pictures, in the units of a system."""
     shown = ShownUnits(system)
     diagnosis = found.diagnosis
     dates = [flight.date_time for flight in diagnosis.model.flights if flight.date_time]
