@@ -90,18 +90,17 @@ class Catalogue:
         return ""
 
     def complaint_of_several(self, text: str) -> str | None:
-        """Like `complaint`, but also None for a cluster that can be simulated. Raises BadValue as `resolve_several`."""
+        """Like `complaint`, but also None for a cluster that can be simulated."""
         try:
             self.resolve_several(text)
-        except UnknownMotor as error:
+        except (UnknownMotor, BadValue) as error:
             return str(error)
         return None
 
     def search(self, text: str) -> list[Motor]:
-        """Every motor that a text could mean, best first, or the cluster it names; see `fieldkit.motors.search`. Raises
-        BadValue as `resolve_several`."""
+        """Every motor that a text could mean, best first, or the cluster it names; see `fieldkit.motors.search`."""
         if names_several(text):
-            with suppress(UnknownMotor):
+            with suppress(UnknownMotor, BadValue):
                 return [self.resolve_several(text).motor]
         plain, lot = split_lot(text)
         found = search.search(self.listings, plain)

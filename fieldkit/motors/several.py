@@ -37,7 +37,7 @@ _GROUP = re.compile(_COUNT + r"([^@]+?)(?:\s*@\s*(\d+(?:\.\d+)?)\s*s?)?", re.IGN
 _FRACTION = "\N{FRACTION SLASH}"
 """Replaces the slash of a class such as 1/2A while stages are split."""
 MAX_MOTORS = 20
-"""Maximum number of motors of one type in a cluster. [1]"""
+"""Maximum number of motors in a cluster. [1]"""
 MAX_STAGES = 3
 """Maximum number of stages, the largest number checked against other programs. [1]"""
 
@@ -134,6 +134,8 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
             raise UnknownMotor(f"{text}: found {count} motors, expected 1 to {MAX_MOTORS}")
         parts += [(found.motor, float(named[4] or 0.0))] * count
         delays += [found.delay] * count
+        if len(parts) > MAX_MOTORS:
+            raise UnknownMotor(f"{text}: found more than {MAX_MOTORS} motors, expected 1 to {MAX_MOTORS}")
     if len(parts) == 1 and parts[0][1] == 0:
         return Found(parts[0][0], delays[0], tuple(notes))
     motor = clustered(parts)

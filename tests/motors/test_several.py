@@ -320,6 +320,16 @@ def test_a_cluster_may_be_named_as_it_is_printed(text: str) -> None:
     assert [one.designation for one in catalogue().search(text)] == [motor.designation]
 
 
+def test_groups_of_motors_are_counted_together() -> None:
+    with pytest.raises(UnknownMotor, match="more than 20 motors"):
+        catalogue().resolve_several("11 x C6-5 + 10 x B6-4")
+
+
+def test_one_motor_lit_later_is_a_complaint_and_not_an_error() -> None:
+    assert catalogue().complaint_of_several("C6-5@1.5")
+    catalogue().search("C6-5@1.5")
+
+
 def test_no_motor_for_sale_is_read_as_several() -> None:
     assert [
         motor.designation for motor in catalogue().motors if names_several(f"{motor.maker} {motor.designation}")
