@@ -52,13 +52,13 @@ class Tape:
         self.close()
 
     def heard(self, chunk: bytes) -> None:
-        """Save bytes that just arrived. Raises CaptureTrouble if the disk is full."""
+        """Save bytes that just arrived. Raises CaptureTrouble if they cannot be written."""
         self._append(self._raw, chunk)
         self.size += len(chunk)
         self.tick()
 
     def note(self, **facts: object) -> None:
-        """Record an event at this position, in JSON types; without facts, only the time."""
+        """Record an event at this position, in JSON types; without facts, only the time. Raises CaptureTrouble."""
         now = time.monotonic()
         line = {"at": self.size, "t": round(now - self._start, 3), **facts}
         self._marked, self._marked_size = now, self.size
@@ -152,7 +152,7 @@ def _new(folder: Path, name: str) -> tuple[Path, FileIO]:
 
 
 def go_on(file: Path, began: datetime) -> Tape:
-    """Resume a capture at the end of its files. Raises CaptureTrouble."""
+    """Resume a capture, which `began` then, at the end of its files. Raises CaptureTrouble."""
     try:
         raw = FileIO(file, "a")
         journal = FileIO(file.with_suffix(JOURNAL), "a")
