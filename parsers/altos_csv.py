@@ -30,6 +30,8 @@ LAST_RELIABLE_COLUMN = "main_voltage"
 MOST_HEADER, MOST_TITLES = 200, 3
 """Number of lines searched for the header, and largest number of lines above it that are not comments. [1]"""
 FIRST_ROWS = MOST_CELLS = 200
+"""Number of rows from which the number of cells in a row is determined, and upper limit on the cells in a row of
+version 5. [1]"""
 BAROMETER = {
     "height": "altitude",
     "altitude": "altitude_msl",

@@ -38,7 +38,8 @@ SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
 
 @dataclass(frozen=True, slots=True)
 class PacketField:
-    """A number in a packet: its position, its format, and its unit in SI."""
+    """A number in a packet: its position, its format, and its conversion to SI, by a scale and an offset or a
+    function."""
 
     place: int
     kind: str

@@ -174,7 +174,7 @@ def _reading(table: LogTable, part: _TextTable) -> Reading:
 
 
 def _felt(printed: Float[Array, "row"] | None) -> Float[Array, "row"] | None:
-    """The acceleration of a Proton, if it is one g at rest in some unit; otherwise None. [m/s^2]"""
+    """The acceleration that an Eggtimer Proton prints, if it is one g at rest in some unit; otherwise None. [m/s^2]"""
     one = None if printed is None else settle_felt(printed)
     return None if printed is None or one is None else printed * UNITS["acceleration"][one.unit].factor
 
@@ -210,10 +210,8 @@ def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> st
 def _fall(
     clock: Float[Array, "row"], height: Float[Array, "row"], start: float, stop: float
 ) -> tuple[float, float, float]:
-    """Change of speed between two times, the mean speed, and the time of zero speed; nan for uneven changes.
-
-    [1/s^2], [1/s], [s]
-    """
+    """Deceleration between two times [height/s^2], speed in the middle [height/s], and time of zero speed [s]; nan for
+    an uneven or too short climb."""
     inside = (clock >= start) & (clock <= stop)
     nothing = (float("nan"),) * 3
     if len(np.unique(clock[inside])) < 12:

@@ -100,7 +100,8 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
 
 def _receivers(head: Header) -> list[Header]:
     """A header for each receiver of a log: a ground station may record its own position along with the tracker's, with
-    the same column names. In each header the columns of the others have no name."""
+    the same column names. In each header the columns of the others have no name. `read` uses the one whose heights have
+    the largest range."""
     starts = [place for place, name in enumerate(head.names) if name == "alt"]
     if len(starts) < 2:
         return [head]

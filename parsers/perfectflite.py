@@ -25,9 +25,9 @@ from fieldkit.importing.tables.text import first_lines, shown
 from fieldkit.quantities import counted
 
 MOST_ABOVE = 5
-"""Number of lines in which the first one must be, after blank lines or a title. [1]"""
+"""Number of lines among which the one with the device's name must be, after blank lines or a title. [1]"""
 MOST_FLIGHTS = 100
-"""Number of flights in one file, if somebody put several together. [1]"""
+"""Largest number of flights in one file, if somebody put several together. [1]"""
 NEXT_FLIGHT = re.compile(rb"^[\" ]{0,9}PerfectFlite [A-Za-z]", re.MULTILINE)
 MOST_HEADER = 100
 """Number of lines that are searched for the column names. [1]"""
@@ -74,7 +74,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _flight(log: bytes) -> list[Found]:
-    """What was found in one file, or in one of several in a row."""
+    """What was found in one file, or in one of several that somebody put together. Raises DamagedLog."""
     header, data_row, data = _header(log)
     table = _table(log, data_row, data, _length(header))
     remarks: list[Found] = []
