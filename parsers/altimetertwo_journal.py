@@ -41,6 +41,7 @@ COLUMNS = {
 """The ten readouts by their names in the journal: field of `Flight`, unit."""
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
+"""Columns of the launches file, and of the rockets file."""
 COPIED_FIELDS = ("LaunchNumber", "DelayNote")
 """Columns that are stored as unknown ones."""
 SPELLED = {name.lower(): name for name in (*LAUNCH, *ROCKET)}

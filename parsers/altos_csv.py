@@ -45,7 +45,9 @@ BAROMETER = {
     "tilt": "tilt",
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
+"""Columns by name, with their channels: those of the barometer and the flight computer, and those of the satellites."""
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
+"""Units of the columns that are not in SI."""
 WRAP = 65536 * TICK
 """Period after which the clock of the radio form wraps around. [s]"""
 

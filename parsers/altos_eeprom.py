@@ -46,9 +46,11 @@ LARGEST_SETTINGS = 1 << 18
 """Size of the beginning of a file that is searched for the first record. [bytes]"""
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
+"""What the settings of the old form contain: commands of a terminal, or the first setting."""
 FORMAT_1_RECORD = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
 """A record of a letter and three numbers: log format 1, which its first devices do not state."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
+"""Letters of records."""
 PRESSURE = POSITION
 """The letter of a sample without an acceleration, in formats without positions."""
 TELEMINI_1 = 2

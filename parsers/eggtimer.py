@@ -29,9 +29,13 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "drogue", "main": "main"}
+"""Columns of events, with the names of the events."""
 ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
+"""Names of the column of altitudes, with the unit in each; "" if it has none."""
 CLASSIC = {"t", "alt", "vraw", "vfilt"}
+"""Columns of the Classic."""
 SPEEDS = ("fveloc", "veloc", "vfilt")
+"""Columns with a speed, of which the first is used."""
 EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
 """Time windows before the top in which the fall is measured. [s]"""
 FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
@@ -41,6 +45,7 @@ MAX_TOP_OFFSET = 0.4
 SLOW_STEP = 2.0
 """A clock step above this is in ms, because no Eggtimer has a step this long in s. [1]"""
 MOST_LABELS, MOST_FLIGHTS = 60, 64
+"""Largest number of labels above a table, and of tables in a text. [1]"""
 _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]{0,60}?)\s*$")
 
 

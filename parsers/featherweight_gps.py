@@ -122,6 +122,7 @@ def _rise(table: LogTable) -> float:
 
 
 def _trackers(table: LogTable) -> list[tuple[str, LogTable]]:
+    """The rows of each tracker, with its name; "" for a log of a single one."""
     if "tracker" not in table.words:
         return [("", table)]
     names, which = table.words["tracker"]

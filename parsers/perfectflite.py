@@ -48,11 +48,13 @@ LENGTH = re.compile(r"\s*(-?\d{1,6}(?:\.\d{1,3})?)\s*('|ft\b|m\b)")
 LEAST_WIDTH = 3
 """Smallest number of cells in a row: some rows have neither temperature nor voltage. [1]"""
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
+"""Fields of `Flight` that the lines above the samples state, with the names of the lines."""
 COPIED_FIELDS = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
     *("Max Drogue Current", "Max Main Current"),
 )
 OUTPUTS = {"drogue at": "drogue", "main at": "main"}
+"""Lines that state when an output fired, with the names of the events."""
 
 
 def recognises(head: bytes) -> bool:

@@ -127,6 +127,7 @@ def read_capture(file: Path) -> Captured:
 
 
 def _mark(line: bytes) -> TapeMark | None:
+    """The mark in a line of the journal; None if the line is damaged."""
     try:
         facts = json.loads(line)
         mark = TapeMark(int(facts.pop("at")), float(facts.pop("t")), facts)

@@ -121,6 +121,7 @@ def _run(
     stop: Callable[[], bool],
     look: Look,
 ) -> Iterator[Event]:
+    """Run a capture on a tape from opening the port to `Ended`. Errors as in `capture`."""
     line = open_line(port.name, name, settings, tape)
     link = Link(line, stop)
     if wishes.seconds is not None:

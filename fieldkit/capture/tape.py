@@ -90,6 +90,7 @@ class Tape:
             self.file.with_suffix(JOURNAL).unlink(missing_ok=True)
 
     def _append(self, file: FileIO, content: bytes) -> None:
+        """Write all bytes to the end of a file. Raises CaptureTrouble."""
         self._dirty = True
         try:
             while content:
@@ -100,6 +101,7 @@ class Tape:
             ) from error
 
     def _sync(self) -> None:
+        """Synchronize both files with the disk; a failure is reported by `close`."""
         try:
             os.fsync(self._raw.fileno())
             os.fsync(self._journal.fileno())

@@ -164,7 +164,7 @@ TWO_DEVICES = (
 with a standard deviation if they were measured."""
 
 WEATHER = ("wind", "temperature", "pressure", "humidity")
-"""Conditions of the day, not of the rocket or the site."""
+"""Names of the conditions that belong to the day, not to the rocket or the site."""
 COLUMNS = SETUP + CONDITIONS + READOUTS
 """The columns of the flight table that every flight has."""
 MEASURED = READOUTS + LOGGED
@@ -174,3 +174,4 @@ LOG_FIGURES = MEASURED + TWO_DEVICES
 BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS + LOGGED})
 """The columns that are fields of `Flight`."""
 FIGURES_BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in LOG_FIGURES})
+"""Everything that a log may show, by name."""

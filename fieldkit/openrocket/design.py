@@ -114,6 +114,7 @@ def _design(root: "Element", source: str) -> Design:
 
 
 def _plausible(name: str, value: float | None, notes: list[str]) -> float | None:
+    """A value within its range; otherwise None, with a note."""
     low, high = PLAUSIBLE_RANGES[name]
     if value is None or low <= value <= high:
         return value
@@ -183,6 +184,7 @@ def _on(cd: float, reference: float, diameter: float) -> float:
 
 
 def _motors(rocket: "Element") -> "list[DesignMotor]":
+    """The motors of all configurations, at most `MOST_MOTORS`."""
     names = {one.get("configid", ""): one.findtext("name") or "" for one in rocket.iterfind("motorconfiguration")}
     held = ((one, count) for mount, count in _mounts(rocket, 1) for one in mount.iterfind("motormount/motor"))
     return [

@@ -139,6 +139,7 @@ def override(part: "Element") -> tuple[float | None, bool]:
 
 
 def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
+    """Mass of a part without what is in it; 0 if it is unknown. [kg]"""
     volume = VOLUMES.get(part.tag)
     if size is not None:
         return _density(part, "material") * _shell(part, size)
@@ -152,6 +153,7 @@ def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
 
 
 def _density(part: "Element", name: str) -> float:
+    """Density of a material of a part, in the unit of its kind; 0 if it is missing."""
     material = part.find(name)
     return _finite(material.get("density", "0")) if material is not None else 0.0
 

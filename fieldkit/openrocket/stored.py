@@ -152,11 +152,13 @@ def _inactive(rocket: "Element", configuration: str) -> "list[Element]":
 
 
 def _default(rocket: "Element", configuration: str) -> bool:
+    """Whether a configuration of motors is the default one."""
     found = (one for one in rocket.iterfind("motorconfiguration") if one.get("configid") == configuration)
     return any(one.get("default") == "true" for one in found)
 
 
 def _dry_mass(values: Columns) -> float | None:
+    """Mass without motors in the first row; None if it is not stored or not positive. [kg]"""
     weight, motor = values.get("mass"), values.get("motor mass")
     dry = float(weight[0] - motor[0]) if weight is not None and motor is not None else math.nan
     return dry if math.isfinite(dry) and dry > 0 else None
@@ -214,6 +216,7 @@ def _moments(branch: "Element", kind: str) -> list[float]:
 
 
 def _moment(text: str) -> float | None:
+    """The finite number in a text, None if it is not one."""
     try:
         value = float(text)
     except ValueError:

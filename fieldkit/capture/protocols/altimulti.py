@@ -66,10 +66,12 @@ def frames(captured: Captured) -> dict[int, AnswerFrame]:
 
 
 def _worth(frame: AnswerFrame) -> tuple[bool, int, bool]:
+    """Rank of an answer, best highest: a whole one, then one with more samples, then one that ended."""
     return frame.whole, frame.good, frame.ended
 
 
 def _frame(content: bytes) -> AnswerFrame:
+    """The answer in some bytes, from its `$start;` to its `$end;` or as far as it arrived."""
     start = max(content.find(b"$start;"), 0)
     end = content.find(b"$end;", start)
     content = content[start : end + len(b"$end;") if end >= 0 else None]

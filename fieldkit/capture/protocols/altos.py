@@ -22,6 +22,7 @@ from fieldkit.errors import PortTrouble
 from fieldkit.quantities import counted
 
 TRIES = 3
+"""Number of times that a command is sent until the answer is complete. [1]"""
 BLOCK, ROW, LINE = 256, 8, 32
 """Bytes of a block, of a line from a unit, and of a line of a file. [bytes]"""
 ERASED_BLOCK = b"\xff" * BLOCK

@@ -24,6 +24,7 @@ QUIET = 0.2
 NOISY = 60.0
 """Longest wait for the end of an answer with noise in it, before its command is sent again. [s]"""
 TRIES = 3
+"""Number of times that a command is sent until the answer is complete. [1]"""
 STATISTICS = 5
 """Number of lines in the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
 

@@ -24,6 +24,7 @@ PAUSE = 5.0
 TAIL = 1.5
 """How long the identity line of a MicroPeak 2 may take to follow. [s]"""
 MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
+"""Names by model number."""
 
 _HEX = frozenset(b"0123456789abcdefABCDEF")
 _WHITESPACE = frozenset(b" \t\r\n")

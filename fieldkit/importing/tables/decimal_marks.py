@@ -12,6 +12,7 @@ from fieldkit.importing.tables.text import shown
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none", "?", "unknown", "null")
 """Cells of a column of numbers without a value."""
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
+"""A number with one mark, which may be a decimal mark."""
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
 
@@ -21,7 +22,8 @@ def decimal_mark(numbers: Iterable[str], separator: str) -> str:
 
     A single unambiguous number (`281,3`) determines it for the table. Without one, points are decimal points, and
     commas are decimal commas if the cells are separated by semicolons, which is what programs write when the comma is
-    the decimal mark. Otherwise a comma may separate thousands. Unambiguous numbers with both marks make the table ambiguous.
+    the decimal mark. Otherwise a comma may separate thousands. A table with unambiguous numbers of both kinds is
+    ambiguous.
     """
     cells = list(numbers)
     used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}
