@@ -50,8 +50,10 @@ class Link:
     sample: Sample | None = None
     about: dict[str, str] = field(default_factory=dict)
     heard: int = 0
+    """Number of bytes received in this run. [byte]"""
     _pending: bytearray = field(default_factory=bytearray)
     _searched: int = 0
+    """Number of pending bytes in which `piece` found no mark. [byte]"""
     _reported: float = field(default=float("-inf"))
 
     def send(self, command: bytes) -> None:

@@ -125,9 +125,10 @@ def _plausible(name: str, value: float | None, notes: list[str]) -> float | None
 def _mass(
     rocket: "Element", stages: "list[Element]", stored: list[Simulation], notes: list[str]
 ) -> tuple[float | None, str]:
-    """Mass [kg] from a stored simulation of the current design, otherwise the sum of its parts, and its source.
+    """Mass [kg] and its source: a stored simulation of the current design, otherwise the mass entered for the rocket,
+    or the sum of its parts.
 
-    A stored mass has three decimals in kg: if the sum of the parts agrees within rounding, the sum is used.
+    A stored mass has three decimals in kg: if the other mass agrees within rounding, that is used.
     """
     unknown: list[str] = []
     whole, _ = override(rocket)
