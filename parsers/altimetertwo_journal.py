@@ -7,8 +7,8 @@ number. The motors of one flight are separated by commas (`4 C6-3, D12-3`), its 
 0xBD between spaces; 0xBD next to a name is the half in `½A3-2`. The note is the last field and is not quoted, so it may
 contain commas.
 
-`DelayNote` is not a delay. Flights with 5 ejected near apogee and those with 2 well after it, whatever their motor's
-delay. It grades how well the delay fit, so it is stored as an unknown column and not used.
+`DelayNote` is not a delay but a grade of how well the delay fit: flights with a grade of 5 ejected near apogee and
+those with 2 well after it, whatever their motor's delay. It is stored as an unknown column and not used.
 
 Format: jdsmith39/RocketLaunchJournal, source/RocketLaunchJournal.DataSeed/SeedData.
 """
@@ -41,7 +41,9 @@ COLUMNS = {
 """The ten readouts by their names in the journal: field of `Flight`, unit."""
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
+"""Columns of the launches file, and of the rockets file."""
 COPIED_FIELDS = ("LaunchNumber", "DelayNote")
+"""Columns that are stored as unknown ones."""
 SPELLED = {name.lower(): name for name in (*LAUNCH, *ROCKET)}
 """The names of the columns by their lower-case spelling, because programs that edit a table may change the case."""
 STAGE_MARK = re.compile(r"\s+[\xbd?]\s+")

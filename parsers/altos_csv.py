@@ -30,6 +30,8 @@ LAST_RELIABLE_COLUMN = "main_voltage"
 MOST_HEADER, MOST_TITLES = 200, 3
 """Number of lines searched for the header, and largest number of lines above it that are not comments. [1]"""
 FIRST_ROWS = MOST_CELLS = 200
+"""Number of rows from which the number of cells in a row is determined, and upper limit on the cells in a row of
+version 5. [1]"""
 BAROMETER = {
     "height": "altitude",
     "altitude": "altitude_msl",
@@ -43,7 +45,9 @@ BAROMETER = {
     "tilt": "tilt",
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
+"""Columns by name, with their channels: those of the barometer and the flight computer, and those of the satellites."""
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
+"""Units of the columns that are not in SI."""
 WRAP = 65536 * TICK
 """Period after which the clock of the radio form wraps around. [s]"""
 

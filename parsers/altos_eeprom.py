@@ -46,14 +46,18 @@ LARGEST_SETTINGS = 1 << 18
 """Size of the beginning of a file that is searched for the first record. [bytes]"""
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
+"""What the settings of the old form contain: commands of a terminal, or the first setting."""
 FORMAT_1_RECORD = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
 """A record of a letter and three numbers: log format 1, which its first devices do not state."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
+"""Letters of records."""
 PRESSURE = POSITION
 """The letter of a sample without an acceleration, in formats without positions."""
 TELEMINI_1 = 2
+"""The log format of a TeleMini 1."""
 OLD_TELEMINI_1 = RecordLayout("TeleMini 1", 8, counts=0)
 OTHER_DEVICES = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
+"""Devices by log formats that are not supported."""
 
 
 def recognises(head: bytes) -> bool:
@@ -210,7 +214,7 @@ def _coefficients(settings: str) -> Coefficients:
 
 
 def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"], size: int) -> Series:
-    """Positions, whose altitudes have `size` bytes: older firmware fills only the lower half of four."""
+    """Positions [deg, m], whose altitudes have `size` bytes: older firmware fills only the lower half of four."""
     degrees = [number_at(fixes, place, 4, signed=True) * 1e-7 for place in (0, 4)]
     return Series(
         time,
@@ -221,7 +225,10 @@ def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"], 
 
 
 def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
-    """The flight of a TeleMini 1: 2-byte words, the flight number first, then pressures and states (high bit set)."""
+    """The flight of a TeleMini 1: 2-byte words, the flight number first, then pressures and states (high bit set).
+
+    Pressures are 0.1 s apart up to the drogue state, then 1 s.
+    """
     data, damaged = bytearray(), Damaged()
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):

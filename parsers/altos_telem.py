@@ -30,6 +30,7 @@ PACKET, FRAME = 32, 36
 """Size of a packet, and of its line with the length before it and signal strength, status and checksum after it.
 [bytes]"""
 OLD_FRAMES = (94, 95)
+"""Sizes of the packets of versions before 1.0. [bytes]"""
 CHECKSUM_BIT = 0x80
 """Status bit that is set if the radio's own checksum was valid."""
 SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
@@ -38,7 +39,8 @@ SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
 
 @dataclass(frozen=True, slots=True)
 class PacketField:
-    """A number in a packet: its position, its format, and its unit in SI."""
+    """A number in a packet: its position, its format, and its conversion to SI, by a scale and an offset or a
+    function."""
 
     place: int
     kind: str
@@ -94,6 +96,7 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, PacketField]]] = {
 }
 """The supported packets by type: the device, and the fields."""
 POSITION = 5
+"""The type of a packet with a position."""
 FIX_BIT, HIGH_BYTE_BIT = 0x10, 0x01
 """Bits of a position that mark a valid fix, and a height with a third byte."""
 

@@ -114,7 +114,10 @@ def _unwrapped(clock: Float[Array, "row"]) -> Float[Array, "row"]:
 
 
 def _pressure(printed: Float[Array, "row"], altitude: Float[Array, "row"]) -> Float[Array, "row"] | None:
-    """Pressures that may have been printed in 16 bits, resolved with the altitude, or None. [Pa]"""
+    """Pressures that may have been printed in 16 bits, resolved with the altitude; nan if they do not match it. [Pa]
+
+    None if the first is not a pressure of `GROUND`.
+    """
     ground = [p for p in printed[0] + WRAP * np.arange(3) if GROUND[0] <= p <= GROUND[1]]
     if len(ground) != 1:
         return None

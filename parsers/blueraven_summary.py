@@ -30,6 +30,7 @@ EVENTS = {
     "time to third channel fire": "third channel",
     "time to fourth channel fire": "fourth channel",
 }
+"""Lines that state the time of an event: its name."""
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _FIRST = re.compile(r'^"?Max Altitude"?[,;\t]', re.M | re.I)
 _THEN = re.compile(r'^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.I)

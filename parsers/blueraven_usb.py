@@ -36,9 +36,11 @@ MAX_NUMBERS = 1_500_000
 MAX_FRAME_GAP = 60.0
 """Frames further apart than this belong to two flights. [s]"""
 EPOCH = datetime(2000, 1, 1)
+"""Zero of the clock in `SampleFrame.numbers`."""
 LOW_RATE_FIELDS = (("bo", 0), ("bo", 1), ("v", 0), ("vel", 0), ("ang", 0))
 """The numbers used from a low-rate frame: label and index."""
 SCALES = (STANDARD_GRAVITY / 100, STANDARD_GRAVITY / 1000, STANDARD_GRAVITY / 10_000)
+"""Possible scales of acceleration. [m/s^2 per count]"""
 PAD = 0.5
 """Time after the first frame during which the rocket is assumed to be on the pad. [s]"""
 _HEAD = re.compile(

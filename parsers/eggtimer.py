@@ -29,9 +29,13 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "drogue", "main": "main"}
+"""Columns of events, with the names of the events."""
 ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
+"""Names of the column of altitudes, with the unit in each; "" if it has none."""
 CLASSIC = {"t", "alt", "vraw", "vfilt"}
+"""Columns of the Classic."""
 SPEEDS = ("fveloc", "veloc", "vfilt")
+"""Columns with a speed, of which the first is used."""
 EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
 """Time windows before the top in which the fall is measured. [s]"""
 FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
@@ -41,6 +45,7 @@ MAX_TOP_OFFSET = 0.4
 SLOW_STEP = 2.0
 """A clock step above this is in ms, because no Eggtimer has a step this long in s. [1]"""
 MOST_LABELS, MOST_FLIGHTS = 60, 64
+"""Largest number of labels above a table, and of tables in a text. [1]"""
 _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]{0,60}?)\s*$")
 
 
@@ -174,7 +179,7 @@ def _reading(table: LogTable, part: _TextTable) -> Reading:
 
 
 def _felt(printed: Float[Array, "row"] | None) -> Float[Array, "row"] | None:
-    """The acceleration of a Proton, if it is one g at rest in some unit; otherwise None. [m/s^2]"""
+    """The acceleration that an Eggtimer Proton prints, if it is one g at rest in some unit; otherwise None. [m/s^2]"""
     one = None if printed is None else settle_felt(printed)
     return None if printed is None or one is None else printed * UNITS["acceleration"][one.unit].factor
 
@@ -210,10 +215,8 @@ def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> st
 def _fall(
     clock: Float[Array, "row"], height: Float[Array, "row"], start: float, stop: float
 ) -> tuple[float, float, float]:
-    """Change of speed between two times, the mean speed, and the time of zero speed; nan for uneven changes.
-
-    [1/s^2], [1/s], [s]
-    """
+    """Deceleration between two times [height/s^2], speed in the middle [height/s], and time of zero speed [s]; nan for
+    an uneven or too short climb."""
     inside = (clock >= start) & (clock <= stop)
     nothing = (float("nan"),) * 3
     if len(np.unique(clock[inside])) < 12:

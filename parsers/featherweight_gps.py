@@ -100,7 +100,8 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
 
 def _receivers(head: Header) -> list[Header]:
     """A header for each receiver of a log: a ground station may record its own position along with the tracker's, with
-    the same column names. In each header the columns of the others have no name."""
+    the same column names. In each header the columns of the others have no name. `read` uses the one whose heights have
+    the largest range."""
     starts = [place for place, name in enumerate(head.names) if name == "alt"]
     if len(starts) < 2:
         return [head]
@@ -121,6 +122,7 @@ def _rise(table: LogTable) -> float:
 
 
 def _trackers(table: LogTable) -> list[tuple[str, LogTable]]:
+    """The rows of each tracker, with its name; "" for a log of a single one."""
     if "tracker" not in table.words:
         return [("", table)]
     names, which = table.words["tracker"]

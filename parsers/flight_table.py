@@ -5,9 +5,9 @@ Columns are those of `fieldkit.flight`, in any order and case; a unit other than
 have columns for its standard deviation (`apogee_sd_m`, `apogee_sd_ft`) and its source (`apogee_source`). Unknown
 columns are kept unchanged.
 
-Other names for these columns are in `fieldkit/data/flight_columns.toml`. An empty cell, `-`, `?`, `n/a`, `none` or
-`unknown` in a column of numbers means "not recorded"; `NaN` is the result of failed arithmetic in a program, and is
-rejected. Tags are separated by `;`, `|` or `,`.
+Other names for these columns are in `fieldkit/data/flight_columns.toml`. An empty cell, `-`, `?`, `n/a`, `na`, `none`,
+`null` or `unknown` in a column of numbers means "not recorded"; `NaN` is the result of failed arithmetic in a program,
+and is rejected. Tags are separated by `;`, `|` or `,`.
 """
 
 import re

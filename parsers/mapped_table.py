@@ -2,7 +2,8 @@
 
 The columns are assigned by the flyer's mapping if there is one (`altitude=Alt (ft)`), otherwise by their names. A unit
 is taken from the header or the mapping, or inferred from physics; an undetermined unit is an error for time, height and
-pressure, and any other column without a unit is dropped. The assignment is returned as a `Mapped` for display.
+pressure (see `column_units`), and any other column without a unit is dropped. The assignment is returned as a `Mapped`
+for display.
 
 The clock restarts at a second flight in a file; a 16- or 32-bit counter that wraps around does not count as a restart.
 A clock that counts from 1970 is shifted to start at the first sample, whose date and time are stored.

@@ -24,6 +24,7 @@ from fieldkit.units import FOOT
 STATISTICS = re.compile(rb"^G([-+ \d]\d{4})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)
 SAMPLE = re.compile(r"([^\r\n])(\d{4})")
 INTERVAL = slice(20, 22)
+"""The characters of the first line after the statistics that are the sample interval. [ms]"""
 MAX_LOG_SIZE = 4 << 20
 """Largest file size: a sample is a line of 7 bytes, and the number of samples has five digits. [bytes]"""
 

@@ -46,6 +46,7 @@ class DeviceModel:
 
 
 MODELS = (DeviceModel("MicroPeak", 0.192), DeviceModel("MicroKite", 19.2), DeviceModel("MicroPeak 2", 0.1))
+"""The devices by model number."""
 
 
 def recognises(head: bytes) -> bool:

@@ -25,9 +25,9 @@ from fieldkit.importing.tables.text import first_lines, shown
 from fieldkit.quantities import counted
 
 MOST_ABOVE = 5
-"""Number of lines in which the first one must be, after blank lines or a title. [1]"""
+"""Number of lines among which the one with the device's name must be, after blank lines or a title. [1]"""
 MOST_FLIGHTS = 100
-"""Number of flights in one file, if somebody put several together. [1]"""
+"""Largest number of flights in one file, if somebody put several together. [1]"""
 NEXT_FLIGHT = re.compile(rb"^[\" ]{0,9}PerfectFlite [A-Za-z]", re.MULTILINE)
 MOST_HEADER = 100
 """Number of lines that are searched for the column names. [1]"""
@@ -48,11 +48,13 @@ LENGTH = re.compile(r"\s*(-?\d{1,6}(?:\.\d{1,3})?)\s*('|ft\b|m\b)")
 LEAST_WIDTH = 3
 """Smallest number of cells in a row: some rows have neither temperature nor voltage. [1]"""
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
+"""Fields of `Flight` that the lines above the samples state, with the names of the lines."""
 COPIED_FIELDS = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
     *("Max Drogue Current", "Max Main Current"),
 )
 OUTPUTS = {"drogue at": "drogue", "main at": "main"}
+"""Lines that state when an output fired, with the names of the events."""
 
 
 def recognises(head: bytes) -> bool:
@@ -74,7 +76,7 @@ def read(log: bytes) -> list[Found]:
 
 
 def _flight(log: bytes) -> list[Found]:
-    """What was found in one file, or in one of several in a row."""
+    """What was found in one file, or in one of several that somebody put together. Raises DamagedLog."""
     header, data_row, data = _header(log)
     table = _table(log, data_row, data, _length(header))
     remarks: list[Found] = []

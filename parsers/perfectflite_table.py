@@ -19,6 +19,7 @@ from fieldkit.importing.tables.text import first_lines, shown
 TEMPERATURE_WORDS = re.compile(r"-?\d{1,3}(?:[.,]\d*)?\s*([CF])$")
 NUMBER = re.compile(r"-?\d{1,6}(?:[.,]\d*)?$")
 FIRST_ROWS = 20
+"""Number of lines from which the layout is determined. [1]"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,7 +69,7 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def _decimal(log: bytes, head: Header) -> str:
-    """The decimal mark of the seconds, all of which have decimals."""
+    """The decimal mark of the first seconds, which always have decimals."""
     return "," if "," in "".join(first_lines(log, after=head.row, most=1)) else "."
 
 

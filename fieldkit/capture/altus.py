@@ -10,6 +10,7 @@ from fieldkit.capture.link import NOISE, Dialogue, Link
 ANSWER = 5.0
 """Timeout for a line from a unit. [s]"""
 NAMES = {"product": "model", "serial-number": "serial", "software-version": "firmware"}
+"""Keys of the answer to `v` that are recorded in `Link.about`, with their names there."""
 
 
 def silence_echo(link: Link) -> Dialogue[None]:
@@ -20,7 +21,7 @@ def silence_echo(link: Link) -> Dialogue[None]:
 
 
 def version(link: Link) -> Dialogue[dict[str, str]]:
-    """The answer to `v`, key to value; empty if it is incomplete."""
+    """The answer to `v`, key to value; empty if it is incomplete. Also records what `NAMES` lists in `link.about`."""
     found: dict[str, str] = {}
     link.send(b"v\n")
     ends = time.monotonic() + NOISE * ANSWER

@@ -49,7 +49,7 @@ class Captured:
 
     @property
     def began(self) -> datetime | None:
-        """Start of the capture, with its offset from UTC."""
+        """Start of the capture, with its offset from UTC; None if the journal does not state it."""
         try:
             return datetime.fromisoformat(str(self.fact("began"))).astimezone()
         except (ValueError, OverflowError):
@@ -71,7 +71,7 @@ class Captured:
         return [mark for mark in self.marks if "sent" in mark.facts]
 
     def arrivals(self, offsets: Iterable[int]) -> list[float]:
-        """Arrival times of the bytes at these offsets, since the start of the capture. [s]"""
+        """Arrival times of the bytes at these offsets, since the start of the capture; 0 without a journal. [s]"""
         counts = [mark.at for mark in self.marks]
         places = (min(bisect_right(counts, offset), len(counts) - 1) for offset in offsets)
         return [self.marks[place].time if counts else 0.0 for place in places]
@@ -111,7 +111,7 @@ class Log:
 
 
 def is_capture(file: Path) -> bool:
-    """Whether a file is one of the two files of a capture."""
+    """Whether a file is one of the two files of a capture, and both exist."""
     return file.suffix in (BYTES, JOURNAL) and file.with_suffix(BYTES).is_file() and file.with_suffix(JOURNAL).is_file()
 
 
@@ -127,6 +127,7 @@ def read_capture(file: Path) -> Captured:
 
 
 def _mark(line: bytes) -> TapeMark | None:
+    """The mark in a line of the journal; None if the line is damaged."""
     try:
         facts = json.loads(line)
         mark = TapeMark(int(facts.pop("at")), float(facts.pop("t")), facts)

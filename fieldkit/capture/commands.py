@@ -19,7 +19,7 @@ ALLOWED_COMMANDS: Mapping[str, re.Pattern[bytes]] = MappingProxyType(
         "altimulti": re.compile(rb"h;|b;|n;|r(?:1?[0-9]|2[0-4]);|[fg];|y[01];"),
         # clear the line, echo off, settings, flash, version, flights, one block of 256 bytes
         "altos": re.compile(rb"~\n|E 0\n|c s\n|f\n|v\n|l\n|e [0-9a-f]{1,6}\n"),
-        # the same, plus: tune to a frequency in kHz, forward 32-byte packets, stop forwarding
+        # clear the line, echo off, version, tune to a frequency in kHz, forward 32-byte packets, stop forwarding
         "teledongle": re.compile(rb"~\n|E 0\n|v\n|c F 4[0-9]{5}\n|m 20\n|m 0\n"),
         # low-rate and high-rate flight data
         "blue_raven": re.compile(rb"download [lh]\r\n"),

@@ -13,7 +13,7 @@ WAIT = 0.05
 
 @dataclass(frozen=True, slots=True)
 class PortSettings:
-    """Port settings in addition to 8 data bits, no parity and 1 stop bit."""
+    """Port settings in addition to 8 data bits, no parity and 1 stop bit: the rate [baud], and flow control."""
 
     baud: int = 9600
     xonxoff: bool = False
@@ -31,7 +31,8 @@ class SerialLine:
     def send(self, command: bytes) -> None:
         """Send one command: the only function in fieldkit that writes to a port.
 
-        Raises ForbiddenCommand for anything not in the table of this protocol, PortLost.
+        Raises ForbiddenCommand for anything not in the table of this protocol, PortLost, and CaptureTrouble if the
+        command cannot be recorded.
         """
         if not allowed(self.protocol, command):
             raise ForbiddenCommand(f"{self.protocol or 'a listener'} may not send {command!r}")
@@ -43,7 +44,8 @@ class SerialLine:
             raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
 
     def _go_on(self) -> None:
-        """Clear an XOFF caused by noise, which would block every command; none is long enough to need flow control.
+        """Clear an XOFF caused by noise, which would block every command; no command is so long that it needs flow
+        control.
 
         Linux resumes after an XOFF only if it was asked to stop as well.
         """
@@ -52,7 +54,10 @@ class SerialLine:
             self._port.set_output_flow_control(True)
 
     def hear(self) -> bytes:
-        """The bytes that arrived within `WAIT`, possibly none; they are already saved. Raises PortLost."""
+        """The bytes that arrived within `WAIT`, possibly none; they are already saved.
+
+        Raises PortLost, and CaptureTrouble if they cannot be saved.
+        """
         try:
             chunk: bytes = self._port.read(1)
             if chunk:

@@ -50,8 +50,10 @@ class Link:
     sample: Sample | None = None
     about: dict[str, str] = field(default_factory=dict)
     heard: int = 0
+    """Number of bytes received in this run. [byte]"""
     _pending: bytearray = field(default_factory=bytearray)
     _searched: int = 0
+    """Number of pending bytes in which `piece` found no mark. [byte]"""
     _reported: float = field(default=float("-inf"))
 
     def send(self, command: bytes) -> None:
@@ -70,7 +72,10 @@ class Link:
         return Progress(self.heard, self.samples, self.damaged, self.fraction, self.sample)
 
     def hear(self) -> Dialogue[bytes]:
-        """The bytes that have arrived, possibly none. Raises Stopped, PortLost."""
+        """The bytes pushed back or, without any, those that have arrived, possibly none.
+
+        Raises Stopped, and the errors of `SerialLine.hear`.
+        """
         if self.stop():
             raise Stopped("stopped")
         if time.monotonic() >= self.ends:
@@ -98,7 +103,8 @@ class Link:
         self._searched = 0
 
     def first_word(self, wait: float, asked: str) -> Dialogue[None]:
-        """Wait for the first byte. Raises PortTrouble after `wait` [s]."""
+        """Wait for the first byte. Raises PortTrouble after `wait` [s], whose message ends with what the user is
+        `asked` to do."""
         began = time.monotonic()
         while time.monotonic() - began < wait:
             chunk = yield from self.hear()
@@ -141,7 +147,8 @@ class Link:
         return None if found is None else found.decode("latin-1").rstrip("\r")
 
     def drain(self, silence: float, patience: float = NOISE) -> Dialogue[bytes]:
-        """Read until there is silence [s], or for `patience` times that if there is noise; returns the last bytes."""
+        """Read until nothing arrives for `silence` [s], or for `patience` times that if there is noise; returns at most
+        `MAX_PIECE` of the last bytes."""
         heard = bytearray()
         began = quiet_since = time.monotonic()
         while time.monotonic() - quiet_since < silence and time.monotonic() - began < patience * silence:

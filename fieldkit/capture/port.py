@@ -13,6 +13,7 @@ from pathlib import Path
 from fieldkit.capture.protocol import known_devices
 
 ALTUS_METRUM = 0xFFFE
+"""The vendor number that Altus Metrum uses."""
 ALTOS_PRODUCTS: Mapping[int, str] = {
     0x0B: "TeleMetrum",
     0x0C: "TeleDongle",
@@ -36,6 +37,7 @@ CHIPS: Mapping[int, str] = {
 }
 """Makers of USB serial chips, by vendor number."""
 MICROPEAK_ADAPTER = (0x0403, 0x6015)
+"""Vendor and product number of the MicroPeak USB adapter, which are those of its FTDI chip."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,8 @@ def ports() -> list[Port]:
 
 
 def again(unit: Port, here: Iterable[Port]) -> str | None:
-    """The port on which a unit has returned, by its USB numbers or, if it has none, by its port name.
+    """The port on which a unit has returned, by its USB numbers or, if it has none, by its port name; None if it has
+    not, or if several ports may be it.
 
     A port that the system does not list, such as a pseudo-terminal, is present if its path exists.
     """

@@ -33,12 +33,13 @@ class CaptureOptions:
     frequency: float | None = None
     """Frequency of a radio. [Hz]"""
     baud: int | None = None
+    """Rate of the port. [baud]"""
     wait: float | None = None
     """How long to wait for a unit that sends unprompted. [s]"""
     silence: float | None = None
     """How long a stream may pause before it ends. [s]"""
     seconds: float | None = None
-    """Time limit of the whole capture. [s]"""
+    """Time limit of the whole capture, None for no limit. [s]"""
     reconnect: float = 20.0
     """How long to wait for a lost port. [s]"""
 

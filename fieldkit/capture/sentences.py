@@ -1,6 +1,6 @@
 """The sentences of bdureau's altimeters: `$name,field,...,checksum;`.
 
-The checksum is the sum of the characters from the name up to the comma before the checksum, modulo 256.
+The checksum is the sum of the characters from the name up to and including the comma before the checksum, modulo 256.
 """
 
 from collections.abc import Iterable

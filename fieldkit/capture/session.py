@@ -21,12 +21,12 @@ RECOGNITION_BYTES = 16_384
 RATES = (9600, 19_200, 38_400)
 """Baud rates at which units send unprompted, tried in turn until the data is readable. [baud]"""
 PATIENCE = 300.0
-"""How long an unknown unit may stay silent. [s]"""
+"""How long to listen for an unknown unit before giving up. [s]"""
 
 MOST_LOSSES = 5
-"""Number of consecutive losses without data after which a port is given up. [1]"""
+"""Number of times in a row that a port may be lost again without having sent anything. [1]"""
 PAUSE = 0.5
-"""Additional wait before each retry of such a port. [s]"""
+"""Wait before such a port is opened again, for each of these losses. [s]"""
 AFTER_A_FAULT = 30.0
 """Silence that ends a capture whose protocol has failed. [s]"""
 
@@ -47,8 +47,8 @@ def capture(
 
     Every byte is on disk before it is decoded. Without a device, the port's numbers identify it, or else the received
     bytes; nothing is ever sent to a unit identified neither by the user nor by its numbers. Raises PortTrouble if a
-    port cannot be opened or a unit does not answer, and the capture is still saved; CaptureTrouble if it cannot be
-    saved.
+    port cannot be opened or a unit does not answer, and what was received is still saved; CaptureTrouble if the capture
+    cannot be saved.
     """
     name = _name(device or port.device)
     settings = _settings(name, wishes)
@@ -72,7 +72,8 @@ def resume(
 ) -> Iterator[Event]:
     """Resume a capture, on the port where its unit is now; data it already has is not read again.
 
-    Raises CaptureTrouble if there is no such capture or its unit is not found, and the errors of `capture`.
+    Raises CaptureTrouble if there is no such capture, its journal is damaged or its unit is not found, and the errors
+    of `capture`.
     """
     captured = read_capture(file)
     numbers = (captured.fact("vendor"), captured.fact("product"))
@@ -120,6 +121,7 @@ def _run(
     stop: Callable[[], bool],
     look: Look,
 ) -> Iterator[Event]:
+    """Run a capture on a tape from opening the port to `Ended`. Errors as in `capture`."""
     line = open_line(port.name, name, settings, tape)
     link = Link(line, stop)
     if wishes.seconds is not None:

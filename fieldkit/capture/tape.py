@@ -52,13 +52,13 @@ class Tape:
         self.close()
 
     def heard(self, chunk: bytes) -> None:
-        """Save bytes that just arrived. Raises CaptureTrouble if the disk is full."""
+        """Save bytes that just arrived. Raises CaptureTrouble if they cannot be written."""
         self._append(self._raw, chunk)
         self.size += len(chunk)
         self.tick()
 
     def note(self, **facts: object) -> None:
-        """Record an event at this position, in JSON types; without facts, only the time."""
+        """Record an event at this position, in JSON types; without facts, only the time. Raises CaptureTrouble."""
         now = time.monotonic()
         line = {"at": self.size, "t": round(now - self._start, 3), **facts}
         self._marked, self._marked_size = now, self.size
@@ -90,6 +90,7 @@ class Tape:
             self.file.with_suffix(JOURNAL).unlink(missing_ok=True)
 
     def _append(self, file: FileIO, content: bytes) -> None:
+        """Write all bytes to the end of a file. Raises CaptureTrouble."""
         self._dirty = True
         try:
             while content:
@@ -100,6 +101,7 @@ class Tape:
             ) from error
 
     def _sync(self) -> None:
+        """Synchronize both files with the disk; a failure is reported by `close`."""
         try:
             os.fsync(self._raw.fileno())
             os.fsync(self._journal.fileno())
@@ -152,7 +154,7 @@ def _new(folder: Path, name: str) -> tuple[Path, FileIO]:
 
 
 def go_on(file: Path, began: datetime) -> Tape:
-    """Resume a capture at the end of its files. Raises CaptureTrouble."""
+    """Resume a capture, which `began` then, at the end of its files. Raises CaptureTrouble."""
     try:
         raw = FileIO(file, "a")
         journal = FileIO(file.with_suffix(JOURNAL), "a")

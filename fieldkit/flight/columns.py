@@ -11,7 +11,9 @@ from fieldkit import units
 class Column:
     """One number of a flight: its external name, its meaning, and its plausible range.
 
-    `name` is the field of `Flight`; values between `low` and `high` are accepted without a question, in SI.
+    `name` is the field of `Flight`, or the extra column for one of `TWO_DEVICES`. `unit` is that of the external
+    number, and `suffix` is how a header spells it; values between `low` and `high` are accepted without a question, in
+    SI.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Column:
 
 
 def _column(name: str, quantity: str, unit: str, title: str, low: float, high: float, text: str) -> Column:
+    """A column whose range is given in its `unit`."""
     suffix = {"m/s": "mps", "°": "deg", "%": "pct", "1/km": "pkm"}.get(unit, unit)
     scale = units.unit(quantity, unit)
     return Column(name, quantity, unit, suffix, title, text, scale.to_si(low), scale.to_si(high))
@@ -161,12 +164,14 @@ TWO_DEVICES = (
 with a standard deviation if they were measured."""
 
 WEATHER = ("wind", "temperature", "pressure", "humidity")
-"""Conditions of the day, not of the rocket or the site."""
+"""Names of the conditions that belong to the day, not to the rocket or the site."""
 COLUMNS = SETUP + CONDITIONS + READOUTS
 """The columns of the flight table that every flight has."""
 MEASURED = READOUTS + LOGGED
-"""Everything that may have a standard deviation and a source."""
+"""The readouts and the quantities computed from a log; each may have a standard deviation and a source."""
 LOG_FIGURES = MEASURED + TWO_DEVICES
 """Everything that a log may show."""
 BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS + LOGGED})
+"""The columns that are fields of `Flight`."""
 FIGURES_BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in LOG_FIGURES})
+"""Everything that a log may show, by name."""

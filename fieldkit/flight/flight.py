@@ -15,7 +15,8 @@ class Flight:
 
     `rocket` and `flight_id` together identify it. `motor` is as printed, with the delay if it has one. `sd` and
     `source` map readout names to the standard deviation and the origin (one of `SOURCES`), if recorded. `extra`
-    contains the columns of a flight table that fieldkit does not know.
+    contains the text of all other columns of a flight table: those that only some flights have, such as the recovery
+    (`fieldkit.flight.recovery`), and those that fieldkit does not know.
     """
 
     flight_id: str = ""
@@ -59,7 +60,7 @@ class Flight:
         return not any(tag in TAGS for tag in self.tags)
 
     def number(self, name: str) -> float | None:
-        """The SI value of one of `COLUMNS`, or None if it was not recorded."""
+        """The SI value of one of `COLUMNS` or `LOGGED`, or None if it was not recorded."""
         value: float | None = getattr(self, name)
         return value
 

@@ -56,7 +56,7 @@ def check(column: Column, value: float, unit: str = "") -> float:
 
 
 NAMES = ("flight_id", "rocket", "config", "site")
-"""The columns that name something, and are printed in every table."""
+"""Fields that name something and are printed in tables."""
 MAX_NAME = 200
 """Longest name, many times as long as any that fits in a table. [characters]"""
 
@@ -81,5 +81,6 @@ def long_names(flight: Flight) -> list[str]:
 
 
 def rounded(number: float) -> str:
-    """A number in any unit with four significant digits, without an exponent in the range of the limits."""
+    """A number in any unit with four significant digits, from 10,000 on to the nearest integer; without an exponent in
+    the range of the limits."""
     return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"

@@ -36,7 +36,7 @@ SIGNED_READOUTS = ("apogee_to_eject",)
 IMPULSE_SCATTER = 0.067
 """Largest standard deviation of the total impulse of a certified motor, NFPA 1125. [1]"""
 MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
-"""Largest impulse or thrust of a motor, relative to its certified curve. [1]"""
+"""Largest impulse or thrust of a motor, relative to its certified curve: three standard deviations. [1]"""
 READ_TOO_HIGH = 1.2
 """Largest ratio of an altimeter's reading to the true value: the standard atmosphere in air at -35 °C. [1]"""
 MIN_BURN_FRACTION = 0.5
@@ -126,8 +126,9 @@ def best_apogee(dry_mass: float, motor: Burning) -> float:
 
 
 def _impossible(flight: Flight) -> str:
-    """A phrase for the first value that is not a number or is beyond its limits: in a recovery column that a fit uses,
-    or in the ledger of an older version."""
+    """A phrase for the first value that is not a number or is beyond its limits, which the ledger of an earlier version
+    may hold: in `COLUMNS`, in a recovery column that every fit uses, or in the rail direction; empty if there is
+    none."""
     for column in COLUMNS:
         value = flight.number(column.name)
         if value is not None and not math.isfinite(value):
@@ -221,9 +222,9 @@ def doubts(
     usual: Mapping[str, float] = MappingProxyType({}),
     figure: Callable[[Column, float], str] = figure,
 ) -> list[str]:
-    """Values in a flight that look mistyped, one phrase each: implausible values, and readouts that contradict each
-    other or the `usual` ones (the `middles` of flights of the same rocket on the same motor). `figure` formats a value
-    [SI]."""
+    """Values in a flight that look mistyped, one phrase each: values outside the range of their column, and readouts
+    that contradict each other or the `usual` ones (the `middles` of flights of the same rocket on the same motor).
+    `figure` formats a value [SI]."""
     found = [_unusual(column, value, figure) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:

@@ -73,7 +73,7 @@ def beside(header: str) -> ReadoutColumn | None:
 def read_sd(name: str, text: str, unit: str = "") -> float:
     """Parse the standard deviation of a readout; a number without a unit is in `unit`, or in the column's own. [SI]
 
-    Raises BadValue if it is not positive.
+    Raises BadValue if it is not a positive number.
     """
     column = BY_NAME[name]
     value = units.parse_difference(text, column.quantity, unit or column.unit)

@@ -50,7 +50,7 @@ LIMITS = {
     "wind_aloft_height": (1.0, 50_000.0),
     "wind_aloft_turn": (-2 * math.pi, 2 * math.pi),
 }
-"""Lowest and highest possible number of each recovery column of a plan, in SI."""
+"""Lowest and highest possible number of each recovery column, in SI."""
 IN_EVERY_FIT = ("opening_time", "wind_aloft", "wind_aloft_height", "wind_aloft_turn")
 """Recovery columns that change the simulated apogee of a past flight."""
 MAX_STABILITY = 100.0
@@ -120,7 +120,7 @@ def check_recovery(flight: Flight, names: Iterable[str] = tuple(LIMITS)) -> None
 
 
 def _typed(flight: Flight, name: str) -> tuple[str, str]:
-    """The text of an extra number that a flight has, and its unit."""
+    """The text of an extra number that a flight has, with its unit, and that unit."""
     _, unit, _ = RECOVERY_COLUMNS[name]
     header = recovery_column(flight, name) or name
     text = flight.extra.get(header, "").strip()
@@ -135,12 +135,12 @@ def _label(name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """What opens when: the device, the speed under a drogue near the ground [m/s], the height above the pad at which
-    the main opens [m], and the time a device takes to open [s]. If the main has no height, the only device opens at the
-    charge.
+    """What opens when; None if not recorded.
 
-    `main_speed` is the descent speed near the ground under the main or only device [m/s], `parachute_diameter` its
-    diameter laid flat [m]; None if not recorded.
+    `drogue_speed` is the descent speed under a drogue near the ground [m/s], `main_altitude` the height above the pad
+    at which the main opens [m]; without it, the only device opens at the charge. `opening_time` is the time from the
+    charge to an open device [s]. `main_speed` is the descent speed near the ground under the main or only device [m/s],
+    `parachute_diameter` its diameter laid flat [m].
     """
 
     device: Device = "parachute"
@@ -157,8 +157,10 @@ class Recovery:
 
 
 def recovery_of(flight: Flight) -> Recovery:
-    """Recovery settings of a flight. Raises BadValue for an unknown device, a non-number, or a drogue without a
-    main.
+    """Recovery settings of a flight; a negative opening time counts as 0.
+
+    Raises BadValue for an unknown device, a text that is not a number, a speed, height or diameter that is not above
+    zero, or a drogue without a main.
     """
     found = device_of(flight)
     drogue, main = recovery_figure(flight, "drogue_speed"), recovery_figure(flight, "main_altitude")
@@ -175,7 +177,8 @@ def recovery_of(flight: Flight) -> Recovery:
 
 
 def can_be_read(flight: Flight) -> bool:
-    """Whether the recovery of a past flight can be read: each text is valid, or was not recorded."""
+    """Whether the recovery of a past flight can be read: each text is valid and within `LIMITS`, or was not
+    recorded."""
     try:
         recovery_of(flight)
         check_recovery(flight)
@@ -194,7 +197,10 @@ def device_of(flight: Flight) -> Device:
 
 
 def stability(flight: Flight) -> float | None:
-    """Static margin of a flight in body diameters, None if it was not recorded. Raises BadValue. [1]"""
+    """Static margin of a flight in body diameters, None if it was not recorded. [1]
+
+    Raises BadValue if it is not a number from 1 / `MAX_STABILITY` to `MAX_STABILITY`.
+    """
     text = flight.extra.get(STABILITY, "").strip()
     if not text:
         return None

@@ -9,7 +9,8 @@ _DERIVED_ID = re.compile(r"(?:flight|\d{4}-\d\d-\d\d)-[0-9a-f]{10}")
 
 
 def short_name(flight: Flight) -> str:
-    """What a person calls a flight: its flight_id, or the date, time and motor if the flight_id was derived."""
+    """What a person calls a flight: its flight_id, or the date, time and motor if the flight_id was derived. Midnight
+    means that the time is unknown."""
     if not _DERIVED_ID.fullmatch(flight.flight_id):
         return flight.flight_id
     when = "" if flight.date_time is None else f"{flight.date_time:%Y-%m-%d %H:%M}".removesuffix(" 00:00")

@@ -10,7 +10,7 @@ from fieldkit.flight.flight import Flight
 STAGED = "staged"
 """The tag of a flight on several stages, whose dry mass may include boosters that another plan does not carry."""
 INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
-"""Fields that a plan inherits from the last flight of its rocket and configuration if it has no value of its own."""
+"""Fields that a plan inherits from earlier flights if it has no value of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +39,11 @@ class Start:
 
 
 def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
-    """A plan with missing mass, diameter and rail length filled in from the last flight of its configuration; not the
+    """A plan with missing mass, diameter and rail length filled in, each from the last flight that recorded it; not the
     mass of a flight with boosters.
 
-    For a configuration that has not flown, they come from its starting configuration, if known.
+    `history` are the flights of its rocket in order; only those of its configuration count if there are any. For a
+    configuration that has not flown, `start` supplies mass and diameter first.
     """
     if start is not None and all(flight.config != plan.config for flight in history):
         plan = plan.with_defaults(dry_mass=start.dry_mass, diameter=start.diameter)
@@ -57,7 +58,7 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
 
 
 def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
-    """The starting configuration for a plan; if only one is saved, that one."""
+    """The starting configuration that a plan names, or the only one that is known; otherwise None."""
     named = [one for one in known if one.config == plan.config]
     return (named or list(known))[0] if named or len(known) == 1 else None
 

@@ -26,7 +26,8 @@ KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
 
 
 def read_tags(text: str) -> tuple[str, ...]:
-    """Parse tags separated by `;`, `|` or `,`, each once; `Weak launch` becomes `weak_launch`, others are unchanged."""
+    """Parse tags separated by `;`, `|` or `,`, each once; known ones are normalized, `Weak launch` to `weak_launch`,
+    others are unchanged."""
     tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
     known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
     return tuple(dict.fromkeys(k if k in KNOWN_TAGS else tag for k, tag in zip(known, tags, strict=True)))

@@ -9,7 +9,7 @@ from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.reading import Found, Note, Reading
 
 SAME_MOMENT = timedelta(seconds=2)
-"""Largest difference of lift-off times between files of one logger for the same flight. [s]"""
+"""Lift-off times of files of one logger that differ by less than this are of the same flight."""
 KINDS = "log_kinds"
 """The extra column of a flight that lists the kinds of files it was read from, if its logger writes several."""
 Opened = tuple[str, str, Sequence[Found]]
@@ -19,7 +19,7 @@ Opened = tuple[str, str, Sequence[Found]]
 def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
     """Files in which the parts of each flight are merged into one reading; the other parts' files refer to it.
 
-    The merged reading lists the digests of the other files. A part without any other notes that more may exist.
+    The merged reading lists the digests of the other files. A part without others gets a note that more may exist.
     """
     places = [(i, item) for i, (_, _, found) in enumerate(opened) for item in found if isinstance(item, Reading)]
     groups: list[list[tuple[int, Reading]]] = []
@@ -56,16 +56,21 @@ _PART = "is the {} file of a flight by {}; import its other files with it or aft
 
 
 def _worth(part: Reading) -> int:
-    """Rank of a part as the main one, which names the flight: one with heights, else one with samples, else any."""
+    """Rank of a part as the main one, lowest first: one with heights, else one with samples, else any."""
     return 0 if any(series.altitude is not None for series in part.clocks) else 1 if part.clocks else 2
 
 
 def _folder(opened: Sequence[Opened], place: tuple[int, Reading]) -> tuple[str, Path]:
+    """The device of a reading, and the folder of its file."""
     return place[1].device, Path(opened[place[0]][0]).parent
 
 
 def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Sequence[tuple[int, Reading]]) -> bool:
-    """Whether two readings of files in one folder may belong to one flight."""
+    """Whether two readings of files in one folder may belong to one flight.
+
+    `same` are the earlier readings of that folder and device. Without a lift-off time in both, none of them may be of
+    the same kind as this one.
+    """
     one, two = place[1], other[1]
     if other not in same or place[0] == other[0] or one.part == two.part or len({one.serial, two.serial} - {""}) > 1:
         return False

@@ -37,7 +37,8 @@ def _simulated(reading: Reading) -> Reading:
 
 
 def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
-    """A reading with samples, its readouts measured from them, and the notes about that.
+    """A reading with samples, its readouts measured from them, and the notes about that; or an error if the samples
+    show no flight and the log states no readouts.
 
     The flight is named after the bytes of its log, so that measuring it differently does not create another flight. The
     extra columns name the parser that reads the log again, and which of its flights this is.
@@ -75,6 +76,7 @@ def _stated(reading: Reading, format: str) -> Reading:
 
 
 def _origin(reading: Reading, format: str) -> dict[str, str]:
-    """Extra columns: the device of a flight, the kinds of its files, and the parser that reads them."""
+    """Extra columns, if known: the device of a flight, its firmware and serial number, the kinds of its files, and the
+    parser that reads them."""
     metadata = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
     return {name: text for name, text in (metadata | {KINDS: reading.part}).items() if text}

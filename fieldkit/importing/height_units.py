@@ -45,7 +45,8 @@ def _factor(series: Series) -> float:
 
 
 def _ratio(expected: Float[Array, "time"], altitude: Float[Array, "time"]) -> float:
-    """Median ratio of the climb by the altitude to that by the pressure; nan if it is too low. [1]"""
+    """Median ratio of heights by the altitude to those by the pressure in the upper part of the climb; nan if the climb
+    is less than `CLIMB` or has too few samples. [1]"""
     both = np.isfinite(expected) & np.isfinite(altitude)
     if both.sum() < 10:
         return float("nan")

@@ -73,9 +73,10 @@ def _pattern(sign: str) -> re.Pattern[str]:
 
 
 def score(parser: Parser, log: bytes) -> tuple[float, int]:
-    """The score of a parser that recognizes a log: the fraction of its signs that are present, and their number.
+    """The score of a parser that recognizes a log, and the number of its signs that are present. [1]
 
-    The score starts at 0.5, because a parser without signs has also recognized the log. [1]
+    The score rises from 0.5 to 1 with the fraction of its signs that are present; a parser without signs has also
+    recognized the log.
     """
     like = likeness(parser, log)
     return _SCORE_WITHOUT_SIGNS + (1 - _SCORE_WITHOUT_SIGNS) * like.part, len(like.found)

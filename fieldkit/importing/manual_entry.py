@@ -103,7 +103,10 @@ def field_of(name: str) -> tuple[str, str]:
 
 
 def read_answer(name: str, text: str, unit: str = "") -> object:
-    """Parse the typed value of a field; an empty text means "not recorded". Raises BadValue. [SI]"""
+    """Parse the typed value of a field; an empty text, or `-` for a number, means "not recorded". Raises BadValue. [SI]
+
+    A number without a unit is in `unit`, or in the column's own.
+    """
     text = text.strip()
     if name in BY_NAME:
         return _number(BY_NAME[name], text, unit)
@@ -117,7 +120,8 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
 
 
 def read_lift_off_mass(text: str, unit: str = "") -> float | None:
-    """A typed lift-off mass with its unit, in `unit`, or in grams; None if nothing was typed. Raises BadValue. [kg]"""
+    """A typed lift-off mass; without a unit it is in `unit`, or in grams. None for an empty text or `-`. Raises
+    BadValue. [kg]"""
     text = "" if text.strip() == NOT_RECORDED else text.strip()
     return units.parse(text, "mass", unit or "g") if text else None
 
@@ -169,7 +173,7 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
 
 
 def answer_text(flight: Flight, name: str) -> str:
-    """A field of a flight as text to edit."""
+    """A field of a flight as text to edit; empty if not recorded. A number has the unit of its column."""
     value = getattr(flight, name)
     if value is None:
         return ""

@@ -35,7 +35,7 @@ def read_together(
     A list of rockets among them supplies names and masses for the rockets of the others. Several files in one folder
     that a logger wrote for one flight produce one flight, in the first of the files with heights. `choices` map the
     columns of a table, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
-    before any file is imported. The bytes of a file are released before its flights are measured.
+    before any file is imported.
     """
     return intakes([open_file(source, log, format, choices) for source, log in files], check_motor)
 

@@ -19,14 +19,14 @@ HEAD = 65_536
 class Reading:
     """One flight as a log states it, or one rocket of a list of rockets.
 
-    `stated` maps fields of `Flight` to SI values or text, and `columns` maps the same fields to the log's names for
-    them (for messages). `rocket_key` is the log's own name of the rocket, which links it to a list of rockets read
-    together with it. `series` contains the samples if there are any, a `Series` for each clock of the log. `events`
-    maps what the logger itself marked, named as in `EVENTS` if possible, to seconds on the first of these clocks. A
-    simulation can be compared with a flight and is never stored in the ledger. `part` is the kind of file, if a logger
-    writes several for one flight; their clocks then share one zero, and those read together become one reading.
-    `liftoff_mass` is the mass of the rocket with its motor [kg], if no dry mass is stated. `recorded` is what was
-    measured from the samples, once that is done.
+    `stated` maps fields of `Flight` to their values, numbers in SI, and `columns` maps the same fields to the log's
+    names for them (for messages). `extra` are further columns of the flight, as text. `rocket_key` is the log's own
+    name of the rocket, which links it to a list of rockets read together with it. `series` contains the samples if
+    there are any, a `Series` for each clock of the log. `events` maps what the logger itself marked, named as in
+    `EVENTS` if possible, to seconds on the first of these clocks. A simulation can be compared with a flight and is
+    never stored in the ledger. `part` is the kind of file, if a logger writes several for one flight; their clocks then
+    share one zero, and those read together become one reading. `liftoff_mass` is the mass of the rocket with its motor
+    [kg], if no dry mass is stated. `recorded` is what was measured from the samples, once that is done.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)

@@ -22,7 +22,7 @@ from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
 
 MOST_LACKING = 4
-"""Largest number of missing signs of a format that a message lists. [1]"""
+"""Largest number of signs of a format, or of sheets of a spreadsheet, that a message lists. [1]"""
 
 
 def parsers() -> Mapping[str, Parser]:
@@ -157,8 +157,8 @@ class ParsedLog:
 def open_log(log: bytes, source: str, format: str | None, choices: Sequence[ColumnChoice] = ()) -> ParsedLog:
     """Read a log with the highest-scoring parser that finds a flight in it.
 
-    If none finds a flight, the result is that of the highest-scoring parser. Raises UnknownFormat, or that parser's
-    DamagedLog.
+    If none does, or a simulator's parser cannot read it, the result is that of the highest-scoring parser. Raises
+    UnknownFormat, or that parser's DamagedLog.
     """
     sheet = _sheet_of(log, source)
     log, others = sheet.content, sheet.others
@@ -193,12 +193,12 @@ def _beside(opened: ParsedLog, others: Sequence[str]) -> ParsedLog:
 
 
 def table_of(log: bytes, source: str) -> bytes:
-    """A log unchanged, or the sheet of a spreadsheet, sentences or labeled values as CSV. Raises DamagedLog."""
+    """The text that parsers read from a log: see `_sheet_of`. Raises DamagedLog."""
     return _sheet_of(log, source).content
 
 
 def _sheet_of(log: bytes, source: str) -> SheetTable:
-    """A log unchanged, or the sheet of a spreadsheet or labeled values that are read. Raises DamagedLog."""
+    """A log without wrapped lines, or as CSV: a spreadsheet, fixes or labeled values. Raises DamagedLog."""
     if not is_spreadsheet(log):
         log = unwrapped(log)
         table = fixes_table(log) or labeled_table(log)

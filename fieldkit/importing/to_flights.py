@@ -26,7 +26,7 @@ CheckMotor = Callable[[str], str | None]
 def intake_of(
     source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
-    """The flights in the readings of one source, and the rejected rows; `rockets` are by number."""
+    """The flights in the readings of one source, and the rejected rows; `rockets` are by `rocket_key`."""
     kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
     recorded: "dict[tuple[str, str], Recorded | None]" = {}
     rejected: list[Rejected] = []
@@ -95,7 +95,8 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 
 
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
-    """The flight that a reading describes, with a name. Raises DamagedLog if it was not a flight."""
+    """The flight that a reading describes, with a name. Raises DamagedLog if it has no readout, tag, log or samples, an
+    impossible value, or an unknown motor."""
     flight = tagged(_weighed(_flight(reading), reading))
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
@@ -123,7 +124,8 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
 
 
 def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
-    """The planned flight that a reading describes. Raises DamagedLog if it lacks a motor."""
+    """The planned flight that a reading describes, without readouts. Raises DamagedLog for an impossible value, or if
+    its motor is missing or unknown."""
     flight = _weighed(_flight(reading), reading)
     if not flight.motor:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 PLAUSIBLE_RANGES = {"dry_mass": (0.005, 50.0), "diameter": (0.005, 0.6), "length": (0.05, 10.0), "cd": (0.1, 3.0)}
-"""Ranges of values that are accepted without a warning. [kg, m, m, 1]"""
+"""Ranges of values; one outside its range is left out with a warning. [kg, m, m, 1]"""
 MASS_ROUNDING = 0.0011
 """Largest rounding error of the difference of two stored masses with three decimals each. [kg]"""
 REPORTED_CD_DIFFERENCE = 0.05
@@ -23,12 +23,13 @@ REPORTED_CD_DIFFERENCE = 0.05
 MOST_PARTS = 1000
 """Largest number of parts in a row along the body. [1]"""
 MOST_MOTORS = 1000
-"""Largest number of motors in all configurations of a design. [1]"""
+"""Largest number of motors in all configurations of a design; more are left out. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class DesignMotor:
-    """A motor of one of a design's configurations, as named in the file; `count` is the number in its mount."""
+    """A motor of one of a design's configurations, as named in the file; `count` is the number in its mount,
+    times the pods or boosters that have such a mount."""
 
     configuration: str
     maker: str
@@ -57,7 +58,8 @@ class Design:
     simulations: tuple[Simulation, ...] = ()
 
     def start(self, rocket: str, config: str, source: str) -> Start:
-        """The design as the starting configuration of a rocket, from a file."""
+        """The design as the starting configuration of a rocket, from the file `source`; the centers of gravity and of
+        pressure are those of the first simulation of the current design that has them within the rocket."""
         one = next((one for one in self.simulations if one.fresh and self._holds(one)), None)
         known = Start(rocket, config, self.dry_mass, self.diameter, self.length, self.cd, source)
         return known if one is None else replace(known, cg=one.cg, cp=one.cp)
@@ -112,6 +114,7 @@ def _design(root: "Element", source: str) -> Design:
 
 
 def _plausible(name: str, value: float | None, notes: list[str]) -> float | None:
+    """A value within its range; otherwise None, with a note."""
     low, high = PLAUSIBLE_RANGES[name]
     if value is None or low <= value <= high:
         return value
@@ -122,9 +125,10 @@ def _plausible(name: str, value: float | None, notes: list[str]) -> float | None
 def _mass(
     rocket: "Element", stages: "list[Element]", stored: list[Simulation], notes: list[str]
 ) -> tuple[float | None, str]:
-    """Mass from a stored simulation of the current design, otherwise the sum of its parts.
+    """Mass [kg] and its source: a stored simulation of the current design, otherwise the mass entered for the rocket,
+    or the sum of its parts.
 
-    A stored mass has three decimals in kg: if the sum of the parts agrees within rounding, the sum is used.
+    A stored mass has three decimals in kg: if the other mass agrees within rounding, that is used.
     """
     unknown: list[str] = []
     whole, _ = override(rocket)
@@ -147,7 +151,7 @@ def _drag(
 ) -> tuple[float | None, str]:
     """Cd from an override of the whole rocket, otherwise from a stored simulation; based on the largest diameter.
 
-    An override that does not include the parts inside is that of the stage alone, which OpenRocket adds to theirs.
+    An override of a stage that does not include the parts inside is not used, because OpenRocket adds it to theirs.
 
     The reference area is computed from the geometry in full precision, because the stored one is rounded to one digit.
     """
@@ -181,6 +185,7 @@ def _on(cd: float, reference: float, diameter: float) -> float:
 
 
 def _motors(rocket: "Element") -> "list[DesignMotor]":
+    """The motors of all configurations, at most `MOST_MOTORS`."""
     names = {one.get("configid", ""): one.findtext("name") or "" for one in rocket.iterfind("motorconfiguration")}
     held = ((one, count) for mount, count in _mounts(rocket, 1) for one in mount.iterfind("motormount/motor"))
     return [
@@ -196,7 +201,8 @@ def _motors(rocket: "Element") -> "list[DesignMotor]":
 
 
 def _mounts(part: "Element", times: int) -> "Iterator[tuple[Element, int]]":
-    """The parts that hold motors, and how many each: clusters, multiplied by the pods or boosters that contain them."""
+    """A part and everything in it, each with the number of motors that it would hold: the tubes of its cluster, times
+    those of the clusters, pods or boosters that contain it."""
     times *= copies(part)
     yield part, times
     for one in children(part):

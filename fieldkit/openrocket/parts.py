@@ -44,13 +44,14 @@ class Size:
 
 
 def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
-    """A number of a part in SI, which must be finite; the number after `auto` if the file includes one."""
+    """A number of a part in SI, the one after `auto` if the file includes one; `otherwise` if it is missing or not a
+    finite number."""
     text = (part.findtext(name) or "").split()
     return _finite(text[-1], otherwise) if text else otherwise
 
 
 def _finite(text: str, otherwise: float = 0.0) -> float:
-    """A number in the file; the alternative if the text is not a finite one."""
+    """The number in a text; `otherwise` if it is not a finite number."""
     try:
         value = float(text)
     except ValueError:
@@ -88,6 +89,7 @@ def sizes(parts: "list[Element]") -> list[Size]:
 
 
 def _ends(part: "Element") -> tuple[float | None, float | None]:
+    """The radius at either end; None if it is automatic and not stored. [m]"""
     if part.tag == "bodytube":
         radius = _radius(part, "radius")
         return radius, radius
@@ -104,7 +106,11 @@ def _radius(part: "Element", name: str) -> float | None:
 
 
 def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
-    """Mass of a part and everything in it; the names of parts with unknown mass are added to `unknown`. [kg]"""
+    """Mass of a part and everything in it. [kg]
+
+    `size` is that of a part of the airframe, None for others. The names of parts with unknown mass are added to
+    `unknown`.
+    """
     own, below = override(part)
     if own is not None and below:
         return own
@@ -133,6 +139,7 @@ def override(part: "Element") -> tuple[float | None, bool]:
 
 
 def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
+    """Mass of a part without what is in it; 0 if it is unknown. [kg]"""
     volume = VOLUMES.get(part.tag)
     if size is not None:
         return _density(part, "material") * _shell(part, size)
@@ -146,6 +153,7 @@ def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
 
 
 def _density(part: "Element", name: str) -> float:
+    """Density of a material of a part, in the unit of its kind; 0 if it is missing."""
     material = part.find(name)
     return _finite(material.get("density", "0")) if material is not None else 0.0
 
@@ -203,7 +211,7 @@ def _ogive(x: Float[Array, "step"], ratio: float, bent: float) -> Float[Array, "
 
 
 def _ring(part: "Element", name: str) -> float:
-    """Volume of a shoulder. [m^3]"""
+    """Volume of a shoulder and its cap. [m^3]"""
     outer, wall, length = (number(part, f"{name}{what}") for what in ("radius", "thickness", "length"))
     ring = math.pi * (outer**2 - max(outer - wall, 0.0) ** 2) * length
     capped = (part.findtext(f"{name}capped") or "") == "true"
@@ -216,7 +224,8 @@ def _outer_radius(part: "Element") -> float:
 
 
 def _tube(part: "Element") -> float:
-    """Volume of an inner tube, coupler, ring, bulkhead or lug, from either pair of its radii. [m^3]"""
+    """Volume of a tube, ring, bulkhead, engine block or lug, from its outer radius and its inner radius or, without
+    that, its wall. [m^3]"""
     outer = _outer_radius(part)
     wall = number(part, "thickness")
     inner = number(part, "innerradius") if part.find("innerradius") is not None else max(outer - wall, 0.0)

@@ -36,7 +36,7 @@ USED_COLUMNS = (
 )
 """Columns of a stored simulation that are read."""
 MOST_COLUMNS = 500
-"""Columns of a stored simulation: OpenRocket has about sixty, and a few more per plug-in. [1]"""
+"""Largest number of columns of a stored simulation: OpenRocket has about sixty, and a few more per plug-in. [1]"""
 LONGEST_NAME = 80
 """Largest length of text taken from the file. [characters]"""
 CD_TOLERANCE = 0.05
@@ -47,12 +47,14 @@ Columns = dict[str, Float[Array, "row"]]
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
-    """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and its flight.
+    """A simulation in a file.
 
-    `cg` and `cp` are its centers of gravity and of pressure as it leaves the launch rod, from the tip of the nose [m].
-    `fresh` means that it belongs to the current design, `default` that it used the default configuration. None means
-    not stored; Cd and flight are None as well if the rocket tumbled, or the simulation was aborted, before apogee
-    (`upset`). `readable` means that the names of its columns are known: they are in the language of the program.
+    `dry_mass` is that of its rocket without motors [kg], `cd` its Cd on the diameter `reference` [m]; `apogee` is in m,
+    `top_speed` in m/s. `consistent` means that its drag force gives the same Cd on that diameter. `cg` and `cp` are its
+    centers of gravity and of pressure as it leaves the launch rod, from the tip of the nose [m]. `fresh` means that it
+    belongs to the current design, `default` that it used the default configuration. None means not stored; `cd`,
+    `apogee` and `top_speed` are None as well if the rocket tumbled, or the simulation was aborted, before apogee
+    (`upset`). `readable` means that the names of its columns are in English, the only language that is read.
     """
 
     name: str
@@ -79,7 +81,8 @@ def simulations(root: "Element") -> list[Simulation]:
 
 
 def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
-    """The stored data of a simulation; None if there are none. Its first branch is that of the upper stage."""
+    """The stored data of a simulation; None if it has fewer than five rows. Its first branch is that of the upper
+    stage."""
     data, branch = simulation.find("flightdata"), simulation.find("flightdata/databranch")
     if data is None or branch is None:
         return None
@@ -113,7 +116,7 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
 
 
 def shown(text: str | None) -> str:
-    """A name from the file, prepared for display."""
+    """A name from the file, made printable and no longer than `LONGEST_NAME`."""
     return printable((text or "")[: 4 * LONGEST_NAME].strip())[:LONGEST_NAME]
 
 
@@ -149,11 +152,13 @@ def _inactive(rocket: "Element", configuration: str) -> "list[Element]":
 
 
 def _default(rocket: "Element", configuration: str) -> bool:
+    """Whether a configuration of motors is the default one."""
     found = (one for one in rocket.iterfind("motorconfiguration") if one.get("configid") == configuration)
     return any(one.get("default") == "true" for one in found)
 
 
 def _dry_mass(values: Columns) -> float | None:
+    """Mass without motors in the first row; None if it is not stored or not positive. [kg]"""
     weight, motor = values.get("mass"), values.get("motor mass")
     dry = float(weight[0] - motor[0]) if weight is not None and motor is not None else math.nan
     return dry if math.isfinite(dry) and dry > 0 else None
@@ -170,7 +175,8 @@ def _centers(values: Columns, branch: "Element") -> tuple[float, float] | tuple[
 
 
 def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Rows with a Cd of the coast: from the last burnout to apogee or an earlier parachute, and fast enough."""
+    """Rows with a Cd of the coast: from the last burnout, or top speed without one, to apogee or an earlier parachute,
+    and fast enough."""
     time, cd = values.get("time"), values.get("drag coefficient")
     speed = values.get("total velocity", values.get("vertical velocity"))
     if time is None or cd is None or speed is None or not np.isfinite(speed).any():
@@ -192,7 +198,8 @@ def _upset(branch: "Element") -> bool:
 def _consistent(
     values: Columns, coast: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], cd: float, reference: float
 ) -> bool:
-    """Whether the drag force on the reference area gives the stored Cd; otherwise the body was a different one."""
+    """Whether the drag force on the reference area gives the stored Cd, or is not stored; otherwise the body was a
+    different one."""
     force, density = values.get("drag force"), values.get("air density")
     speed = values.get("total velocity")
     if force is None or density is None or speed is None or reference <= 0:
@@ -209,6 +216,7 @@ def _moments(branch: "Element", kind: str) -> list[float]:
 
 
 def _moment(text: str) -> float | None:
+    """The finite number in a text, None if it is not one."""
     try:
         value = float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Air density: the site is higher, or the day hotter, than recorded."""
+"""Air density: the air is thinner or denser than expected from what was recorded, as at a higher site or in heat."""
 
 from dataclasses import replace
 

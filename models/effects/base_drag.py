@@ -16,7 +16,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
 
 
 def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The drag of the coast. [m/s^2]"""
+    """The acceleration by drag in the coast, 0 under thrust. [m/s^2]"""
     return np.where(climb.coasting, -climb.drag, 0.0)
 
 

@@ -7,11 +7,11 @@ from fieldkit.physics.state import State
 from fieldkit.shapes import Array, Float
 
 ONSET_MACH = 0.3
-"""Mach number at which flutter starts. [1]"""
+"""Mach number at which the added drag starts. [1]"""
 
 
 def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
-    """Increases drag in proportion to the speed above the onset, by this fraction at twice the onset."""
+    """Increases drag in proportion to the speed above `ONSET_MACH`, by this fraction at twice that speed. [m/s^2]"""
     mach = state.speed / state.air.sound_speed(state.height)
     return np.asarray(-strength * np.maximum(mach / ONSET_MACH - 1, 0.0) * state.drag)
 

@@ -10,11 +10,11 @@ from fieldkit.shapes import Array, Float
 ONSET_MACH = 0.6
 """Mach number at which the rise starts. [1]"""
 FULL_MACH = 1.05
-"""Mach number at which it is complete. [1]"""
+"""Mach number at which the rise is complete. [1]"""
 
 
 def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
-    """Increases drag by this fraction between the onset and just above the speed of sound."""
+    """Increases drag gradually from `ONSET_MACH`, by this fraction from `FULL_MACH` on. [m/s^2]"""
     mach = state.speed / state.air.sound_speed(state.height)
     return np.asarray(-strength * smooth_step((mach - ONSET_MACH) / (FULL_MACH - ONSET_MACH)) * state.drag)
 

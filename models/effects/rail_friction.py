@@ -13,7 +13,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
 
 
 def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The deceleration while the rocket is on the rail. [m/s^2]"""
+    """The acceleration for a strength of 1 m/s^2: -1 while the rocket is on the rail, then 0. [m/s^2]"""
     return np.where(climb.height < climb.rail_length, -1.0, 0.0)
 
 

@@ -26,19 +26,21 @@ GREETINGS, GREETING = 8, 1.5
 ANSWER = 5.0
 """Longest pause of a unit within an answer. [s]"""
 REFUSALS = ("KO", "K0", "UNKNOWN")
+"""Names of sentences with which a unit refuses a command."""
 TRIES = 3
+"""Number of times that a command is sent until the answer is complete. [1]"""
 STREAM = 60.0
 """Longest pause in telemetry. [s]"""
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """A telemetry sentence with its checksum."""
+    """Whether there is a telemetry or data sentence with a valid checksum."""
     return any(one.sound and one.name in ("telemetry", "data") and one.fields for one in sentences(heard))
 
 
 @dataclass(frozen=True, slots=True)
 class AnswerFrame:
-    """An answer to one command, starting at its `$start;`."""
+    """An answer to one command, starting at its `$start;`: its valid samples, and its sentences that are not valid."""
 
     content: bytes
     good: int
@@ -64,10 +66,12 @@ def frames(captured: Captured) -> dict[int, AnswerFrame]:
 
 
 def _worth(frame: AnswerFrame) -> tuple[bool, int, bool]:
+    """Rank of an answer, best highest: a whole one, then one with more samples, then one that ended."""
     return frame.whole, frame.good, frame.ended
 
 
 def _frame(content: bytes) -> AnswerFrame:
+    """The answer in some bytes, from its `$start;` to its `$end;` or as far as it arrived."""
     start = max(content.find(b"$start;"), 0)
     end = content.find(b"$end;", start)
     content = content[start : end + len(b"$end;") if end >= 0 else None]
@@ -189,6 +193,7 @@ def _flight(link: Link, number: int) -> Dialogue[bool]:
 
 
 def _answer(link: Link, number: int) -> Dialogue[tuple[int, int, bool]]:
+    """Request one flight; returns the numbers of good and bad sentences, and whether the answer ended."""
     good = bad = 0
     link.send(b"r%d;" % number)
     while (one := (yield from _next(link, ANSWER))) is not None:
@@ -222,7 +227,8 @@ def _followed(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogu
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The best answer for each flight, in one log; if the capture has no answers, all bytes unchanged."""
+    """The last settings and the best answer for each flight, in one log; if no answer has samples, all bytes
+    unchanged; nothing if there is no sentence."""
     best = frames(captured)
     flown = [best[number].content for number in sorted(best) if best[number].good]
     if not flown:

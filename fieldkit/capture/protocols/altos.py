@@ -22,6 +22,7 @@ from fieldkit.errors import PortTrouble
 from fieldkit.quantities import counted
 
 TRIES = 3
+"""Number of times that a command is sent until the answer is complete. [1]"""
 BLOCK, ROW, LINE = 256, 8, 32
 """Bytes of a block, of a line from a unit, and of a line of a file. [bytes]"""
 ERASED_BLOCK = b"\xff" * BLOCK
@@ -100,7 +101,7 @@ def _flights(link: Link) -> Dialogue[list[Extent]]:
 
 
 def extents(lines: Iterable[str]) -> list[Extent]:
-    """The flights in a list from the unit."""
+    """The flights in a list from the unit, without empty ones and lines that are not valid."""
     found = []
     for line in lines:
         match = re.fullmatch(r"flight (\d+) start ([0-9a-fA-F]{1,6}) end ([0-9a-fA-F]{1,6})", line.strip())
@@ -110,6 +111,7 @@ def extents(lines: Iterable[str]) -> list[Extent]:
 
 
 def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -> Dialogue[bool]:
+    """Read the blocks of flights that the capture does not have yet, of each flight up to the first erased block."""
     total = sum(one.end - one.start for one in flights)
     done, whole = 0, True
     for one in flights:

@@ -40,7 +40,8 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Download low- and high-rate data; returns whether all arrived. Raises PortTrouble if the unit does not answer."""
+    """Download low- and high-rate data; always returns True, because only silence ends a download. Raises PortTrouble
+    if the unit does not answer."""
     silence = SILENCE if wishes.silence is None else wishes.silence
     done = _done(captured)
     came = bool(done)
@@ -86,7 +87,7 @@ def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The best answer to each download, in one log."""
+    """The longest answer to each download, in one log; without any, all bytes. Nothing if there is no frame."""
     kept = []
     for command in DOWNLOADS.values():
         answers = [answer.content for answer in captured.answers() if answer.command == command]

@@ -30,7 +30,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record what the unit prints until it is silent; returns whether it is complete. Raises PortTrouble."""
+    """Record what the unit prints until it is silent; always returns True. Raises PortTrouble if it prints nothing."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -46,7 +46,7 @@ def _is_row(line: str) -> bool:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The text unchanged, without lines torn by the loss of the port."""
+    """The text without NULs and without lines torn by the loss of the port, otherwise unchanged."""
     content = captured.untorn.replace(b"\0", b"")
     return [Log(captured.file.name, content)] if content.strip() else []
 

@@ -22,8 +22,9 @@ ANSWER = 3.0
 QUIET = 0.2
 """Silence before a command. [s]"""
 NOISY = 60.0
-"""Longest wait for the end of an answer with noise in it, before the flight is requested again. [s]"""
+"""Longest wait for the end of an answer with noise in it, before its command is sent again. [s]"""
 TRIES = 3
+"""Number of times that a command is sent until the answer is complete. [1]"""
 STATISTICS = 5
 """Number of lines in the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
 
@@ -107,7 +108,7 @@ def _flight(link: Link, count: int) -> Dialogue[bool]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The last answer to each letter, and of those to D the one with the most samples."""
+    """The last answer to each letter, and of those to D the one with the most samples; all bytes if there are none."""
     answers = captured.answers()
     kept = [[answer.content for answer in answers if answer.command == command][-1:] for command in (b"I", b"V", b"S")]
     flights = [answer.content for answer in answers if answer.command == b"D"]

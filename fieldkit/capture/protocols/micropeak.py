@@ -24,6 +24,7 @@ PAUSE = 5.0
 TAIL = 1.5
 """How long the identity line of a MicroPeak 2 may take to follow. [s]"""
 MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
+"""Names by model number."""
 
 _HEX = frozenset(b"0123456789abcdefABCDEF")
 _WHITESPACE = frozenset(b" \t\r\n")
@@ -51,7 +52,11 @@ class Record:
 
 @dataclass(slots=True)
 class Stream:
-    """Finds records in a stream that arrives in chunks of any size."""
+    """Finds records in a stream that arrives in chunks of any size.
+
+    `place` is the number of bytes already taken, `start` the offset of the current record, -1 outside of one, and
+    `digits` are those of the current record.
+    """
 
     place: int = 0
     start: int = -1
@@ -153,7 +158,8 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def logs(captured: Captured) -> list[Log]:
-    """Each flight once: records with a valid checksum, otherwise the partial record."""
+    """Each flight once: records with a valid checksum, then complete ones without if none of those has the same header;
+    without any record, the bytes from the last `MP` on."""
     raw = captured.raw
     stream = Stream()
     records = [record for record in stream.feed(raw) if record is not None]

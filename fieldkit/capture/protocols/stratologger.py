@@ -25,13 +25,14 @@ _NUMBER = re.compile(r"-?\d{1,6}")
 
 
 def recognizes_stream(heard: bytes) -> bool:
-    """Whether there are six lines of one integer each, with the unit's line ends, and nothing else."""
+    """Whether there are at least six lines of one integer each, with the unit's line ends, and nothing else after the
+    first line, which may be torn."""
     whole = heard[: heard.rfind(b"\n") + 1]
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record live telemetry until it is silent; returns whether it is complete. Raises PortTrouble without any."""
+    """Record live telemetry until it is silent; always returns True. Raises PortTrouble without any."""
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -46,7 +47,10 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def logs(captured: Captured) -> list[Log]:
-    """A table of seconds and feet, with arrival times; a line that is not a number becomes a row without a height."""
+    """A table of seconds and feet, with arrival times; a line that is not a number becomes a row without a height.
+
+    Lines torn by the loss of the port are left out.
+    """
     rows = [TITLE]
     if captured.began is not None:
         rows.append(f"began,{captured.began.replace(tzinfo=None).isoformat(timespec='seconds')}")

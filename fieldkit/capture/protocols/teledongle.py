@@ -1,4 +1,4 @@
-"""TeleDongle: packets from a flight computer's radio, as `.telem` lines, until the user stops.
+"""TeleDongle: packets from a flight computer's radio, as `.telem` lines, until the user stops or it is silent.
 
 Source: AltosLink.java, AltosTelemetry.java, ao_telemetry.h (Altus Metrum).
 """
@@ -20,6 +20,7 @@ from fieldkit.importing.tables.checksums import sum_256
 STREAM = 1800.0
 """Longest time without a packet: rockets wait on pads. [s]"""
 STATES = ("startup", "idle", "pad", "boost", "fast", "coast", "drogue", "main", "landed", "invalid", "stateless")
+"""Flight states by number."""
 SPEEDS: Mapping[int, int] = {1: 20, 2: 20, 3: 20, 9: 28, 10: 16, 16: 20, 17: 20}
 """Offset of the speed in 1/16 m/s, followed by the height in m, by packet type: TeleMetrum 1, TeleMini 1, TeleNano;
 TeleMega; TeleMetrum 2; TeleMini 2 and 3."""
@@ -39,7 +40,7 @@ def packet(line: str) -> bytes | None:
 
 
 def sample(content: bytes) -> Sample | None:
-    """Height and speed in a packet, None for packets without them."""
+    """Height, speed, time and state in a packet, None for packets without height and speed."""
     place = SPEEDS.get(content[4]) if len(content) == 32 else None
     if place is None:
         return None
@@ -54,7 +55,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
-    """Record radio packets until the user stops; returns whether the capture is complete. Raises PortTrouble."""
+    """Record radio packets until the user stops or the unit is silent; always returns True. Raises PortTrouble."""
     link.send(b"m 0\n")  # it may still forward packets for a program that was killed
     yield from silence_echo(link)
     if not (yield from version(link)):

@@ -32,8 +32,9 @@ OLD_RECORD = re.compile(r"([A-Z]) +([0-9a-fA-F]{1,4})((?: +[0-9a-fA-F]{1,4})+)\s
 class RecordLayout:
     """One log format: the number of bytes in a record, and the positions of sensor data after its clock.
 
-    The raw pressure and temperature come first, with `counts` bytes each; `acceleration` and `ground` (in the record of
-    the flight) are 2 bytes, None if the format has none.
+    The raw pressure and temperature come first, with `counts` bytes each; 0 for an analog pressure of 2 bytes after the
+    acceleration. `acceleration` and `ground` (in the record of the flight) are 2 bytes, None if the format has none.
+    `positions` means that there are records of a satellite receiver.
     """
 
     device: str
@@ -47,12 +48,14 @@ class RecordLayout:
 MEGA = {5: "TeleMega", 10: "TeleMega 2", 15: "TeleMega 3", 19: "TeleMega 4", 21: "TeleMega 5", 22: "TeleMega 6"}
 EASY_MEGA = {16: "EasyMega 2", 24: "EasyMega 3"}
 MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
+"""Devices by log format, in groups with the same layout."""
 LAYOUTS: Mapping[int, RecordLayout] = {
     1: RecordLayout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
     7: RecordLayout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
     **{number: RecordLayout(device, 32, acceleration=26, ground=2) for number, device in (MEGA | EASY_MEGA).items()},
     **{number: RecordLayout(device, 16, counts=3) for number, device in MINI.items()},
 }
+"""The supported log formats with a pressure."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +68,7 @@ class Flash:
 
 
 def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
-    """The records in lines of hex bytes; a damaged line counts as erased, and the last may be shorter.
+    """The records in lines of hex bytes; what a damaged line lacks counts as erased, and the last may be shorter.
 
     Raises DamagedLog for too much data.
     """
@@ -140,6 +143,6 @@ def _old_record(line: str, layout: RecordLayout) -> bytes | None:
 
 
 def number_at(records: Int[Octets, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
-    """The integer at a position after the clock of records."""
+    """The integer of `size` bytes, lowest first, in each record; `place` is counted from the end of the clock."""
     values: Integers = records[:, 4 + place : 4 + place + size].astype(np.int64) @ (1 << 8 * np.arange(size))
     return values - ((values >> (8 * size - 1)) << 8 * size) if signed else values

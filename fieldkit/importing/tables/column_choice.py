@@ -17,6 +17,7 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
+"""Channels that are heights."""
 SUFFICIENT_CHANNELS = (
     *HEIGHTS,
     "pressure",
@@ -30,9 +31,13 @@ SUFFICIENT_CHANNELS = (
 )
 """A table is worth reading if it has time and one of these."""
 REQUIRED_CHANNELS = ("time", "altitude", "altitude_msl", "pressure")
-"""Channels that are never dropped because of a missing unit."""
+"""Channels of which two columns that differ, or a missing unit, are an error; of the others a column is dropped.
+
+Beside an altitude in a known unit, a pressure or a height above sea level without a unit is dropped as well.
+"""
 _START_SAMPLES, _ZERO_PART = 11, 0.01
-"""Heights are above the pad if this number of first samples is within this fraction of the range around zero. [1]"""
+"""Heights are above the pad if the median of this number of first samples is closer to zero than this fraction of
+their range. [1]"""
 _HOUR = 3600.0
 LIMIT = 1e12
 """Largest magnitude of a sample; anything beyond is damaged. [any unit except of time]"""
@@ -59,7 +64,8 @@ def side_by_side(layout: Layout) -> list[range]:
 
 
 def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]:
-    """All or some of the columns whose names identify their channel."""
+    """The columns, or those among `columns`, whose names identify their channel; a clock and a pressure also by their
+    contents or unit."""
     heads = [heading(name) for name in layout.headers]
     picks = []
     for place, head in enumerate(heads):
@@ -102,7 +108,8 @@ def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
 
 
 def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None = None) -> list[Pick]:
-    """The columns that the flyer named, and a guess for the rest. Raises DamagedLog for a missing column."""
+    """The columns that the flyer named, and a guess for the rest. Raises DamagedLog for a missing or ambiguous column,
+    or a unit that does not fit its channel."""
     picks: list[Pick] = []
     for name, text in choice.channels.items():
         place, unit = _find(layout, text)
@@ -161,9 +168,11 @@ def to_si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
 
 
 def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
-    """One column for each channel: of two heights the one that begins at zero, because the other is above sea level.
+    """One column for each channel, and its numbers in its own unit: usually the first that has any.
 
-    Raises DamagedLog for two that disagree and are needed.
+    Of two heights that differ it is the one that is named after a barometer, otherwise the one that begins at zero,
+    because the other is above sea level. Raises DamagedLog for two that disagree and are required, or if a channel that
+    the table needs has no number.
     """
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}

@@ -1,6 +1,7 @@
 """Units of the selected columns: as the header or the flyer states them, or inferred from physics.
 
-An undetermined unit is an error for time, height and pressure; any other column is dropped.
+An undetermined unit is an error for time, height and pressure, and for a column that the flyer chose; any other column
+is dropped, as are a pressure and a height above sea level beside an altitude in a known unit.
 """
 
 from collections.abc import Mapping, Sequence
@@ -94,6 +95,7 @@ def _beside_pressure(
 
 
 def _usual(name: str) -> str:
+    """The unit that an error suggests for a channel."""
     return {"time": "s", "pressure": "Pa"}.get(name, next(iter(UNITS[QUANTITIES[name]])))
 
 

@@ -2,7 +2,7 @@
 
 A parser specifies the columns it needs, by their index in a row, and their units; it receives SI arrays. A row that
 does not fit the table is skipped and reported in one line; a few hundred are reported together. Memory use is that of
-the requested columns plus half a megabyte of text.
+the requested columns plus one block of text.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -38,7 +38,8 @@ def read_columns(
     words: Mapping[str, int] | None = None,
     comment: str = "",
 ) -> LogTable:
-    """The rows of a log below row `after` (0: all), as numbers in SI and as words.
+    """The rows of a log below row `after` (0: all), as numbers in SI and as words; of a long log every other row, or
+    fewer (`Rows`).
 
     `separator` None is whitespace. `widths` are the numbers of cells that a row may have; None allows any that include
     the needed ones. `words` names columns that are stored as text. Lines that begin with `comment` are stored

@@ -12,16 +12,18 @@ from fieldkit.importing.tables.text import shown
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none", "?", "unknown", "null")
 """Cells of a column of numbers without a value."""
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
+"""A number with one mark, which may be a decimal mark."""
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals, or a number above a thousand."""
 
 
 def decimal_mark(numbers: Iterable[str], separator: str) -> str:
-    """The decimal mark of a table, `.` or `,`; empty if `1,148` is ambiguous.
+    """The decimal mark of a table, `.` or `,`; empty if no number has a mark, or if it is ambiguous, as in `1,148`.
 
     A single unambiguous number (`281,3`) determines it for the table. Without one, points are decimal points, and
     commas are decimal commas if the cells are separated by semicolons, which is what programs write when the comma is
-    the decimal mark. Otherwise a comma may separate thousands.
+    the decimal mark. Otherwise a comma may separate thousands. A table with unambiguous numbers of both kinds is
+    ambiguous.
     """
     cells = list(numbers)
     used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}

@@ -28,7 +28,8 @@ def is_own_date(spelled: str) -> bool:
 
 
 def is_day_first(texts: Iterable[str]) -> bool | None:
-    """Whether the day precedes the month in a column of dates such as `13/6/2024`; None if no date proves it."""
+    """Whether the day precedes the month in a column of dates such as `13/6/2024`; None if no date proves it, or two
+    prove the opposite."""
     pairs = [(int(m[1]), int(m[3])) for text in texts if (m := _NUMBERS.fullmatch(text.strip())) and m[2] != "."]
     orders = {first > 12 for first, second in pairs if (first > 12) != (second > 12)}
     return orders.pop() if len(orders) == 1 else None

@@ -95,7 +95,7 @@ def _places(names: Sequence[str], wanted: str) -> list[int]:
 
 
 def stated_unit(name: str) -> str:
-    """The unit at the end of a header, or none."""
+    """The unit at the end of a header, or ""."""
     ending = plain(name).rpartition("_")[2]
     return ending if "_" in plain(name) and units.is_unit(ending) else ""
 
@@ -208,8 +208,8 @@ def _ranked(*, own_too: bool) -> Mapping[str, tuple[int, str]]:
 def role_of(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
     """Interpret a header; another name of a field counts only if none of those `taken` is the field's own name.
 
-    Raises BadValue for a known column with an unknown unit, unless another column already contains the quantity (not
-    `strict`) or the ending is a separate word: then the column counts as unknown.
+    Raises BadValue for a known column with an unknown unit if `strict`. Otherwise, or if the ending is several words or
+    one of `NO_UNITS`, the column counts as unknown.
     """
     if not _LETTER.search(spelled):
         return ColumnRole(spelled.strip())  # at once, because the first line of a log may be thousands of numbers
@@ -238,7 +238,8 @@ def _beside(words: str, *, strict: bool) -> ReadoutColumn | None:
 
 
 def headings_of(spelled: Sequence[str], row: int) -> list[ColumnRole]:
-    """Interpret all columns. Raises DamagedLog for an ambiguous header, or for a repeated one of an sd or source."""
+    """Interpret all columns. Raises DamagedLog if none is known, for a known one with an unknown unit, or for a
+    repeated one of an sd or source."""
     own = {role_of(name, strict=False, taken=synonyms().values()).field for name in spelled}
     certain = {role_of(name, strict=False, taken=own).field for name in spelled}
     if not certain - {""}:

@@ -13,7 +13,7 @@ from fieldkit.safe_text import printable
 TableRow = tuple[int, list[str] | DamagedLog]
 """A row of a table with its number: its cells, or why they cannot be read."""
 _NO_UNIT = frozenset({"", "-", "–", "—", "text", "name", "date", "time", "yyyy-mm-dd", "hh:mm", "n/a"})
-"""Cells of a row of units above a column that has none."""
+"""Cells of a row of units in a column without a unit, in lower case."""
 _SUMMARIES = frozenset(
     [
         *("total", "totals", "sum", "average", "averages", "avg", "mean", "median", "max", "maximum", "min", "minimum"),

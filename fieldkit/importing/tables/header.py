@@ -29,7 +29,8 @@ class Header:
         return next(places, None)
 
     def channels(self, wanted: Mapping[str, tuple[str, Unit]], needed: Iterable[str] = ("time",)) -> list[Channel]:
-        """The columns present among those wanted, given as header to a channel's name and unit."""
+        """The columns present among those wanted, given as header to a channel's name and unit; of several headers of
+        one channel the first wanted."""
         places = {name: self.names.index(name) for name in wanted if name in self.names}
         named = {wanted[name][0]: (name, place) for name, place in reversed(places.items())}
         return [

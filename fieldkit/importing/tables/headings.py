@@ -62,6 +62,7 @@ _ABOVE = re.compile(r"(.*?)\s{1,4}((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: le
 _REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
 """Words of a pressure that is that of the day, not that of a sample."""
 _QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
+"""Texts in brackets that are not units."""
 
 
 def heading(spelled: str) -> Heading:
@@ -114,7 +115,9 @@ _NOT_A_SAMPLE = _set(
     "velocity_pressure total_pressure derivative jerk pad home distance range stage flag flags count id "
     "deployment threshold setting index limit station receiver groundstation"
 )
+"""Words of columns that are not samples of a channel: limits, other sensors, other directions, counters."""
 _WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
+"""Words of values that a filter or an integration computed."""
 _TIME = _set(
     "time t ts timestamp millis micros elapsed met timems times clock epoch unix unixtime "
     "zeit temps tiempo tempo tijd tid čas czas время час idő aika 时间 時間 시간"

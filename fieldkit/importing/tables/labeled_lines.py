@@ -33,7 +33,8 @@ _Record = Mapping[str, str]
 
 
 def labeled_table(log: bytes) -> bytes | None:
-    """The labeled values of a text as CSV, a header and a row for each record; None if the text has none."""
+    """The labeled values of a text as CSV, a header and a row for each record; None if the text has too few, or
+    is too large."""
     if len(log) > _MAX_SIZE or not _is_labeled(first_lines(log, most=_LOOKED_AT)):
         return None
     units: dict[str, str] = {}

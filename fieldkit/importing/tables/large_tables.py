@@ -24,7 +24,7 @@ _ABSENT_SPELLINGS = sorted({"NaN", *(one for mark in ABSENT_MARKS for one in (ma
 def can_be_plain(
     log: bytes, channels: Sequence[Channel], separator: str | None, words: Collection[str], comment: str
 ) -> bool:
-    """Whether pandas may read blocks of a log: a large one in a single-byte encoding that contains only numbers."""
+    """Whether pandas may read blocks of a log: a large one, not in UTF-16, of which only plain numbers are needed."""
     return (
         len(log) >= LARGE_LOG
         and separator is not None

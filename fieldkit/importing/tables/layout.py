@@ -32,10 +32,10 @@ _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """A table's column names, the row above its first numbers, and the format of its cells.
+    """A table's column names, the number of rows above its first numbers, and the format of its cells.
 
-    `headers` are `#1`, `#2`, ... if there are none. `separator` None is whitespace; `first` are cells of the first row
-    of numbers.
+    `headers` are `#1`, `#2`, ... if there are none, and `named` is then False. `separator` None is whitespace; `first`
+    are cells of the first row of numbers.
     """
 
     headers: tuple[str, ...]
@@ -83,8 +83,8 @@ def table_in(text: str) -> Layout:
 
 
 def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
-    """Index of the first of three lines (or of fewer if there are no more) that are rows with the same count of
-    numbers."""
+    """Index of the first of three lines (or of fewer if there are no more) that are rows of numbers with the same count
+    of cells; None if there are none."""
     rows = [split(line, separator) for line in lines]
     for start in range(len(rows)):
         if len(rows[start]) < 2 or not _numbers(rows[start], separator):
@@ -107,6 +107,7 @@ def _numbers(cells: Sequence[str], separator: str | None) -> bool:
 
 
 def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
+    """The layout of the table whose numbers start at a line."""
     width = len(split(lines[start], separator))
     above = [row for row in range(start - 1, -1, -1) if lines[row].strip()][:_MOST_ABOVE]
     names = [_names(lines[row], separator, width) for row in above]

@@ -22,13 +22,13 @@ def first_time(time: Float[Array, "row"], marked: Flags) -> float | None:
 
 
 def marks(time: Float[Array, "row"], flags: Mapping[str, Float[Array, "row"] | None]) -> dict[str, float]:
-    """The events whose flag is ever set, each with the time of its first row. [s]"""
+    """The events whose flag is set after the log began, each with the time of its first row. [s]"""
     found = {name: first_time(time, flag > 0) for name, flag in flags.items() if flag is not None}
     return {name: when for name, when in found.items() if when is not None}
 
 
 def scale_at_rest(magnitude: Float[Array, "row"], scales: Sequence[float]) -> float | None:
-    """The scale that makes a magnitude at rest about one g, or None. [m/s^2 per unit]"""
+    """The scale that makes a magnitude at rest about one g; None if none or several do. [m/s^2 per unit]"""
     if not np.isfinite(magnitude).any():
         return None
     level = float(np.nanmedian(magnitude))

@@ -172,6 +172,7 @@ class Rows:
         return loaded
 
     def _one_by_one(self, rows: Sequence[int], lines: Sequence[str]) -> None:
+        """Read lines cell by cell: store the complete rows, and record the damaged ones."""
         whole: list[tuple[int, list[float], list[str]]] = []
         for row, line in zip(rows, lines, strict=True):
             cells = [cell.strip().strip('"').strip() for cell in line.split(self.separator)]

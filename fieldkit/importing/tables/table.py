@@ -38,7 +38,7 @@ class LogTable:
         return len(self.rows)
 
     def get(self, name: str) -> Float[Array, "row"] | None:
-        """The values of a channel in SI; None if the log does not have it."""
+        """The values of a channel in SI; None if the log does not have it, or has no number in it."""
         values = self.values.get(name)
         return None if values is None or np.isnan(values).all() else values
 
@@ -62,7 +62,7 @@ class LogTable:
         """Split the table where its clock restarts. Returns the parts, without rows out of order, and everything found.
 
         A part that equals an earlier one is a duplicate and is dropped. Raises DamagedLog for a clock that restarts
-        repeatedly: shuffled rows are not flights.
+        `MOST_FLIGHTS` times or more: shuffled rows are not flights.
         """
         found = list(self.found)
         parts: dict[bytes, LogTable] = {}

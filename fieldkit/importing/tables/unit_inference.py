@@ -19,10 +19,11 @@ CANDIDATES: Mapping[str, tuple[str, ...]] = {
     "altitude": ("m", "ft"),
     "speed": ("m/s", "ft/s", "mph", "km/h"),
 }
+"""Units that a channel without a stated unit may have."""
 _EPOCH = (9.4e8, 2.6e9)
 """Unix time from 1999 to 2052. [s]"""
 _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
-"""Highest pressure of a log at launch sites below 4000 m, in units whose ranges do not overlap."""
+"""Range of the highest pressure of a log at launch sites below 4000 m, by unit; the ranges do not overlap."""
 
 
 _REST_SAMPLES, _LEAST_REST = 20, 5
@@ -141,7 +142,7 @@ def _median(values: Float[Array, "some"]) -> float:
 
 
 def _steps_are_a_loggers(time: Float[Array, "time"]) -> bool:
-    """Whether the time steps are 0.1 ms to 5 s, and the whole log lasts seconds to a day."""
+    """Whether the median time step is 0.2 ms to 5 s, and the whole log lasts 1.5 s to about a day."""
     steps = np.diff(time[np.isfinite(time)])
     steps = steps[steps > 0]
     return len(steps) > 0 and 2e-4 <= float(np.median(steps)) <= 5.0 and 1.5 <= float(steps.sum()) <= 1e5
@@ -173,6 +174,7 @@ def height_of_ratio(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
 
 
 def _ratio_is_one(one: Float[Array, "time"], other: Float[Array, "time"]) -> bool:
+    """Whether two heights agree within a quarter, by the median where the first is above 30% of its maximum."""
     with np.errstate(all="ignore"):
         high = np.isfinite(one) & np.isfinite(other) & (np.abs(one) > 0.3 * np.nanmax(np.abs(one), initial=0.0))
         ratios = other[high] / one[high]
@@ -259,3 +261,4 @@ _TESTS = (
     ("speed and height", _speed_agrees),
     ("free fall", _free_fall_agrees),
 )
+"""Tests of units, in the order in which they are applied, each with the reason that is reported."""

@@ -13,7 +13,8 @@ _QUOTATION = re.compile(rb'^"((?:[^"\r\n]|"")*)"[,; \t]*(?=\r?$)', re.MULTILINE)
 
 
 def unwrapped(log: bytes) -> bytes:
-    """A log without what wraps each of its lines; unchanged if some line is not wrapped. Raises DamagedLog."""
+    """A log without what wraps each of its lines; unchanged if one of its first lines is not wrapped, or it is too
+    large. Raises DamagedLog."""
     start = [line[:_MAX_LINE] for line in first_lines(log, most=_LOOKED_AT) if line.strip()]
     if len(log) > _MAX_SIZE or len(start) < 2:
         return log
