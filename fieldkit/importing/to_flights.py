@@ -52,7 +52,7 @@ def intake_of(
         notes.append(Note(_SIMULATION_NOTE.format(source)))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
-        notes.append(Note(_FOREIGN_MOTORS.format(len(strangers))))
+        notes.append(Note(_FOREIGN_MOTORS.format(counted(len(strangers), "rocket"))))
     lines = (str(shown_damage(DamagedLog(note.text, row=note.row), source)) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
@@ -66,9 +66,7 @@ def intake_of(
 
 
 _SIMULATION_NOTE = "is a simulation and is not imported as a flight; `fieldkit compare FLIGHT {}` compares it with one"
-_FOREIGN_MOTORS = (
-    "{} rockets have only a number and no mass; import the file that lists the rockets together with this one"
-)
+_FOREIGN_MOTORS = "only a number and no mass of {}; import the file that lists the rockets together with this one"
 
 
 def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:

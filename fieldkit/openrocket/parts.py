@@ -131,11 +131,12 @@ def copies(part: "Element") -> int:
 
 
 def override(part: "Element") -> tuple[float | None, bool]:
-    """The mass that the designer entered, if any [kg], and whether it includes everything inside."""
-    if part.findtext("overridemass") is None:
+    """The mass that the designer entered, if it is a number [kg], and whether it includes everything inside."""
+    entered = number(part, "overridemass", math.nan)
+    if math.isnan(entered):
         return None, False
     below = part.findtext("overridesubcomponentsmass") or part.findtext("overridesubcomponents") or "false"
-    return number(part, "overridemass"), below.strip() == "true"
+    return entered, below.strip() == "true"
 
 
 def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:

@@ -165,6 +165,14 @@ def test_weighed_masses_take_precedence_over_computed_ones() -> None:
     assert read_design(design(override=older).encode(), "a.ork").dry_mass == nose
 
 
+def test_an_entered_mass_that_is_no_number_is_not_an_entered_mass() -> None:
+    plain, damaged = (
+        read_design(design(override=text).encode(), "a.ork").dry_mass
+        for text in ("", "<overridemass>heavy</overridemass>")
+    )
+    assert damaged == plain
+
+
 def test_an_automatic_radius_is_that_of_the_adjacent_part() -> None:
     assert read_design(design(radius="auto").encode(), "a.ork").diameter == pytest.approx(0.066)
 

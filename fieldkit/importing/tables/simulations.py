@@ -132,8 +132,6 @@ def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
         if not name or name in channels:
             continue
         unit = unit_named(QUANTITIES[name], stated_unit(head, name))
-        if name == "mass" and unit is None:
-            unit = unit_named("mass", stated_unit(head, "mass"))
         if name == "time" and seconds and not head.unit and len(head.words) == 1:
             unit = UNITS["time"]["s"]
         if unit is not None:

@@ -55,7 +55,7 @@ def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> SheetTable:
     """
     sheets = [(name, content, recognized(content)) for name, content in _sheets(log)]
     if not sheets:
-        raise DamagedLog("found an empty spreadsheet, expected a table in its first sheet")
+        raise DamagedLog("found an empty spreadsheet, expected a table in one of its sheets")
     _, first, _ = next((sheet for sheet in sheets if sheet[2]), sheets[0])
     return SheetTable(first, tuple(name for name, content, known in sheets if known and content is not first))
 
