@@ -145,7 +145,7 @@ def answer_of(work: Callable[[], str]) -> str:
     if not pid:
         os.close(reading)
         quiet()
-        leave(lambda: _tell(work, writing))
+        leave(lambda: _write_result(work, writing))
     os.close(writing)
     with os.fdopen(reading) as pipe:
         message = pipe.read()
@@ -153,7 +153,7 @@ def answer_of(work: Callable[[], str]) -> str:
     return message
 
 
-def _tell(work: Callable[[], str], pipe: int) -> int:
+def _write_result(work: Callable[[], str], pipe: int) -> int:
     with os.fdopen(pipe, "w") as output:
         output.write(work())
     return 0

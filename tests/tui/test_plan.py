@@ -48,7 +48,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "field size: unknown" in screen_text(pilot)
         await press(pilot, "right")
         assert "No target yet" in screen_text(pilot)
-        assert "Apogee on the altimeter; lines are" in screen_text(pilot), "the forecast as the rocket is"
+        assert "Apogee on the altimeter; lines are" in text_of(pilot, "#title"), "the forecast as the rocket is"
         await press(pilot, "right")
         assert "season 2027" in words(pilot)
         assert "fitted to 1 flight" in screen_text(pilot)
