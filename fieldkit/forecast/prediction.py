@@ -117,6 +117,12 @@ class Prediction:
         return float(np.mean(~np.isfinite(self.eject_speed) & (self.true_apogee > 0)))
 
 
+def model_in_words(name: str) -> str:
+    """The model of a forecast by its name, `field` or `field+wind`: `the plain model`, `the model with wind`."""
+    added = name.split("+")[1:]
+    return f"the model with {' and '.join(added)}" if added else "the plain model"
+
+
 def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Float[Array, "level"]:
     """The same as np.quantile, in the unit of the values; np.quantile is slower and imports masked arrays."""
     return np.interp(levels * (len(draws) - 1), np.arange(len(draws)), np.sort(draws))

@@ -7,7 +7,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.forecast.prediction import Prediction
+from fieldkit.forecast.prediction import Prediction, model_in_words
 from fieldkit.motors import PLUGGED_DELAY, Found
 from fieldkit.motors.names import parse, with_delay
 from fieldkit.quantities import ShownUnits, counted, percent, with_sd
@@ -84,7 +84,7 @@ def _rests_on(prediction: Prediction) -> str:
     count = prediction.rests_on
     if not count:
         return "no flights of this rocket, only other rockets"
-    return f"{counted(count, 'clean flight')}, model {prediction.model}"
+    return f"{counted(count, 'clean flight')}, {model_in_words(prediction.model)}"
 
 
 def rests_in_words(prediction: Prediction) -> str:

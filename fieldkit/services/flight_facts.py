@@ -6,6 +6,7 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import model_in_words
 from fieldkit.inference.network.flights import infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
@@ -58,7 +59,8 @@ def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: st
     units of a system. Raises FieldkitError if there is none."""
     kept = of_flight(ledger, motors, flight)
     if kept is not None:
-        by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
+        model = model_in_words(str(kept.made.payload.get("model", "")))
+        by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, {model}"
         return ForecastFacts(
             *kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes_in(system))])
         )

@@ -131,7 +131,7 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "from 7 other clean flights" in seen
         assert "no log with samples" in seen
         await press(pilot, "escape", "home", "enter")
-        assert "forecast of 2026-04-17 18:00, model field" in words(pilot)
+        assert "forecast of 2026-04-17 18:00, the plain model" in words(pilot)
         assert "flown 198.1 m: 4.1 m higher, inside the interval" in words(pilot)
         assert "◆" in shown(pilot)
 
