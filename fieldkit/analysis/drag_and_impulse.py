@@ -36,7 +36,7 @@ from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.felt_drag import felt_drag, felt_impulse
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure
-from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
+from fieldkit.analysis.robust_statistics import median_step, student_weights
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
@@ -68,8 +68,8 @@ _HEIGHT_SCALE_SD = 0.05
 """Standard deviation of the scale of heights: the air is 12 K off the standard atmosphere, and the airframe's pressure
 is off by 0.03 of the dynamic pressure (`fieldkit.analysis.forces`), which biases heights by 0.03 v²/2g. [1]
 """
-_STUDENT_DOF, _MIN_SAMPLE_SD = 4.0, 0.02
-"""Errors of samples: degrees of freedom [1] and smallest standard deviation [m]."""
+_MIN_SAMPLE_SD = 0.02
+"""Smallest standard deviation of the error of a sample. [m]"""
 _MIN_LOG_DRAG, _MAX_LOG_DRAG = np.log(1e-5), np.log(0.1)
 """Bounds of the logarithm of a rocket's drag, b in 1/m. [1]"""
 _START_LOG_DRAG = float(np.log(2e-3))
@@ -123,11 +123,10 @@ def drag_and_impulse(
     if drag is None:
         return {}
     figures = {"coast_drag": drag}
-    if slow[0] - begin >= _TAIL_OF_THRUST:  # a coast is not extrapolated back through the speed of sound
-        pass
-    elif drag is felt and push is not None:
+    subsonic = slow[0] - begin < _TAIL_OF_THRUST  # a coast is not extrapolated back through the speed of sound
+    if subsonic and drag is felt and push is not None:
         figures["burn_impulse"] = felt_impulse(push, ascent, drag, lift, float(slow[0]))
-    elif found is not None:
+    elif subsonic and found is not None:
         figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source, track.is_barometric)
     return {name: figure for name, figure in figures.items() if figure.sd < _MAX_RELATIVE_SD * figure.value}
 
@@ -191,18 +190,12 @@ def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str, 
 
 
 def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Float[Array, "four"]) -> _Fit | None:
-    """Fit a coast to samples. None if no coast fits.
-
-    Outliers count less (Student's t, with weights that are updated in each iteration). Errors with lag-1
-    autocorrelation r are worth (1 - r) / (1 + r) independent ones.
-    """
+    """Fit a coast to samples, with weights that are updated in each iteration. None if no coast fits."""
     values, prior = start, np.diag([0.0, 0.0, 0.0, _HEIGHT_SCALE_SD**-2])
-    freedom = np.sqrt(time.size / (time.size - len(start)))
     for _ in range(_FIT_ROUNDS):
         at, slope = _linearized(values, time)
         left = height - at
-        noise, lag1 = max(mad_sd(left) * freedom, _MIN_SAMPLE_SD), lag_one(left)
-        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - lag1) / (1 + lag1) / noise**2
+        weight = student_weights(left, len(start), _MIN_SAMPLE_SD)
         precision = (slope.T * weight) @ slope + prior
         step = np.linalg.solve(precision, slope.T @ (weight * left) - prior @ values)
         values = values + np.clip(step, -_MAX_STEPS, _MAX_STEPS)
@@ -210,7 +203,7 @@ def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Flo
             return None
         if step @ precision @ step < _LAST_STEP:
             break
-    return _Fit(values, np.linalg.inv(precision), time, height, weight)
+    return _Fit(values, np.asarray(np.linalg.inv(precision), np.float64), time, height, weight)
 
 
 def _linearized(

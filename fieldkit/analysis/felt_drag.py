@@ -19,14 +19,14 @@ from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.ballistic import SCALE_HEIGHT
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.records import Event, Figure
-from fieldkit.analysis.robust_statistics import lag_one, mad_sd
+from fieldkit.analysis.robust_statistics import student_weights
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 _MIN_SAMPLES, _MIN_SPEED_RATIO = 12, 1.5
 """Minimum number of samples of a coast [1], and of the ratio of its first speed to its last. [1]"""
-_ROUNDS, _STUDENT_DOF, _MIN_NOISE = 8, 4.0, 0.02
-"""Number of updates of the weights, degrees of freedom of the errors [1], and their smallest size. [m/s^2]"""
+_ROUNDS, _MIN_NOISE = 8, 0.02
+"""Number of updates of the weights [1], and smallest standard deviation of the error of a sample. [m/s^2]"""
 _MAX_LOWEST = 3
 """Largest number of samples with the lowest value of a sensor that is not saturated. [1]"""
 _MAX_ZERO = 1.5
@@ -63,9 +63,9 @@ def felt_drag(push: Push, ascent: Ascent, begin: float, end: float) -> Figure | 
 def felt_impulse(push: Push, ascent: Ascent, drag: Figure, lift: Event, end: float) -> Figure:
     """Impulse of the burn over mass, from lift-off to a moment of the coast [s], with a drag of the coast. [m/s]"""
     time = np.arange(lift.time, end, _STEP)
-    felt = float(np.interp(time, push.time - push.blur, push.felt).sum() * _STEP)
+    felt = float(np.trapezoid(np.interp(time, push.time - push.blur, push.felt), time))
     speed, height = (np.interp(time, ascent.time, curve) for curve in (ascent.speed, ascent.height))
-    lost = float((np.exp(-height / SCALE_HEIGHT) * speed**2).sum() * _STEP)
+    lost = float(np.trapezoid(np.exp(-height / SCALE_HEIGHT) * speed**2, time))
     known = (
         _SCALE_SD * felt,
         push.missed_speed_sd,
@@ -77,12 +77,10 @@ def felt_impulse(push: Push, ascent: Ascent, drag: Figure, lift: Event, end: flo
 
 def _line(shape: Float[Array, "time two"], felt: Float[Array, "time"]) -> tuple[float, float, float]:
     """Slope and zero of a robust line, and the standard deviation of the slope."""
-    weight, freedom = np.ones(felt.size), np.sqrt(felt.size / (felt.size - 2))
+    weight = np.ones(felt.size)
     for _ in range(_ROUNDS):
         precision = (shape.T * weight) @ shape
-        left = felt - shape @ np.linalg.solve(precision, shape.T @ (weight * felt))
-        noise, lag1 = max(mad_sd(left) * freedom, _MIN_NOISE), lag_one(left)
-        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - lag1) / (1 + lag1) / noise**2
-    precision = (shape.T * weight) @ shape
-    values = np.linalg.solve(precision, shape.T @ (weight * felt))
-    return float(values[0]), float(values[1]), float(np.sqrt(np.linalg.inv(precision)[0, 0]))
+        values = np.linalg.solve(precision, shape.T @ (weight * felt))
+        weight = student_weights(felt - shape @ values, 2, _MIN_NOISE)
+    slope, zero = values.tolist()
+    return slope, zero, float(np.sqrt(np.linalg.inv((shape.T * weight) @ shape)[0, 0]))

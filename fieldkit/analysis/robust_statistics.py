@@ -14,6 +14,8 @@ from fieldkit.shapes import Array, Float
 
 _LONG_FILTER = 500_000
 """Samples times window above which scipy's filter is used. [1]"""
+_STUDENT_DOF = 4.0
+"""Degrees of freedom of the errors of samples. [1]"""
 _RATE_WINDOW, _MOST_STRETCHES = 25, 20
 """Number of samples that show a sampling rate, and largest number of changes of it; beyond that it is irregular. [1]"""
 
@@ -21,6 +23,19 @@ _RATE_WINDOW, _MOST_STRETCHES = 25, 20
 def mad_sd(values: Float[Array, "_"]) -> float:
     """Robust standard deviation from the median absolute deviation, in the unit of the values; 0 without values."""
     return float(1.4826 * np.median(np.abs(values - np.median(values)))) if values.size else 0.0
+
+
+def student_weights(residuals: Float[Array, "_"], fitted: int, smallest: float) -> Float[Array, "_"]:
+    """Weights of samples in a fit of `fitted` values, from their residuals: the inverse variance of an error with a
+    Student t distribution, so that outliers count less, in 1/unit². The scale is at least `smallest`, in the unit.
+
+    Errors with lag-1 autocorrelation r are worth (1 - r) / (1 + r) independent ones.
+    """
+    scale = max(mad_sd(residuals) * np.sqrt(residuals.size / (residuals.size - fitted)), smallest)
+    lag1 = lag_one(residuals)
+    independent = (1 - lag1) / (1 + lag1)
+    weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (residuals / scale) ** 2)
+    return np.asarray(independent * weight / scale**2, np.float64)
 
 
 def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
