@@ -99,7 +99,7 @@ def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Print what looks mistyped; the flight is saved anyway."""
     from fieldkit.services.manual_entry import usual
 
-    for phrase in doubts(flight, usual(ledger, flight), partial(significant, system=system())):
+    for phrase in doubts(flight, usual(ledger, MotorCheck().catalogue, flight), partial(significant, system=system())):
         complain(f"note: {phrase}")
 
 

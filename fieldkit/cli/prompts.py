@@ -121,7 +121,7 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
         implausible = implausible_answers(
             conversation.flight,
             question.name,
-            manual_entry.usual(conversation.ledger, conversation.flight),
+            manual_entry.usual(conversation.ledger, conversation.motors.catalogue, conversation.flight),
             system(),
         )
         for phrase in implausible:

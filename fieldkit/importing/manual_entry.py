@@ -210,8 +210,8 @@ def _number(column: Column, text: str, unit: str) -> float | None:
 
 
 def _example(column: Column, unit: str) -> str:
-    """An example of a valid answer, in a unit if that is known: `281.3m`."""
+    """An example of a valid answer, a round number in a unit if that is known: `300m`."""
     unit = unit if units.named(column.quantity, unit) else column.unit
     scale = units.unit(column.quantity, unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
-    return f"{scale.from_si(middle):.3g}{unit}"
+    return f"{float(f'{scale.from_si(middle):.1g}'):g}{unit}"

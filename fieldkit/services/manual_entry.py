@@ -19,7 +19,7 @@ from fieldkit.motors.names import parse, with_delay
 from fieldkit.motors.several import names_stages, tag_of_several
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.kits import kit_of_rocket
-from fieldkit.services.plausible_flights import without_delay
+from fieldkit.services.plausible_flights import credible, without_delay
 from fieldkit.services.sites import site_of
 
 WEATHER = ("wind", "temperature")
@@ -189,13 +189,14 @@ def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tup
     return flight, tuple(filled)
 
 
-def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
-    """The medians of the readouts of the same rocket on the same motor, any delay; none if rocket or motor is missing.
-    [SI]"""
+def usual(ledger: Ledger, motors: Catalogue, flight: Flight) -> dict[str, float]:
+    """The medians of the readouts of the same rocket on the same motor, any delay, without implausible flights; none if
+    rocket or motor is missing. [SI]"""
     motor = without_delay(flight.motor)
     if not (flight.rocket and motor):
         return {}
-    return middles(one for one in ledger.flights(flight.rocket) if without_delay(one.motor) == motor)
+    same = [one for one in ledger.flights(flight.rocket) if without_delay(one.motor) == motor]
+    return middles(credible(same, motors))
 
 
 def weighed(motors: Catalogue, flight: Flight, lift_off: float | None) -> Flight:

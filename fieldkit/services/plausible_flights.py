@@ -30,6 +30,12 @@ def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
     return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in implausible_ids]
 
 
+def credible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
+    """The flights that are not implausible, also those without the dry mass or known motor that a check needs."""
+    implausible_ids = {id(one) for one, found in _with_motors(flights, motors) if implausible(one, found.motor)}
+    return [flight for flight in flights if id(flight) not in implausible_ids]
+
+
 def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
     """A line for each clean flight that is implausible and therefore not used in a fit."""
     found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
@@ -86,17 +92,18 @@ def _named(ids: Sequence[str]) -> str:
     return f"flights {', '.join(shown[:-1])} and {shown[-1]}"
 
 
-def outlying(flights: Sequence[Flight], new: Collection[str]) -> list[tuple[str, str]]:
+def outlying(flights: Sequence[Flight], new: Collection[str], motors: Catalogue) -> list[tuple[str, str]]:
     """The id of each new flight whose apogee or top speed is far from the median of its rocket's on the same motor, and
-    a line about it. Only with at least `MIN_COMPARED` clean flights to compare."""
+    a line about it. Only with at least `MIN_COMPARED` clean flights to compare, without implausible ones."""
     by_motor: dict[str, list[Flight]] = {}
     for flight in flights:
         if flight.clean and flight.motor:
             by_motor.setdefault(without_delay(flight.motor), []).append(flight)
     found = []
     for several in by_motor.values():
-        usual = {name: value for name, value in middles(several).items() if name in ("apogee", "top_speed")}
-        if len(several) >= MIN_COMPARED:
+        compared = credible(several, motors)
+        usual = {name: value for name, value in middles(compared).items() if name in ("apogee", "top_speed")}
+        if len(compared) >= MIN_COMPARED:
             judged = (one for one in several if one.flight_id in new)
             found += [(one.flight_id, phrase) for one in judged for phrase in far_from_usual(one, usual)]
     return found

@@ -302,7 +302,7 @@ def test_edit_accepts_the_mass_weighed_with_the_motor(full: Run) -> None:
         ("apogee=high", "apogee: found 'high', expected a number, such as"),
         ("apogee=3kg", "found the unit 'kg', expected one of m, mm"),
         ("apogee=1e9", "apogee: found 1e+09 m, expected"),
-        ("apogee=900000ft", "apogee: found 900000 ft, expected 0.3281 to 656168 ft, such as 734ft"),
+        ("apogee=900000ft", "apogee: found 900000 ft, expected 0.3281 to 656168 ft, such as 700ft"),
         ("temperature=200F", "temperature: found 200 °F, expected -130 to 158 °F, such as"),
         ("apogge_m=3", "no column 'apogge_m'; did you mean apogee_m"),
         ("motor=ZZ99", "motor: no motor 'ZZ99'"),

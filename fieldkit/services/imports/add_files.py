@@ -12,7 +12,7 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import Arrival
 from fieldkit.importing.to_flights import CheckMotor
-from fieldkit.motors import Catalogue
+from fieldkit.motors import Catalogue, catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
 from fieldkit.services.imports.view import FileView
@@ -77,7 +77,7 @@ def take_in(
             *sorting.notes,
             *implausible,
             *incomplete,
-            *_outlying(ledger, sorting.new, set(added.new)),
+            *_outlying(ledger, sorting.new, set(added.new), motors or catalogue()),
             *_corrected(ledger, sorting.new, set(added.new)),
         ),
         gathered.mapped,
@@ -95,12 +95,12 @@ def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 
-def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -> Iterator[str]:
+def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str], motors: Catalogue) -> Iterator[str]:
     """A line for each added flight that is far from the others of its rocket on the same motor."""
     for rocket, new in _by_rocket(arrivals, added).items():
         known = {flight.flight_id: flight for flight in ledger.flights(rocket)}
         known |= {name: one.flight for name, one in new.items()}
-        for name, phrase in outlying(list(known.values()), new):
+        for name, phrase in outlying(list(known.values()), new, motors):
             one = new[name]
             yield str(
                 DamagedLog(f"{flight_label(name)} of {rocket}: {phrase}; check it", row=one.row, source=one.source)

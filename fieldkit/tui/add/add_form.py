@@ -196,7 +196,7 @@ class Draft:
         """The usual readouts of the same rocket on the same motor. [SI]"""
         from fieldkit.services.manual_entry import usual
 
-        return usual(self._resources.ledger, flight)
+        return usual(self._resources.ledger, self._resources.motors, flight)
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Save the draft of the `flight`-th flight."""
