@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
 from textual.screen import Screen
 from textual.worker import get_current_worker
@@ -35,6 +35,9 @@ def go_on() -> None:
 
 class AskingScreen(Screen[None]):
     """A screen whose work blocks no key, with the resources of its app."""
+
+    ROW_REQUESTS: ClassVar[tuple[str, ...]] = ("ask",)
+    """The groups of requests whose answers fill its first table."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -312,6 +312,9 @@ async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file:
         assert "weak_launch" in words(pilot)
         await press(pilot, "escape")
         assert isinstance(pilot.app.screen, FlightScreen)
+    async with opened(file, page="home") as pilot:
+        await hurry(pilot, "1", "down", "down", "enter")
+        assert "10 · Astra B" in words(pilot)
 
 
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:

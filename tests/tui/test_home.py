@@ -18,7 +18,8 @@ from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.home.home_page import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.big import large
-from tests.pressing import ROOT, at_home, calm, opened, press, shown, text_of, typed, words
+from fieldkit.tui.widgets.table import Table
+from tests.pressing import ROOT, at_home, calm, hurry, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -72,6 +73,17 @@ async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path)
         assert not pilot.app.screen.query_one(RocketStrip).display
         await resized(pilot, 120, 44)
         assert "Astra B" in text_of(pilot, "RocketStrip Static")
+
+
+async def test_keys_typed_before_the_first_steps_are_shown_move_among_them(empty: Path) -> None:
+    async with opened(empty, page="home") as pilot:
+        page = pilot.app.screen
+        assert isinstance(page, HomeScreen)
+        page.query_one(Table).show((), (), lambda _: ())
+        page._have_read = False  # as when the app opens
+        page.reload()
+        await hurry(pilot, "down", "enter")
+        assert "Loaded 12 flights" in words(pilot)
 
 
 @pytest.mark.parametrize(("key", "page"), [("f", "next_flight"), ("a", "add")])

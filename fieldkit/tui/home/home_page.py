@@ -44,6 +44,7 @@ class HomeScreen(PageScreen):
 
     NAME = "home"
     TITLE = "Home"
+    ROW_REQUESTS = ("ask", "overview")
     ABOUT = Help(
         "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
         "its forecast; below, the latest flights, today's first, and on a tall screen the rocket of the selected "

@@ -51,6 +51,7 @@ class ImportScreen(PageScreen):
 
     NAME = "import_files"
     TITLE = "Import"
+    ROW_REQUESTS = ("list",)
     ABOUT = IMPORT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
