@@ -13,6 +13,7 @@ from fieldkit.paths import data_file
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import MotorChoice, Wanted, by_closeness, guide, suitable_motors, widest_motor
 from fieldkit.services.after_flight import Interval, Outcome
+from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.quick_look import MIN_FLIGHTS
 from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
@@ -65,10 +66,10 @@ def suggestion(
         except FieldkitError:
             nearest = None
         if nearest is not None:
-            interval = nearest.prediction.apogee_quantiles()
+            (made,) = predict_plans(ledger, motors, [nearest.plan], keep=False)
+            interval = made.apogee_quantiles()
             if interval[0] <= settings.target <= interval[2]:
-                motor = f"{nearest.motor.maker} {nearest.motor.designation}"
-                return Suggestion("motor", motor=motor, apogee=interval, target=settings.target)
+                return Suggestion("motor", motor=nearest.name, apogee=interval, target=settings.target)
     return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
 
 
