@@ -90,8 +90,13 @@ class AskingScreen(Screen[None]):
             answer(await question)
         except FieldkitError as error:
             self.complain(str(error))
+            self.unanswered()
         except Exception as error:
             self.field_app.survive(error)
+            self.unanswered()
+
+    def unanswered(self) -> None:
+        """Called after the notice of an error: what was announced will not be shown."""
 
     async def _alone(self, group: str, question: Callable[[], T]) -> T:
         """Run a request after the previous one has ended, even if that was dropped."""
