@@ -303,6 +303,16 @@ async def test_a_flight_is_edited_from_the_list_and_escape_leaves_at_once_what_i
         assert "201.0" in words(pilot)
 
 
+async def test_an_arrow_held_down_in_a_form_stays_on_its_last_or_first_field(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "e", *["down"] * 40)
+        assert pilot.app.focused is pilot.app.screen.query(Input).last()
+        await press(pilot, *["up"] * 40)
+        assert pilot.app.focused is pilot.app.screen.query(Input).first()
+        await press(pilot, "escape", "a", *["down"] * 40)
+        assert pilot.app.focused is pilot.app.screen.query(Input).last()
+
+
 async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await hurry(pilot, "1", "e", *["down"] * 4, *typed("201m"), "ctrl+s")

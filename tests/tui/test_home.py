@@ -15,8 +15,10 @@ from fieldkit.services.imports import bring_in
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
 from fieldkit.tui.add.add_page import AddScreen
+from fieldkit.tui.finder import MAX_HITS, Finder
 from fieldkit.tui.home.home_page import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
+from fieldkit.tui.widgets.bars import NoticeBar
 from fieldkit.tui.widgets.big import large
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, at_home, calm, hurry, opened, press, shown, text_of, typed, words
@@ -225,6 +227,28 @@ async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(fi
         assert "Top speed, at about" in words(pilot)
         await press(pilot, "escape", "ctrl+p", *typed("help: ballast"), "_", "enter", "_")
         assert "best chance of an apogee" in words(pilot)
+
+
+async def test_many_flights_leave_room_for_motors_in_the_palette(empty: Path) -> None:
+    with Ledger.open(empty) as ledger:
+        ledger.add(Flight(str(n), "Bird", motor="F24-4W", apogee=120.0 + n) for n in range(60))
+    async with opened(empty, page="home") as pilot:
+        finder = Finder(pilot.app.screen)
+        await finder.startup()
+        found = [str(hit.text) async for hit in finder.search("f24")]
+        assert sum(text.startswith("Flight ") for text in found) == MAX_HITS
+        assert "Motor AeroTech F24W" in found
+
+
+async def test_a_notice_of_success_stays_until_another_page_opens_and_an_error_longer(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "N")
+        assert "units" in text_of(pilot, "NoticeBar")
+        await press(pilot, "1")
+        assert not pilot.app.screen.query_one(NoticeBar).display
+        pilot.app.show_notice("a problem", error=True)
+        await press(pilot, "0")
+        assert "a problem" in text_of(pilot, "NoticeBar")
 
 
 async def test_the_demo_rocket_can_be_loaded_from_the_palette_after_the_first_steps(empty: Path) -> None:
