@@ -9,7 +9,7 @@ from textual.widgets import Static
 
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
-from tests.pressing import ROOT, at_home, opened, press, shown, typed
+from tests.pressing import ROOT, at_home, opened, press, shown, typed, words
 
 pytestmark = pytest.mark.fast
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
@@ -56,6 +56,26 @@ async def test_a_log_that_was_imported_with_a_rocket_is_known_without_it(file: P
         assert "already in the ledger" not in shown(pilot)
         await press(pilot, "enter", *typed("Astra"), "down", "down", *typed("F24-4W"), "ctrl+s", "_")
         assert "already in the ledger as a flight of Astra" in shown(pilot)
+
+
+async def test_a_large_screen_shows_the_climb_in_a_log_and_how_a_file_was_read(file: Path) -> None:
+    log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+    (file.parent / "flights.csv").write_text("flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,104\n")
+    async with opened(file, (160, 50), page="import_files") as pilot:
+        pilot.app.screen.go(log.parent, log)
+        await press(pilot)
+        assert "Height of flight-dd2afbb08f [m]" in shown(pilot)
+        assert "487 used, 0 dropped" in words(pilot)
+        await press(pilot, "N")
+        assert "Height of flight-dd2afbb08f [ft]" in shown(pilot)
+        pilot.app.screen.go(file.parent, file.parent / "flights.csv")
+        await press(pilot)
+        assert "Height of" not in shown(pilot)
+        assert "How it was read" in shown(pilot)
+    async with opened(file, page="import_files") as pilot:
+        pilot.app.screen.go(log.parent, log)
+        await press(pilot)
+        assert "How it was read" not in shown(pilot)
 
 
 async def test_a_saved_mapping_is_edited_in_the_same_form_and_forgotten(file: Path) -> None:
