@@ -40,6 +40,19 @@ async def front(pilot: Pilot[None], name: str) -> None:
     await calm(pilot)
 
 
+async def test_a_tall_screen_shows_the_coast_below_the_delays(file: Path) -> None:
+    async with opened(file, (120, 50), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+        assert "The coast from burnout to apogee; lines are the delays" in words(pilot)
+        await press(pilot, "right", "_")
+        assert "The coast from burnout" not in words(pilot)
+        assert pilot.app.screen.query_one("#first").display, "the apogee"
+    async with opened(file, (120, 30), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+        assert "When each delay fires" in words(pilot)
+        assert not pilot.app.screen.query_one("#first").display
+
+
 @pytest.mark.thorough
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
