@@ -112,6 +112,8 @@ async def test_a_saved_forecast_is_on_the_first_page_until_it_is_flown(file: Pat
 async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty: Path) -> None:
     async with opened(empty, page="home") as pilot:
         assert "Describe your rocket" in words(pilot)
+        assert "f Fly every motor that fits" in words(pilot), "a launch day"
+        assert "? explains the current page" in words(pilot), "all of it"
         await press(pilot, "enter")
         assert "✗" not in words(pilot)
         await press(pilot, "ctrl+s")
@@ -125,6 +127,7 @@ async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty
         await press(pilot, "ctrl+u", *typed("f24w-4"), "down", "enter", "_")
         assert "Lark on AeroTech F24W" in text_of(pilot, "#next .heading")
         assert "Flown? a to add it" in shown(pilot)
+        assert "A launch day" not in words(pilot)
     with Ledger.open(empty) as ledger:
         (kept,) = [one for one in ledger.predictions() if PLAN in one.payload]
         assert kept.payload["apogee_m"]["p50"] == pytest.approx(257, abs=40)
