@@ -202,6 +202,11 @@ async def test_a_report_is_written_to_the_flyers_file(
             assert "expected a name that ends in .html" in words(pilot)
             await press(pilot, "escape", "w", "ctrl+u", *typed("card.md"), "enter", "_")
             assert "Wrote the report to card.md" in words(pilot)
+            file.with_name("card.md").rename(file.with_name("old.md"))  # its pictures stay
+            await press(pilot, "w", "ctrl+u", *typed("card.md"), "enter", "_")
+            assert "exists. Replace it?" in words(pilot)
+            await press(pilot, "y", "_")
+            assert "Wrote the report to card.md" in words(pilot)
     assert (
         file.with_name("card.md").read_text().startswith("# Astra B · flight 12" if keys else "# Launch day 2026-04-18")
     )
