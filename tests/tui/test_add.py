@@ -292,7 +292,7 @@ async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     async with opened(file) as pilot:
         await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter")
-        assert "Saved forecast: AeroTech F24W-7 to" in words(pilot)
+        assert "Saved forecast: AeroTech F24W-4 to" in words(pilot)
         await press(pilot, "2")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)

@@ -716,6 +716,7 @@ def test_forecasts_of_a_replaced_plan_are_not_shown_for_the_next_plan() -> None:
     motors = MotorList(old)
     motors.put(old, [choice])
     assert motors.known == {choice.motor: choice}
+    new.same_forecasts.return_value = False
     motors.turn_to(new)
     motors.put(old, [choice])
     assert motors.known == {}
