@@ -11,7 +11,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
 from fieldkit.ledger import Ledger
-from tests.pressing import ROOT, at_home, opened, press, shown, typed, words
+from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed
 
 pytestmark = pytest.mark.fast
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
@@ -67,7 +67,7 @@ async def test_a_large_screen_shows_the_climb_in_a_log_and_how_a_file_was_read(f
         pilot.app.screen.go(log.parent, log)
         await press(pilot)
         assert "Height of flight-dd2afbb08f [m]" in shown(pilot)
-        assert "487 used, 0 dropped" in words(pilot)
+        assert "487 used, 0 dropped" in text_of(pilot, "#how")
         await press(pilot, "N")
         assert "Height of flight-dd2afbb08f [ft]" in shown(pilot)
         pilot.app.screen.go(file.parent, file.parent / "flights.csv")

@@ -71,8 +71,7 @@ class ImportScreen(PageScreen):
     ImportScreen.-wide #files { width: 60; }
     ImportScreen #look { width: 1fr; padding: 0 1; border-left: solid $border-blurred; }
     ImportScreen #preview { height: auto; margin-bottom: 1; }
-    ImportScreen #more { height: auto; }
-    ImportScreen.-wide.-tall FilePanel.-read { display: block; }
+    ImportScreen.-wide.-tall .-large-only.-filled { display: block; }
     ImportScreen.-narrow #split { layout: vertical; }
     ImportScreen.-narrow #files { width: 1fr; height: 7; }
     """
@@ -92,7 +91,6 @@ class ImportScreen(PageScreen):
             with VerticalScroll(id="look"):
                 yield Static("", id="preview")
                 yield FilePanel()
-                yield Static("", id="more")
 
     def on_mount(self) -> None:
         """Focus the files."""
