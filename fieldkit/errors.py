@@ -6,6 +6,7 @@ exception is a bug and keeps its traceback.
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from pathlib import Path
 
 MAX_NEAREST = 3
 """Number of similar names that a message suggests. [1]"""
@@ -44,6 +45,14 @@ class FieldkitError(Exception):
 
     def __init__(self, found: str = "") -> None:
         super().__init__(shortened(found))
+
+
+class FileTaken(FieldkitError):
+    """A file to write already exists; `file` is its path."""
+
+    def __init__(self, file: Path) -> None:
+        super().__init__(f"{file}: found an existing file, expected a new name, or --force to replace it")
+        self.file = file
 
 
 class DamagedLog(FieldkitError):

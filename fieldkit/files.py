@@ -13,7 +13,7 @@ from os.path import isfile
 from pathlib import Path
 from typing import Any
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import FieldkitError, FileTaken
 from fieldkit.paths import is_own
 
 MAX_FILE_SIZE = 1 << 30
@@ -118,7 +118,7 @@ def check_target(file: Path, *, force: bool = False) -> None:
     if kept:
         raise FieldkitError(f"{file}: found {kept} there, which is never overwritten; expected another name")
     if not force and is_taken(file):
-        raise _taken(file)
+        raise FileTaken(file)
 
 
 def is_taken(file: Path) -> bool:
@@ -143,7 +143,7 @@ def write_all(contents: Mapping[Path, bytes], *, force: bool = False) -> None:
         try:
             _write(file, content, force)
         except FileExistsError as error:  # it was created in the meantime
-            raise _taken(file) from error
+            raise FileTaken(file) from error
         except OSError as error:
             raise _unwritten(file, error) from error
 
@@ -290,10 +290,6 @@ def free_name(file: Path, name: str) -> Path:
     """An unused name next to a file, with a number if needed."""
     names = (file.with_name(name if not number else f"{name}-{number}") for number in count())
     return next(one for one in names if not one.exists())
-
-
-def _taken(file: Path) -> FieldkitError:
-    return FieldkitError(f"{file}: found an existing file, expected a new name, or --force to replace it")
 
 
 def _unwritten(file: Path, error: OSError) -> FieldkitError:

@@ -8,10 +8,15 @@ _DERIVED_ID = re.compile(r"(?:flight|\d{4}-\d\d-\d\d)-[0-9a-f]{10}")
 """A flight_id made by `fieldkit.importing.to_flights.derived_id`."""
 
 
+def has_derived_id(flight: Flight) -> bool:
+    """Whether the flight_id was derived from the flight, so that it names nothing to a person."""
+    return _DERIVED_ID.fullmatch(flight.flight_id) is not None
+
+
 def short_name(flight: Flight) -> str:
     """What a person calls a flight: its flight_id, or the date, time and motor if the flight_id was derived. Midnight
     means that the time is unknown."""
-    if not _DERIVED_ID.fullmatch(flight.flight_id):
+    if not has_derived_id(flight):
         return flight.flight_id
     when = "" if flight.date_time is None else f"{flight.date_time:%Y-%m-%d %H:%M}".removesuffix(" 00:00")
     return " ".join(part for part in (when, flight.motor) if part) or flight.flight_id

@@ -19,6 +19,11 @@ class SharedPrior:
     mean: Float[Array, "term"]
     covariance: Float[Array, "term term"]
 
+    def same_as(self, other: "SharedPrior") -> bool:
+        """Whether both are the same distribution."""
+        arrays = ((self.mean, other.mean), (self.covariance, other.covariance))
+        return self.names == other.names and all(np.array_equal(one, another) for one, another in arrays)
+
     def only(self, names: Iterable[str]) -> "SharedPrior":
         """The marginal distribution of the terms among these names."""
         wanted = set(names)

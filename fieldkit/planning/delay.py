@@ -84,12 +84,14 @@ class Delay:
 class Delays:
     """The coast from burnout to apogee [s], delays from best to worst, and notes in words.
 
-    `forecast` is the flight with the best of them, without a charge if there is none.
+    `coasts` are the draws of the coast [s]; `forecast` is the flight with the best delay, without a charge if there is
+    none.
     """
 
     coast: Three
     delays: tuple[Delay, ...]
     words: tuple[str, ...]
+    coasts: Float[Array, "draw"]
     forecast: Prediction
 
 
@@ -190,7 +192,7 @@ def delays(
     order = sorted(range(len(rated)), key=lambda i: (round(rated[i][1].too_fast, 2), rated[i][0]))
     ranked = tuple(rated[i][1] for i in order)
     words = tuple(_words(coast, found, ranked))
-    return Delays(three(coast), ranked, words, predictions[order[0] + 1] if order else predictions[0])
+    return Delays(three(coast), ranked, words, coast, predictions[order[0] + 1] if order else predictions[0])
 
 
 def _rated(

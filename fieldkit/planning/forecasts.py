@@ -41,6 +41,13 @@ class Rocket:
         """The motors of these flights."""
         return [found for _, found in self.history]
 
+    def same_as(self, other: "Rocket") -> bool:
+        """Whether forecasts of a plan are the same for both."""
+        mine, theirs = self.shared, other.shared
+        if mine is None or theirs is None:
+            return mine is theirs and self == other
+        return mine.same_as(theirs) and replace(self, shared=None) == replace(other, shared=None)
+
 
 def forecasts(
     rocket: Rocket,

@@ -16,6 +16,7 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import Motor
+from fieldkit.motors.names import with_delay
 from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import sold_delays
@@ -113,14 +114,19 @@ class MotorChoice:
     beyond_season: tuple[SafetyCheck, ...] = ()
 
     @property
+    def name(self) -> str:
+        """The motor as it is bought: `AeroTech F24W-4`; without a known delay, `AeroTech F24W`."""
+        return label(self.motor) if self.delay is None else with_delay(label(self.motor), self.delay)
+
+    @property
     def apogee(self) -> float:
         """Median of the altimeter's apogee reading. [m]"""
         return float(np.median(self.prediction.apogee))
 
     @property
     def plan(self) -> Flight:
-        """The planned flight, including motor and delay."""
-        return self.prediction.plan
+        """The planned flight on this motor with its delay."""
+        return self.prediction.plan.with_changes(motor=self.name)
 
     @property
     def why_not(self) -> list[SafetyCheck]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.columns import WEATHER
+from fieldkit.flight.short_name import has_derived_id
 from fieldkit.quantities import counted, measure, number, spelled, unit_of
 
 if TYPE_CHECKING:
@@ -54,9 +55,10 @@ def forecast_lines(one: "SavedForecast", system: str) -> Iterator[str]:
 
 
 def flown_title(one: "ListedFlight") -> str:
-    """A flight in a line: `12 · Astra B · F39 · 04-18 14:35`."""
+    """A flight in a line: `12 · Astra B · F39 · 04-18 14:35`, without an id that was derived."""
+    name = "" if has_derived_id(one.flight) else one.id
     when = f"{one.flight.date_time:%m-%d %H:%M}" if one.flight.date_time else ""
-    return " · ".join(part for part in (one.id, build_of(one.flight), one.flight.motor, when) if part)
+    return " · ".join(part for part in (name, build_of(one.flight), one.flight.motor, when) if part)
 
 
 def flown_lines(one: "ListedFlight", system: str) -> Iterator[str]:

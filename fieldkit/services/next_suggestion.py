@@ -11,8 +11,9 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.paths import data_file
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import MotorChoice, Wanted, by_closeness, guide, suitable_motors, widest_motor
+from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, suitable_motors, widest_motor
 from fieldkit.services.after_flight import Interval, Outcome
+from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.quick_look import MIN_FLIGHTS
 from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
@@ -65,9 +66,8 @@ def suggestion(
         except FieldkitError:
             nearest = None
         if nearest is not None:
-            interval = nearest.prediction.apogee_quantiles()
+            motor, interval = nearest
             if interval[0] <= settings.target <= interval[2]:
-                motor = f"{nearest.motor.maker} {nearest.motor.designation}"
                 return Suggestion("motor", motor=motor, apogee=interval, target=settings.target)
     return Suggestion("repeat", motor=flight.motor, apogee=found.next_flight, narrows=found.narrows)
 
@@ -91,12 +91,17 @@ def chance_of(outside: int, forecasts: int) -> float:
 
 def _nearest_motor(
     ledger: Ledger, motors: Catalogue, settings: Settings, flight: Flight, target: float
-) -> MotorChoice | None:
-    """The safe motor nearest to a target [m] for the same configuration in the same conditions."""
+) -> tuple[str, Interval] | None:
+    """The safe motor nearest to a target [m] for the same configuration in the same conditions, and its forecast as it
+    would be saved."""
     rocket = rocket_of(ledger, motors, flight.rocket)
     again = flight.unflown(flight_id="", date_time=None)
     plan = completed_plan(ledger, motors, again, settings)
     wanted = Wanted(widest_motor(rocket, plan), adapter=True, dry_mass=plan.dry_mass)
     rules, site = limits(data_file("limits.toml")), site_of(ledger, plan.site)
     choices = guide(rocket, plan, suitable_motors(motors, wanted), rules, site, COMPARED_DRAWS)
-    return next((one for one in by_closeness(choices, target) if one.fits), None)
+    nearest = next((one for one in by_closeness(choices, target) if one.fits), None)
+    if nearest is None:
+        return None
+    (made,) = predict_plans(ledger, motors, [nearest.plan], keep=False)
+    return nearest.name, made.apogee_quantiles()

@@ -205,6 +205,8 @@ class FieldkitApp(Surviving):
         for them."""
         if name == self.current_mode:
             await self._close_above()
+        else:
+            self.drop_success()
         await self.switch_mode(name)
         await self.heard()
         if isinstance(self.screen, PageScreen):

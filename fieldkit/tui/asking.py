@@ -5,7 +5,7 @@ from collections import defaultdict
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
 from textual.screen import Screen
 from textual.worker import get_current_worker
@@ -35,6 +35,9 @@ def go_on() -> None:
 
 class AskingScreen(Screen[None]):
     """A screen whose work blocks no key, with the resources of its app."""
+
+    ROW_REQUESTS: ClassVar[tuple[str, ...]] = ("ask",)
+    """The groups of requests whose answers fill its first table."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -87,8 +90,13 @@ class AskingScreen(Screen[None]):
             answer(await question)
         except FieldkitError as error:
             self.complain(str(error))
+            self.unanswered()
         except Exception as error:
             self.field_app.survive(error)
+            self.unanswered()
+
+    def unanswered(self) -> None:
+        """Called after the notice of an error: what was announced will not be shown."""
 
     async def _alone(self, group: str, question: Callable[[], T]) -> T:
         """Run a request after the previous one has ended, even if that was dropped."""

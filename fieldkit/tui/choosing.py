@@ -54,7 +54,8 @@ class Choosing(InOrder):
             super().refresh_css(animate)
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Show a notice over earlier ones; errors stay until they are dismissed, successes until the next notice."""
+        """Show a notice over earlier ones; errors stay until they are dismissed, successes until the next notice or
+        page."""
         notice = Notice(text, error)
         self.notices = [notice, *(one for one in self.notices if one.error and one != notice)]
         self._show_notices()
@@ -62,6 +63,11 @@ class Choosing(InOrder):
     def withdraw(self, text: str) -> None:
         """Remove a notice that no longer holds."""
         self.notices = [notice for notice in self.notices if notice.text != text]
+        self._show_notices()
+
+    def drop_success(self) -> None:
+        """Remove a notice of success: the flyer has gone on."""
+        self.notices = [notice for notice in self.notices if notice.error]
         self._show_notices()
 
     def action_read(self) -> None:

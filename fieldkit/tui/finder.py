@@ -2,6 +2,7 @@
 commands."""
 
 import asyncio
+from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from textual.command import Hit, Provider
 
 from fieldkit.errors import FieldkitError
+from fieldkit.flight.short_name import flight_label
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
 from fieldkit.tui.home.first_steps import Step
@@ -22,14 +24,15 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
 
-MAX_HITS = 40
-"""Maximum number of results that `Finder` lists, of all kinds together. [1]"""
+MAX_HITS = 20
+"""Maximum number of results of each kind: thousands of flights leave room for motors and help. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A result: its name, its description, and its action."""
+    """A result: its kind, its name, its description, and its action."""
 
+    kind: str
     text: str
     about: str
     go: Callable[[], Any]
@@ -56,8 +59,11 @@ class Finder(Provider):
         """The matches, best first."""
         matcher = self.matcher(query)
         found = [(score, entry) for entry in self._entries if (score := matcher.match(entry.text)) > 0]
-        for score, entry in sorted(found, key=lambda hit: -hit[0])[:MAX_HITS]:
-            yield Hit(score, matcher.highlight(entry.text), entry.go, entry.text, entry.about)
+        listed = Counter[str]()
+        for score, entry in sorted(found, key=lambda hit: -hit[0]):
+            listed[entry.kind] += 1
+            if listed[entry.kind] <= MAX_HITS:
+                yield Hit(score, matcher.highlight(entry.text), entry.go, entry.text, entry.about)
 
     def _read(self) -> list[Entry]:
         """Flights, rockets and motors."""
@@ -69,13 +75,22 @@ class Finder(Provider):
         newest = reversed(list(zip(ids, flights, strict=True)))
         rockets = dict.fromkeys(flight.rocket for flight in reversed(flights) if flight.rocket)
         return [
-            *(Entry(f"Rocket {printable(name)}", "Its flights", partial(host.show_flights, name)) for name in rockets),
             *(
-                Entry(f"Flight {cards.heading(flight, id)}", "Open this flight", partial(host.open_flight, id))
+                Entry("rocket", f"Rocket {printable(name)}", "Its flights", partial(host.show_flights, name))
+                for name in rockets
+            ),
+            *(
+                Entry(
+                    "flight",
+                    cards.heading(flight, flight_label(id, "Flight")),
+                    "Open this flight",
+                    partial(host.open_flight, id),
+                )
                 for id, flight in newest
             ),
             *(
                 Entry(
+                    "motor",
                     f"Motor {motor.maker} {motor.designation}",
                     f"{motor.diameter * 1e3:.0f} mm, {motor.total_impulse:.0f} N s",
                     partial(self._about_motor, motor),
@@ -86,11 +101,11 @@ class Finder(Provider):
 
     def _settings(self) -> Iterator[Entry]:
         host = self._host
-        yield Entry("Setting: target", "The target apogee for comparing motors", host.ask_target)
-        yield Entry("Setting: rail", "Length and angle of your usual rail", self._ask_rail)
-        yield Entry("Setting: units", "The next units: SI, US, mixed", host.action_next_units)
-        yield Entry("Load the demo rocket", Step.DEMO.value[1], self._load_demo)
-        yield Entry("Setting: theme", "The next colors: field, sun, night, terminal", host.action_next_theme)
+        yield Entry("setting", "Setting: target", "The target apogee for comparing motors", host.ask_target)
+        yield Entry("setting", "Setting: rail", "Length and angle of your usual rail", self._ask_rail)
+        yield Entry("setting", "Setting: units", "The next units: SI, US, mixed", host.action_next_units)
+        yield Entry("setting", "Load the demo rocket", Step.DEMO.value[1], self._load_demo)
+        yield Entry("setting", "Setting: theme", "The next colors: field, sun, night, terminal", host.action_next_theme)
 
     def _help(self) -> Iterator[Entry]:
         """Every field explained on a page or beside the decisions, and every equivalent command."""
@@ -102,11 +117,11 @@ class Finder(Provider):
         for title, about in topics:
             for name, text in about.fields:
                 topic = replace(about, about=f"{name}: {text}")
-                yield Entry(f"Help: {name} ({title})", text, partial(self._show_help, title, topic))
+                yield Entry("help", f"Help: {name} ({title})", text, partial(self._show_help, title, topic))
             for command in about.twin:
                 if command not in commands:
                     commands.add(command)
-                    yield Entry(f"Command: {command}", "Copies it", partial(self._copy, command))
+                    yield Entry("command", f"Command: {command}", "Copies it", partial(self._copy, command))
 
     def _show_help(self, title: str, about: Help) -> None:
         self.app.push_screen(HelpScreen(f"Help: {title}", about, ()))

@@ -13,7 +13,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Container
 from textual.reactive import Reactive
 from textual.widget import Widget
-from textual.widgets import Input
+from textual.widgets import Input, Static
 
 from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
@@ -23,6 +23,12 @@ from fieldkit.tui.widgets.table import Table
 
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
+
+
+ANNOUNCED = " ..."
+"""The end of a text that announces an answer."""
+NO_ANSWER = "not available because of an error"
+"""The text in its place if there is an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +120,16 @@ class PageScreen(AskingScreen):
 
     def reload(self) -> None:
         """Fill the page again; called when it is shown and the ledger has changed since it was last filled."""
+
+    def unanswered(self) -> None:
+        """Replace every text that announces an answer, such as `computing ...`."""
+        for table in self.query(Table):
+            if table.empty.endswith(ANNOUNCED):
+                table.empty = NO_ANSWER
+                table.refresh()
+        for text in self.query("#body Static").results(Static):
+            if str(text.content).endswith(ANNOUNCED):
+                text.update(NO_ANSWER)
 
     def redraw(self) -> None:
         """Show the same data in other units or colors or with another target, immediately if nothing has to be read."""

@@ -3,6 +3,7 @@
 from functools import partial
 from pathlib import Path
 
+from fieldkit.errors import FileTaken
 from fieldkit.files import check_target, is_taken
 from fieldkit.paths import expanded, working_folder
 from fieldkit.progress import no_op
@@ -10,6 +11,7 @@ from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
 
 ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit report`."
+WRITING = "Writing the report ..."
 
 
 def ask_report(page: PageScreen, what: str) -> None:
@@ -31,27 +33,35 @@ def _write(page: PageScreen, what: str, name: str | None) -> None:
     if not name or not name.strip():
         return
     path = expanded(name.strip())
-
     if is_taken(path):
-        question = f"{path} exists. Replace it?"
-        page.app.push_screen(AskYes(question), lambda yes: _make(page, what, path, force=True) if yes else None)
+        _ask_to_replace(page, what, path, path)
     else:
         _make(page, what, path, force=False)
 
 
+def _ask_to_replace(page: PageScreen, what: str, path: Path, taken: Path) -> None:
+    question = f"{taken} exists. Replace it?"
+    page.app.push_screen(AskYes(question), lambda yes: _make(page, what, path, force=True) if yes else None)
+
+
 def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
-    def work() -> list[Path]:
+    def work() -> list[Path] | FileTaken:
         from fieldkit.presentation.report.book import book
         from fieldkit.presentation.report.write import write_report
 
-        check_target(path, force=force)
-        return write_report(
-            book(page.resources.ledger, page.resources.motors, what, no_op, page.resources.settings.units),
-            path,
-            force=force,
-        )
+        try:
+            check_target(path, force=force)
+            found = book(page.resources.ledger, page.resources.motors, what, no_op, page.resources.settings.units)
+            return write_report(found, path, force=force)
+        except FileTaken as error:  # one of several files: pages, pictures
+            return error
 
-    page.show_notice("Writing the report ...")
-    page.ask(
-        work, lambda files: page.show_notice(f"Wrote the report to {path if path in files else files[0]}"), "report"
-    )
+    def written(files: list[Path] | FileTaken) -> None:
+        if isinstance(files, FileTaken):
+            page.field_app.withdraw(WRITING)
+            _ask_to_replace(page, what, path, files.file)
+        else:
+            page.show_notice(f"Wrote the report to {path if path in files else files[0]}")
+
+    page.show_notice(WRITING)
+    page.ask(work, written, "report")

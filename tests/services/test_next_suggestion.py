@@ -12,6 +12,7 @@ from fieldkit.ledger import Ledger, StoredPrediction
 from fieldkit.motors import catalogue
 from fieldkit.presentation.after_flight_text import suggestion_line
 from fieldkit.services.after_flight import Outcome, outcome
+from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.next_suggestion import chance_of, suggestion
 from fieldkit.services.saved_forecasts import SavedForecast
 from fieldkit.settings import Settings
@@ -61,6 +62,9 @@ def test_with_a_target_a_motor_that_passes_the_checks_and_ends_near_it_is_named(
     assert found.kind == "motor"
     assert found.apogee is not None
     assert found.apogee[0] <= 230.0 <= found.apogee[2]
+    again = FLOWN[-1].unflown(flight_id="", date_time=None).with_changes(motor=found.motor)
+    (made,) = predict_plans(ledger, catalogue(), [again], keep=False)
+    assert found.apogee == made.apogee_quantiles(), "the forecast that would be saved"
     assert f"{found.motor}, " in suggestion_line(found, "SI")
     assert "nearest to 230" in suggestion_line(found, "SI")
     assert suggestion(ledger, catalogue(), Settings(target=4.0), last).kind == "repeat", "no motor goes so low"

@@ -14,6 +14,8 @@ from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.add.add_sheet import SaveButton
+from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.next.next_plan import Plan
 from tests.pressing import frozen, opened, press, season, shown, text_of, typed, words
 
 CHECK_SHAPES = False
@@ -290,7 +292,7 @@ async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
     monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     async with opened(file) as pilot:
         await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter")
-        assert "Saved forecast: AeroTech F24W to" in words(pilot)
+        assert "Saved forecast: AeroTech F24W-4 to" in words(pilot)
         await press(pilot, "2")
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
@@ -306,6 +308,25 @@ async def test_a_saved_plan_is_the_next_default_and_is_compared_with_its_flight(
         assert "Copied: Astra A" in words(pilot)
         await press(pilot, "enter")
         assert pilot.app.focused is screen.field("apogee").line
+
+
+async def test_undoing_a_saved_forecast_keeps_the_forecasts_of_all_motors(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = []
+
+    def turn_to(motors: MotorList, plan: Plan | None) -> None:
+        turned(motors, plan)
+        kept.append(len(motors.known))
+
+    turned = MotorList.turn_to
+    monkeypatch.setattr(MotorList, "turn_to", turn_to)
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("f24"), "enter", "_", "enter", "_", "u", "_")
+        assert "Undone: forecast Astra B on AeroTech F24W-4" in words(pilot)
+        assert kept[-1] > 0
+        await press(pilot, "p", "down", "down", *typed("400g"), "ctrl+s", "_")
+        assert kept[-1] == 0, "the forecasts are of another plan"
 
 
 @pytest.mark.thorough

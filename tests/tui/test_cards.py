@@ -45,7 +45,7 @@ def test_a_readout_measured_in_a_log_has_its_uncertainty_in_the_displayed_units(
 def test_values_from_a_log_are_described_in_words_with_units() -> None:
     assert logged.beside(LOGGED | EXTRA, "SI") == [
         ("Apogee, stated", "161.5 m"),
-        ("Time to apogee", "5.707 ± 0.12 s"),
+        ("Time to apogee", "5.71 ± 0.12 s"),
         ("Other logs of it", "2"),
         ("Mach delay", "2 s"),
         ("Log format", "perfectflite"),

@@ -303,6 +303,16 @@ async def test_a_flight_is_edited_from_the_list_and_escape_leaves_at_once_what_i
         assert "201.0" in words(pilot)
 
 
+async def test_an_arrow_held_down_in_a_form_stays_on_its_last_or_first_field(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "e", *["down"] * 40)
+        assert pilot.app.focused is pilot.app.screen.query(Input).last()
+        await press(pilot, *["up"] * 40)
+        assert pilot.app.focused is pilot.app.screen.query(Input).first()
+        await press(pilot, "escape", "a", *["down"] * 40)
+        assert pilot.app.focused is pilot.app.screen.query(Input).last()
+
+
 async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await hurry(pilot, "1", "e", *["down"] * 4, *typed("201m"), "ctrl+s")
@@ -312,6 +322,9 @@ async def test_keys_typed_before_the_flights_are_read_act_on_the_first_one(file:
         assert "weak_launch" in words(pilot)
         await press(pilot, "escape")
         assert isinstance(pilot.app.screen, FlightScreen)
+    async with opened(file, page="home") as pilot:
+        await hurry(pilot, "1", "down", "down", "enter")
+        assert "10 · Astra B" in words(pilot)
 
 
 async def test_y_copies_the_row_and_the_card(file: Path) -> None:
@@ -342,7 +355,11 @@ async def test_a_damaged_ledger_gives_a_notice_and_not_a_crash(tmp_path: Path) -
     (tmp_path / "ledger.db").write_bytes(b"not a ledger at all, " * 100)
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "this file is not a ledger" in words(pilot)
-        await press(pilot, "4", "_", "5", "_", "6")
+        for page in ("0", "1", "5"):
+            await press(pilot, page, "_")
+            assert "not available because of an error" in words(pilot)
+            assert " ..." not in words(pilot).replace("tag, month ...", "")
+        await press(pilot, "4", "_", "6")
         assert "error" in words(pilot)
 
 

@@ -19,6 +19,8 @@ from fieldkit.services.imports.mappings import TableColumns
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.flights.log_view import LogLook, LogView
+from fieldkit.tui.imports.given_form import QUESTIONS as LACKED
+from fieldkit.tui.imports.given_form import SetupForm
 from fieldkit.tui.imports.mapping_form import MappingForm, MappingList
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
@@ -39,6 +41,7 @@ MODALS: dict[type[Screen[Any]], Callable[[App[None]], Screen[Any]]] = {
     MappingForm: lambda app: MappingForm(TABLE),
     MappingList: lambda app: MappingList(str),
     Palette: lambda app: Palette(),
+    SetupForm: lambda app: SetupForm("A log", LACKED, {one.name: "" for one in LACKED}, {}),
 }
 ABOVE_PAGES = {
     "FlightScreen": ("1", "_", "enter"),

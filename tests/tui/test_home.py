@@ -15,10 +15,13 @@ from fieldkit.services.imports import bring_in
 from fieldkit.services.manual_entry import PLAN
 from fieldkit.settings import change_settings, read_settings
 from fieldkit.tui.add.add_page import AddScreen
+from fieldkit.tui.finder import MAX_HITS, Finder
 from fieldkit.tui.home.home_page import HomeScreen
 from fieldkit.tui.setup.rocket_strip import RocketStrip
+from fieldkit.tui.widgets.bars import NoticeBar
 from fieldkit.tui.widgets.big import large
-from tests.pressing import ROOT, at_home, calm, opened, press, shown, text_of, typed, words
+from fieldkit.tui.widgets.table import Table
+from tests.pressing import ROOT, at_home, calm, hurry, opened, press, shown, text_of, typed, words
 
 CHECK_SHAPES = False
 
@@ -74,6 +77,17 @@ async def test_a_tall_screen_shows_the_rocket_of_the_selected_flight(file: Path)
         assert "Astra B" in text_of(pilot, "RocketStrip Static")
 
 
+async def test_keys_typed_before_the_first_steps_are_shown_move_among_them(empty: Path) -> None:
+    async with opened(empty, page="home") as pilot:
+        page = pilot.app.screen
+        assert isinstance(page, HomeScreen)
+        page.query_one(Table).show((), (), lambda _: ())
+        page._have_read = False  # as when the app opens
+        page.reload()
+        await hurry(pilot, "down", "enter")
+        assert "Loaded 12 flights" in words(pilot)
+
+
 @pytest.mark.parametrize(("key", "page"), [("f", "next_flight"), ("a", "add")])
 async def test_a_choice_is_one_key_or_one_click(file: Path, key: str, page: str) -> None:
     async with opened(file, page="home") as pilot:
@@ -98,6 +112,8 @@ async def test_a_saved_forecast_is_on_the_first_page_until_it_is_flown(file: Pat
 async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty: Path) -> None:
     async with opened(empty, page="home") as pilot:
         assert "Describe your rocket" in words(pilot)
+        assert "f Fly every motor that fits" in words(pilot), "a launch day"
+        assert "? explains the current page" in words(pilot), "all of it"
         await press(pilot, "enter")
         assert "✗" not in words(pilot)
         await press(pilot, "ctrl+s")
@@ -111,6 +127,7 @@ async def test_a_first_rocket_takes_four_fields_and_has_a_forecast_at_once(empty
         await press(pilot, "ctrl+u", *typed("f24w-4"), "down", "enter", "_")
         assert "Lark on AeroTech F24W" in text_of(pilot, "#next .heading")
         assert "Flown? a to add it" in shown(pilot)
+        assert "A launch day" not in words(pilot)
     with Ledger.open(empty) as ledger:
         (kept,) = [one for one in ledger.predictions() if PLAN in one.payload]
         assert kept.payload["apogee_m"]["p50"] == pytest.approx(257, abs=40)
@@ -213,6 +230,28 @@ async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(fi
         assert "Top speed, at about" in words(pilot)
         await press(pilot, "escape", "ctrl+p", *typed("help: ballast"), "_", "enter", "_")
         assert "best chance of an apogee" in words(pilot)
+
+
+async def test_many_flights_leave_room_for_motors_in_the_palette(empty: Path) -> None:
+    with Ledger.open(empty) as ledger:
+        ledger.add(Flight(str(n), "Bird", motor="F24-4W", apogee=120.0 + n) for n in range(60))
+    async with opened(empty, page="home") as pilot:
+        finder = Finder(pilot.app.screen)
+        await finder.startup()
+        found = [str(hit.text) async for hit in finder.search("f24")]
+        assert sum(text.startswith("Flight ") for text in found) == MAX_HITS
+        assert "Motor AeroTech F24W" in found
+
+
+async def test_a_notice_of_success_stays_until_another_page_opens_and_an_error_longer(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "N")
+        assert "units" in text_of(pilot, "NoticeBar")
+        await press(pilot, "1")
+        assert not pilot.app.screen.query_one(NoticeBar).display
+        pilot.app.show_notice("a problem", error=True)
+        await press(pilot, "0")
+        assert "a problem" in text_of(pilot, "NoticeBar")
 
 
 async def test_the_demo_rocket_can_be_loaded_from_the_palette_after_the_first_steps(empty: Path) -> None:

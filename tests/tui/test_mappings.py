@@ -5,11 +5,13 @@ from pathlib import Path
 import pytest
 from textual.content import Content
 from textual.pilot import Pilot
-from textual.widgets import Static
+from textual.widgets import Input, Static
 
+from fieldkit.flight import Flight
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
-from tests.pressing import ROOT, at_home, opened, press, shown, typed
+from fieldkit.ledger import Ledger
+from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed
 
 pytestmark = pytest.mark.fast
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
@@ -56,6 +58,57 @@ async def test_a_log_that_was_imported_with_a_rocket_is_known_without_it(file: P
         assert "already in the ledger" not in shown(pilot)
         await press(pilot, "enter", *typed("Astra"), "down", "down", *typed("F24-4W"), "ctrl+s", "_")
         assert "already in the ledger as a flight of Astra" in shown(pilot)
+
+
+async def test_a_large_screen_shows_the_climb_in_a_log_and_how_a_file_was_read(file: Path) -> None:
+    log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+    (file.parent / "flights.csv").write_text("flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,104\n")
+    async with opened(file, (160, 50), page="import_files") as pilot:
+        pilot.app.screen.go(log.parent, log)
+        await press(pilot)
+        assert "Height of flight-dd2afbb08f [m]" in shown(pilot)
+        assert "487 used, 0 dropped" in text_of(pilot, "#how")
+        await press(pilot, "N")
+        assert "Height of flight-dd2afbb08f [ft]" in shown(pilot)
+        pilot.app.screen.go(file.parent, file.parent / "flights.csv")
+        await press(pilot)
+        assert "Height of" not in shown(pilot)
+        assert "How it was read" in shown(pilot)
+    async with opened(file, page="import_files") as pilot:
+        pilot.app.screen.go(log.parent, log)
+        await press(pilot)
+        assert "How it was read" not in shown(pilot)
+
+
+async def test_the_setup_of_an_imported_log_follows_the_rocket_that_is_typed(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([Flight("77", "Comet", "X", "C6-5", dry_mass=0.1, diameter=0.03, apogee=100.0)])
+    log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(log.parent, log)
+        await press(pilot)
+
+        def answers() -> list[str]:
+            names = ("rocket", "config", "motor", "dry_mass", "diameter")
+            return [pilot.app.screen.query_one(f"#in-{name}", Input).value for name in names]
+
+        async def answer(name: str, text: str) -> None:
+            pilot.app.screen.set_focus(pilot.app.screen.query_one(f"#in-{name}", Input))
+            await press(pilot, "ctrl+u", *typed(text), "_")
+
+        await press(pilot, "enter", *typed("Astra"), "_")
+        assert answers() == ["Astra", "B", "", "448 g", "66 mm"]
+        await answer("motor", "F24-4W")
+        await answer("dry_mass", "350")
+        await answer("rocket", "Comet")
+        assert answers() == ["Comet", "X", "F24-4W", "350", "30 mm"], "typed answers stay"
+        await answer("rocket", "Nova")
+        assert answers() == ["Nova", "", "F24-4W", "350", ""]
+        await answer("rocket", "Astra")
+        await press(pilot, "ctrl+s", "_")
+    with Ledger.open(file) as ledger:
+        (flight,) = [one for one in ledger.flights("Astra") if one.apogee and round(one.apogee, 1) == 162.8]
+        assert (flight.config, flight.dry_mass, flight.diameter) == ("B", pytest.approx(0.35), 0.066)
 
 
 async def test_a_saved_mapping_is_edited_in_the_same_form_and_forgotten(file: Path) -> None:

@@ -294,10 +294,10 @@ async def test_motors_are_sorted_by_their_distance_from_the_target(file: Path) -
 async def test_a_forecast_is_saved_and_its_flight_compared_with_it(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("f24"), "enter", "_", "enter")
-        assert "Saved forecast: AeroTech F24W to" in words(pilot)
+        assert "Saved forecast: AeroTech F24W-4 to" in words(pilot)
     with Ledger.open(file) as ledger:
         (_, prediction) = ledger.predictions("Astra")
-    assert prediction.payload["motor"] == "AeroTech F24W"
+    assert prediction.payload["motor"] == "AeroTech F24W-4"
     assert prediction.payload["flights"] == 8
 
 
@@ -716,6 +716,7 @@ def test_forecasts_of_a_replaced_plan_are_not_shown_for_the_next_plan() -> None:
     motors = MotorList(old)
     motors.put(old, [choice])
     assert motors.known == {choice.motor: choice}
+    new.same_forecasts.return_value = False
     motors.turn_to(new)
     motors.put(old, [choice])
     assert motors.known == {}

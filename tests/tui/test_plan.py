@@ -40,6 +40,19 @@ async def front(pilot: Pilot[None], name: str) -> None:
     await calm(pilot)
 
 
+async def test_a_tall_screen_shows_the_coast_below_the_delays(file: Path) -> None:
+    async with opened(file, (120, 50), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+        assert "The coast from burnout to apogee; lines are the delays" in words(pilot)
+        await press(pilot, "right", "_")
+        assert "The coast from burnout" not in words(pilot)
+        assert pilot.app.screen.query_one("#first").display, "the apogee"
+    async with opened(file, (120, 30), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "_")
+        assert "When each delay fires" in words(pilot)
+        assert not pilot.app.screen.query_one("#first").display
+
+
 @pytest.mark.thorough
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
@@ -188,6 +201,11 @@ async def test_a_report_is_written_to_the_flyers_file(
             await press(pilot, "1", *keys, "w", "ctrl+u", *typed("card.doc"), "enter", "_")
             assert "expected a name that ends in .html" in words(pilot)
             await press(pilot, "escape", "w", "ctrl+u", *typed("card.md"), "enter", "_")
+            assert "Wrote the report to card.md" in words(pilot)
+            file.with_name("card.md").rename(file.with_name("old.md"))  # its pictures stay
+            await press(pilot, "w", "ctrl+u", *typed("card.md"), "enter", "_")
+            assert "exists. Replace it?" in words(pilot)
+            await press(pilot, "y", "_")
             assert "Wrote the report to card.md" in words(pilot)
     assert (
         file.with_name("card.md").read_text().startswith("# Astra B · flight 12" if keys else "# Launch day 2026-04-18")

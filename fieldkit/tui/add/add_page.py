@@ -29,7 +29,7 @@ from fieldkit.tui.add.add_sheet import FORM_CSS, Sheet, field_of
 from fieldkit.tui.add.after_card import AfterCard
 from fieldkit.tui.add.draft_pen import DraftPen
 from fieldkit.tui.add.estimate_line import EstimateLine
-from fieldkit.tui.add.fields import Field
+from fieldkit.tui.add.fields import Field, step
 from fieldkit.tui.add.saving import Saving
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
@@ -230,10 +230,8 @@ class AddScreen(PageScreen):
         """Move to the next or previous field, or in the open list."""
         if self._sheet.picker.open:
             self._sheet.picker.move(by)
-        elif by > 0:
-            self.focus_next()
         else:
-            self.focus_previous()
+            step(self, by)
 
     def action_back(self) -> None:
         """Close the open list, or else act as on every page."""

@@ -3,12 +3,13 @@
 import asyncio
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
+from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input, Label, Static
 from textual.worker import Worker
@@ -80,6 +81,13 @@ class Field(Horizontal):
         if text != self._noted:
             self._noted = text
             self.query_one(".note", Static).update(marked(printable(text)), layout=False)
+
+
+def step(screen: Screen[Any], by: int) -> None:
+    """Move to the next or previous line of a screen; a key held down does not go around to the other end."""
+    lines = screen.query(Input)
+    if screen.focused is not (lines.last() if by > 0 else lines.first()):
+        screen.focus_next() if by > 0 else screen.focus_previous()
 
 
 class Form(HelpedModal[dict[str, object] | None]):
@@ -210,10 +218,8 @@ class Form(HelpedModal[dict[str, object] | None]):
         """Move to the next or previous line, or in the open list."""
         if self._picker.open:
             self._picker.move(by)
-        elif by > 0:
-            self.focus_next()
         else:
-            self.focus_previous()
+            step(self, by)
 
     def explained(self) -> tuple[str, Help]:
         """Every field."""

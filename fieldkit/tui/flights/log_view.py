@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 from textual.app import ComposeResult
@@ -48,7 +49,7 @@ class LogLook:
 
 def looks_at(file: FileView, system: str) -> list[LogLook]:
     """One entry for each flight and each simulation of a file; an entry without a curve if there is none."""
-    whole = _file_facts(file, system)
+    whole = file_facts(file, system)
     shown = [
         LogLook(
             f"{file.file} · {one.flight.flight_id}" if len(file.shown) > 1 else file.file,
@@ -69,7 +70,7 @@ def look_at_flight(ledger: Ledger, id: str, system: str) -> LogLook | str:
     return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
-def _file_facts(file: FileView, system: str) -> list[Hanging]:
+def file_facts(file: FileView, system: str) -> list[Hanging]:
     """The reason for the format of a file, its columns, and what would be stored."""
     columns = [
         (
@@ -192,14 +193,12 @@ class LogView(HelpedModal[None]):
             return
         span = float(curve.time[0]), float(curve.time[-1])
         parts = [f"T{self._moment:+.2f} s" + ("" if curve.from_liftoff else " on the log's clock")]
-        for (name, readout), values, here in zip(
-            CHANNELS.items(), (curve.height, curve.speed, curve.acceleration), curve.at(self._moment), strict=True
-        ):
-            unit = unit_of(BY_NAME[readout], self._system)
-            scale = units.unit(BY_NAME[readout].quantity, unit)
-            trace = ChannelTrace(name, curve.time.tolist(), [scale.from_si(float(value)) for value in values])
+        for name, here in zip(CHANNELS, curve.at(self._moment), strict=True):
+            unit = unit_of(BY_NAME[CHANNELS[name]], self._system)
+            scale = units.unit(BY_NAME[CHANNELS[name]].quantity, unit)
+            trace = channel(curve, name, self._system)
             plot = self.query_one(f"#look-{name}", Plot)
-            plot.border_title = Content(f"{name} [{spelled(unit)}]")
+            plot.border_title = Content(trace.title)
             plot.show(_with_cursor(trace, curve.events, span, self._moment))
             parts.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
         step = (span[1] - span[0]) / STEPS
@@ -243,6 +242,22 @@ class LogView(HelpedModal[None]):
     def action_copy(self) -> None:
         """Copy the facts as text."""
         self.app.copy_to_clipboard(f"{self._look.title}\n\n{self._look.facts}")
+
+
+def channel(curve: FlightCurve, name: str, system: str) -> ChannelTrace:
+    """The height, speed or acceleration of a curve by its name in `CHANNELS`, in the units of a system."""
+    column = BY_NAME[CHANNELS[name]]
+    unit = unit_of(column, system)
+    scale = units.unit(column.quantity, unit)
+    values = {"height": curve.height, "speed": curve.speed, "acceleration": curve.acceleration}[name]
+    title = f"{name} [{spelled(unit)}]"
+    return ChannelTrace(title, curve.time.tolist(), [scale.from_si(float(value)) for value in values])
+
+
+def draw_height(curve: FlightCurve, system: str) -> Callable[[Any, Any], None]:
+    """Draws the height of a flight with its events."""
+    span = float(curve.time[0]), float(curve.time[-1])
+    return partial(draw_trace, channel(curve, "height", system), dict(curve.events), span)
 
 
 def _with_cursor(

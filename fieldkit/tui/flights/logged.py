@@ -43,7 +43,8 @@ def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
     ]
     time, spread = (left.pop(name, "") for name in TIME_TO_APOGEE)
     if time:
-        lines.append(("Time to apogee", f"{time}{f' ± {spread}' if spread else ''} s"))
+        value, sd = _figure(time), _figure(spread)
+        lines.append(("Time to apogee", f"{time if value is None or sd is None else with_sd(value, sd)} s"))
     if others := left.pop(OTHER_LOGS, ""):
         lines.append(("Other logs of it", str(len(others.split()))))
     return lines + [_worded(name, text) for name, text in left.items()]

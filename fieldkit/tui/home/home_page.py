@@ -13,13 +13,14 @@ from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.widget import Widget
+from textual.widgets import Static
 
 from fieldkit.flight import Flight
 from fieldkit.services.listed_flights import listed_at_once
 from fieldkit.tui.help import Help
 from fieldkit.tui.home.cards import LastCard, NextCard
 from fieldkit.tui.home.choices import Choices
-from fieldkit.tui.home.first_steps import FIRST_STEPS, Step, step_cells
+from fieldkit.tui.home.first_steps import FIRST_STEPS, Step, launch_day, step_cells
 from fieldkit.tui.home.home_rows import listed, logs_of
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import FIRST_ROWS_ENGINE, LEDGER_ENGINE
@@ -44,6 +45,7 @@ class HomeScreen(PageScreen):
 
     NAME = "home"
     TITLE = "Home"
+    ROW_REQUESTS = ("ask", "overview")
     ABOUT = Help(
         "Your launch day. On the left is the open forecast, or the rocket to plan; on the right the last flight and "
         "its forecast; below, the latest flights, today's first, and on a tall screen the rocket of the selected "
@@ -72,6 +74,8 @@ class HomeScreen(PageScreen):
     HomeScreen #cards.-empty { height: 5; }
     HomeScreen.-tall RocketStrip.-shown { display: block; }
     HomeScreen Table { height: 1fr; margin: 0 1; }
+    HomeScreen.-first Table { height: 6; }
+    HomeScreen #day { height: 1fr; padding: 0 2; }
     """
 
     def __init__(self) -> None:
@@ -155,6 +159,7 @@ class HomeScreen(PageScreen):
         self.query_one(NextCard).show(self._view, system)
         self.query_one(LastCard).show(self._view, system, datetime.now().date())
         table.enter = "Choose" if steps else "Open"
+        self._show_day(steps)
         if steps:
             table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)
         elif self._view is not None:
@@ -162,6 +167,14 @@ class HomeScreen(PageScreen):
             self._list(self._view.flights)
         self._moved()
         self.query_one(KeyBar).follow()
+
+    def _show_day(self, shown: bool) -> None:
+        """Show what a launch day is like below the first steps; mounted only there, since it delays the first rows."""
+        self.set_class(shown, "-first")
+        if shown and not self.query("#day"):
+            self.query_one("#body").mount(Static(launch_day(), id="day"))
+        for day in self.query("#day"):
+            day.display = shown
 
     def _list(self, flights: "Sequence[ListedFlight]") -> None:
         """Show the rows of the table."""

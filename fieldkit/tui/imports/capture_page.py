@@ -48,6 +48,7 @@ class CaptureScreen(PageScreen):
 
     NAME = "serial"
     TITLE = "Capture"
+    ROW_REQUESTS = ("ports",)
     ABOUT = Help(
         "Plug in the logger or its adapter; press r to reload the list and Enter to capture from the port under the "
         "cursor. The device is recognized by its USB numbers or by listening; if it only answers commands, choose it "

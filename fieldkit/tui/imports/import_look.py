@@ -137,6 +137,12 @@ def store(resources: "Resources", path: Path, reading: ReadOptions) -> "Receipt"
     return receipt
 
 
+def stored_in_words(receipt: "Receipt") -> str:
+    """The notice of an import, with its counts."""
+    counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
+    return f"Imported {len(receipt.ids)}, {counts}" + (". u to undo" if receipt.ids else "")
+
+
 def _bring_in(
     resources: "Resources", path: Path, reading: ReadOptions, *, dry_run: bool
 ) -> "tuple[Receipt, tuple[Flight, ...]]":

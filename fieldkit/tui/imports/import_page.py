@@ -16,8 +16,8 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.paths import working_folder
-from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
+from fieldkit.tui.imports.file_panel import FilePanel
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
     UP,
@@ -32,6 +32,7 @@ from fieldkit.tui.imports.import_look import (
     look_at,
     name_and_size,
     store,
+    stored_in_words,
     typed_path,
     what_it_brings,
     what_it_holds,
@@ -51,6 +52,7 @@ class ImportScreen(PageScreen):
 
     NAME = "import_files"
     TITLE = "Import"
+    ROW_REQUESTS = ("list",)
     ABOUT = IMPORT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
@@ -69,7 +71,7 @@ class ImportScreen(PageScreen):
     ImportScreen.-wide #files { width: 60; }
     ImportScreen #look { width: 1fr; padding: 0 1; border-left: solid $border-blurred; }
     ImportScreen #preview { height: auto; margin-bottom: 1; }
-    ImportScreen #more { height: auto; }
+    ImportScreen.-wide.-tall .-large-only.-filled { display: block; }
     ImportScreen.-narrow #split { layout: vertical; }
     ImportScreen.-narrow #files { width: 1fr; height: 7; }
     """
@@ -82,13 +84,13 @@ class ImportScreen(PageScreen):
         self._answered: dict[str, str] = {}  # what was last entered on storing a file
 
     def body(self) -> Iterable[Widget]:
-        """The folder, the files, and the preview."""
+        """The folder, the files, and the preview; on a large screen also the climb, and how the file was read."""
         yield Static("", id="where")
         with Horizontal(id="split"):
             yield Table(id="files", empty="empty", enter="Import")
             with VerticalScroll(id="look"):
                 yield Static("", id="preview")
-                yield Static("", id="more")
+                yield FilePanel()
 
     def on_mount(self) -> None:
         """Focus the files."""
@@ -132,6 +134,7 @@ class ImportScreen(PageScreen):
         self.query_one(KeyBar).follow()
         self._look = None
         self.query_one("#more", Static).update("")
+        self.query_one(FilePanel).show(None, "")
         if is_folder:
             self.query_one("#preview", Static).update("Enter to open the folder")
             return
@@ -144,6 +147,7 @@ class ImportScreen(PageScreen):
         self.query_one("#preview", Static).update(what_it_brings(look, self._reading.given, system))
         parts = (left_out(look), what_it_holds(look, system))
         self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
+        self.query_one(FilePanel).show(look.receipt, system)
 
     @on(Table.Chosen, "#files")
     async def _chosen(self) -> None:
@@ -197,9 +201,7 @@ class ImportScreen(PageScreen):
 
     def _stored(self, receipt: "Receipt") -> None:
         self._reading = replace(self._reading, marked=())
-        counts = f"{counted(receipt.duplicates, 'duplicate')}, {len(receipt.rejected)} rejected"
-        undo = ". u to undo" if receipt.ids else ""
-        self.show_notice(f"Imported {len(receipt.ids)}, {counts}{undo}")
+        self.show_notice(stored_in_words(receipt))
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
@@ -288,10 +290,7 @@ class ImportScreen(PageScreen):
         if not text:
             return
         path = typed_path(text)
-        if isdir(path):
-            self.go(path)
-        else:
-            self.go(path.parent, path)
+        self.go(path) if isdir(path) else self.go(path.parent, path)
 
     def copied(self) -> str:
         """The preview as text."""

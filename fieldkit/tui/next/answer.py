@@ -9,13 +9,15 @@ from fieldkit.tui.next.intervals import Intervals
 @dataclass(frozen=True, slots=True)
 class Answer:
     """An answer in lines with its details: its conditions and every safety check. `title` is that of its picture:
-    intervals on one scale, or the plot by `draw`, with an optional `second` plot next to it. `large` is its main figure
+    intervals on one scale, or the plot by `draw`, with an optional `second` plot next to it; with both, a tall screen
+    shows the plot under the title `below`. `large` is its main figure
     in large digits, with up to three lines `about` it."""
 
     words: tuple[str, ...]
     beside: tuple[str, ...] = ()
     title: str = ""
     intervals: Intervals | None = None
+    below: str = ""
     draw: Any = None
     second: Any = None
     large: str = ""

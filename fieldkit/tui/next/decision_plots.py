@@ -19,7 +19,7 @@ MAX_DRAWN_FORECASTS = 24
 
 
 def of_delays(answer: Answer, judged: Delays) -> Answer:
-    """When each delay fires, relative to apogee."""
+    """When each delay fires, relative to apogee, and below it the coast to apogee with the delays."""
     rows = tuple(
         Interval(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
         for one in sorted(judged.delays, key=lambda one: one.delay)
@@ -27,7 +27,14 @@ def of_delays(answer: Answer, judged: Delays) -> Answer:
     if not rows:
         return answer
     title = "When each delay fires, 90% of flights, ● median; ◎ is apogee"
-    return replace(answer, title=title, intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}))
+    marks = [(one.delay, "") for one in judged.delays]
+    return replace(
+        answer,
+        title=title,
+        intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}),
+        below="The coast from burnout to apogee; lines are the delays",
+        draw=draw_density(judged.coasts, marks, lambda value: f"{value:g} s"),
+    )
 
 
 def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None, system: str) -> Answer:

@@ -50,8 +50,10 @@ class MotorList:
         return [motor for motor in wanted if motor not in self.known][:AT_ONCE]
 
     def turn_to(self, plan: "Plan | None") -> None:
-        """Set another plan, without forecasts; without a plan, no motors."""
-        self.plan, self.known, self.exact = plan, {}, set()
+        """Set another plan, without forecasts unless they are the same; without a plan, no motors."""
+        if plan is None or self.plan is None or not plan.same_forecasts(self.plan):
+            self.known, self.exact = {}, set()
+        self.plan = plan
         self.found = self.found if plan is not None else ()
 
     def put(self, plan: "Plan", found: "Sequence[MotorChoice]") -> None:

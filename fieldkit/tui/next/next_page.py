@@ -43,6 +43,7 @@ class NextScreen(PageScreen):
 
     NAME = "next_flight"
     TITLE = "Next flight"
+    ROW_REQUESTS = ("plan", "find")
     ABOUT = NEXT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,

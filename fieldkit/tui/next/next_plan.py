@@ -63,6 +63,11 @@ class Plan:
     saved: "tuple[Motor, ...]" = ()
     """Motors with an open forecast of this rocket, the latest first."""
 
+    def same_forecasts(self, other: "Plan") -> bool:
+        """Whether every motor has the same forecast and the same safety checks as in another plan."""
+        same = (self.full, self.site, self.limits) == (other.full, other.site, other.limits)
+        return same and self.rocket.same_as(other.rocket)
+
     @property
     def preferred(self) -> list["Motor"]:
         """The motors with an open forecast and those that the rocket has flown on, the latest first, without

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import Prediction, median
-from fieldkit.motors.names import with_delay
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, in_units
 from fieldkit.planning.motor_guide import MotorChoice
@@ -26,9 +25,8 @@ def rail_speed(prediction: Prediction, system: str) -> str:
 
 def title(plan: Plan, one: MotorChoice) -> str:
     """Rocket and motor: `Astra A on AeroTech F24W-4`."""
-    motor = one.motor.designation if one.delay is None else with_delay(one.motor.designation, one.delay)
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
-    return f"{build} on {one.motor.maker} {motor}"
+    return f"{build} on {one.name}"
 
 
 def interval(prediction: Prediction, system: str) -> str:

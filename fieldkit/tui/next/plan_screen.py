@@ -114,7 +114,9 @@ class PlanScreen(PageScreen):
     PlanScreen #picture Static { height: auto; }
     PlanScreen #title { text-style: bold; color: $primary; }
     PlanScreen #plots { height: auto; layout: vertical; }
-    PlanScreen Plot { height: 10; width: 1fr; }
+    PlanScreen Plot { height: 10; width: 1fr; display: none; }
+    PlanScreen Plot.-below { border-top: solid $border-blurred; border-title-color: $foreground; margin-top: 1; }
+    PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below { display: block; }
     PlanScreen.-tall Plot { height: 28vh; min-height: 16; }
     PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
@@ -174,7 +176,9 @@ class PlanScreen(PageScreen):
         intervals.update(answer.intervals or "")
         for name, draw in (("#first", answer.draw), ("#second", answer.second)):
             plot = self.query_one(name, Plot)
-            plot.display = draw is not None
+            plot.set_class(draw is not None and not answer.below, "-shown")
+            plot.set_class(draw is not None and bool(answer.below), "-below")
+            plot.border_title = answer.below
             plot.show(draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:

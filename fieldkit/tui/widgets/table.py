@@ -206,27 +206,34 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         text = set_cell_size("".join(parts), self.size.width)
         return Strip([Segment(text, style)], self.size.width)
 
-    def action_move(self, by: int) -> None:
+    async def action_move(self, by: int) -> None:
         """Move one row up or down."""
+        await self._rows_read()
         self._go(self.cursor + by)
 
     def _go(self, row: int) -> None:
         self.by_hand, self.cursor = True, row
 
-    def action_page(self, by: int) -> None:
+    async def action_page(self, by: int) -> None:
         """Move one screen up or down."""
+        await self._rows_read()
         self._go(self.cursor + by * max(1, self.size.height - 2))
 
-    def action_end(self, last: bool) -> None:
+    async def action_end(self, last: bool) -> None:
         """Move to the first or the last row."""
+        await self._rows_read()
         self._go(len(self.keys) - 1 if last else 0)
 
     async def action_choose(self) -> None:
-        """Choose the row under the cursor, once the rows are read: the key may be typed ahead."""
-        if self.current is None and isinstance(self.screen, AskingScreen):
-            await self.screen.settled("ask")
+        """Choose the row under the cursor."""
+        await self._rows_read()
         if self.current is not None:
             self.post_message(self.Chosen(self, self.current))
+
+    async def _rows_read(self) -> None:
+        """Wait until the rows are read: the key may be typed ahead."""
+        if self.current is None and isinstance(self.screen, AskingScreen):
+            await self.screen.settled(*self.screen.ROW_REQUESTS)
 
     async def on_click(self, event: events.Click) -> None:
         """A click moves the cursor; on the cursor's row it chooses the row, on the heading it reports the column."""
