@@ -6,6 +6,7 @@ the correction absorbs that.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import exp
 
 import numpy as np
@@ -40,13 +41,14 @@ def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> C
     """
     back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
     forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))
-    rows = np.array([*back[:0:-1], *forth])
+    rows = np.concatenate((back[:0:-1], forth))
     time = np.asarray(apogee + _STEP * (np.arange(len(rows)) - len(back) + 1), float)
     return Coast(time, *rows.T)
 
 
-def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[float, float, float]]:
-    """Height, speed and acceleration from apogee on, by the midpoint rule."""
+@lru_cache(maxsize=16)  # a fit varies one value at a time, and most of them only move the coast in time
+def _integrated(top: float, drag: float, step: float, count: int) -> Float[Array, "step three"]:
+    """Height, speed and acceleration from apogee on, by the midpoint rule. Shared, so that it must not be changed."""
 
     def push(height: float, speed: float) -> float:
         rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - abs(speed)) / _TRANSITION))
@@ -61,7 +63,7 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
         speed = max(-_MAX_SPEED, min(speed, _MAX_SPEED))
         now = push(height, speed)
         rows.append((height, speed, now if abs(speed) < _MAX_SPEED else 0.0))
-    return rows
+    return np.array(rows)
 
 
 def fitted_coast(
