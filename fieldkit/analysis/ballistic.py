@@ -7,7 +7,7 @@ the correction absorbs that.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import exp
+from math import copysign, exp
 
 import numpy as np
 
@@ -51,8 +51,9 @@ def _integrated(top: float, drag: float, step: float, count: int) -> Float[Array
     """Height, speed and acceleration from apogee on, by the midpoint rule. Shared, so that it must not be changed."""
 
     def push(height: float, speed: float) -> float:
-        rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - abs(speed)) / _TRANSITION))
-        return -GRAVITY - drag * rise * exp(min(-height / SCALE_HEIGHT, 1.0)) * speed * abs(speed)
+        fast = abs(speed)
+        rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - fast) / _TRANSITION))
+        return -GRAVITY - drag * rise * exp(-height / SCALE_HEIGHT if height > -SCALE_HEIGHT else 1.0) * speed * fast
 
     height, speed, now = top, 0.0, -GRAVITY
     rows = [(height, speed, now)]
@@ -60,7 +61,8 @@ def _integrated(top: float, drag: float, step: float, count: int) -> Float[Array
         middle = speed + now * step / 2
         height += step * middle
         speed += step * push(height - step * middle / 2, middle)
-        speed = max(-_MAX_SPEED, min(speed, _MAX_SPEED))
+        if not -_MAX_SPEED < speed < _MAX_SPEED:
+            speed = copysign(_MAX_SPEED, speed)
         now = push(height, speed)
         rows.append((height, speed, now if abs(speed) < _MAX_SPEED else 0.0))
     return np.array(rows)
