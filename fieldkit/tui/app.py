@@ -165,7 +165,7 @@ class FieldkitApp(Surviving):
     def action_command_palette(self) -> None:
         """Find anything by name."""
         if not isinstance(self.screen, CommandPalette):
-            from fieldkit.tui.palette import Palette  # 7 ms
+            from fieldkit.tui.palette import Palette  # takes 7 ms to import
 
             self.push_screen(Palette(id="--command-palette"))
 

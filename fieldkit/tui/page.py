@@ -199,7 +199,7 @@ class PageScreen(AskingScreen):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
-        from fieldkit.tui.widgets.dialogs import HelpScreen, key_list  # 6 ms
+        from fieldkit.tui.widgets.dialogs import HelpScreen, key_list  # takes 6 ms to import
 
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, key_list(self)))
 

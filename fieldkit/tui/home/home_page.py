@@ -119,7 +119,7 @@ class HomeScreen(PageScreen):
 
     def _read(self) -> "Overview | None":
         with IMPORTING:
-            from fieldkit.services.launch_day import overview  # 0.38 s
+            from fieldkit.services.launch_day import overview  # takes 0.38 s to import
 
         return overview(self.resources.ledger, self.resources.motors)
 
