@@ -58,7 +58,7 @@ def data_folder() -> Path:
 def _data_path() -> Path:
     if home := _home():
         return home
-    from platformdirs import user_data_path
+    from platformdirs import user_data_path  # takes 15 ms to import
 
     return user_data_path("fieldkit", appauthor=False)
 
@@ -87,7 +87,7 @@ def settings_file() -> Path:
 def _settings_path() -> Path:
     if home := _home():
         return home
-    from platformdirs import user_config_path
+    from platformdirs import user_config_path  # takes 15 ms to import
 
     return user_config_path("fieldkit", appauthor=False)
 

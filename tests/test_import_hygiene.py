@@ -137,16 +137,29 @@ def test_commands_import_at_the_top_what_they_have_loaded_anyway() -> None:
     commands = [name for name in MODULES if name.startswith("fieldkit.cli.")]
     assert len(commands) > 30
     for command in commands:
-        loaded = at_start({command, "fieldkit.cli.main"})
-        inner = {
-            f"{node.module}.{name.name}"
-            for function in ast.walk(ast.parse(MODULES[command].read_text(encoding="utf-8")))
-            if isinstance(function, ast.FunctionDef)
-            for node in ast.walk(function)
-            if isinstance(node, ast.ImportFrom)
-            for name in node.names
-        }
-        assert not inner & loaded, command
+        assert not imported_inside(command) & at_start({command, "fieldkit.cli.main"}), command
+
+
+def test_only_what_the_first_page_shows_imports_inside_functions_in_the_app() -> None:
+    """Other pages are imported when they are first shown, with everything that they need."""
+    loaded = at_start({"fieldkit.tui.app", "fieldkit.tui.home.home_page"})
+    pages = [name for name in MODULES if name.startswith("fieldkit.tui.")]
+    assert len(set(pages) & loaded) < 40 < len(pages)
+    for page in pages:
+        inner = imported_inside(page)
+        assert not (inner & loaded if page in loaded else inner), page
+
+
+def imported_inside(module: str) -> set[str]:
+    """What the functions of a module import, by its full name."""
+    return {
+        f"{node.module}.{name.name}"
+        for function in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8")))
+        if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef)
+        for node in ast.walk(function)
+        if isinstance(node, ast.ImportFrom)
+        for name in node.names
+    }
 
 
 def at_start(first: set[str]) -> set[str]:

@@ -6,7 +6,8 @@ the correction absorbs that.
 """
 
 from dataclasses import dataclass
-from math import exp
+from functools import lru_cache
+from math import copysign, exp
 
 import numpy as np
 
@@ -40,17 +41,19 @@ def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> C
     """
     back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
     forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))
-    rows = np.array([*back[:0:-1], *forth])
+    rows = np.concatenate((back[:0:-1], forth))
     time = np.asarray(apogee + _STEP * (np.arange(len(rows)) - len(back) + 1), float)
     return Coast(time, *rows.T)
 
 
-def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[float, float, float]]:
-    """Height, speed and acceleration from apogee on, by the midpoint rule."""
+@lru_cache(maxsize=16)  # a fit varies one value at a time, and most of them only move the coast in time
+def _integrated(top: float, drag: float, step: float, count: int) -> Float[Array, "step three"]:
+    """Height, speed and acceleration from apogee on, by the midpoint rule. Shared, so that it must not be changed."""
 
     def push(height: float, speed: float) -> float:
-        rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - abs(speed)) / _TRANSITION))
-        return -GRAVITY - drag * rise * exp(min(-height / SCALE_HEIGHT, 1.0)) * speed * abs(speed)
+        fast = abs(speed)
+        rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - fast) / _TRANSITION))
+        return -GRAVITY - drag * rise * exp(-height / SCALE_HEIGHT if height > -SCALE_HEIGHT else 1.0) * speed * fast
 
     height, speed, now = top, 0.0, -GRAVITY
     rows = [(height, speed, now)]
@@ -58,10 +61,11 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
         middle = speed + now * step / 2
         height += step * middle
         speed += step * push(height - step * middle / 2, middle)
-        speed = max(-_MAX_SPEED, min(speed, _MAX_SPEED))
+        if not -_MAX_SPEED < speed < _MAX_SPEED:
+            speed = copysign(_MAX_SPEED, speed)
         now = push(height, speed)
         rows.append((height, speed, now if abs(speed) < _MAX_SPEED else 0.0))
-    return rows
+    return np.array(rows)
 
 
 def fitted_coast(

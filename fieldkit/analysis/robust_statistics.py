@@ -45,7 +45,7 @@ def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
     """
     size = min(size, values.size)
     if values.size * size > _LONG_FILTER:
-        from scipy.ndimage import median_filter
+        from scipy.ndimage import median_filter  # takes 0.2 s to import
 
         return np.asarray(median_filter(values, size=size, mode="reflect"), float)
     padded = np.pad(np.asarray(values, float), (size // 2, size - 1 - size // 2), mode="symmetric")

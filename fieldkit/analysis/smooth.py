@@ -86,7 +86,7 @@ class CurvePosterior:
 
     def draws(self, count: int, random: np.random.Generator) -> Float[Array, "draw knot"]:
         """Coefficients drawn from the posterior, in the unit of the curve."""
-        from scipy.linalg.lapack import dtbtrs
+        from scipy.linalg.lapack import dtbtrs  # takes 0.18 s to import
 
         noise = random.standard_normal((self.mean.size, count))
         away, _ = dtbtrs(self.factor, noise, uplo="L", trans="T")
@@ -212,7 +212,7 @@ def fit(
     the acceleration that is a random walk is ahead of that of the curve [s]. An `error` [m] times an unknown standard
     normal factor, which heights have in common, lowers the evidence but leaves the curve as it is.
     """
-    from scipy.linalg.lapack import dpbtrf, dpbtrs
+    from scipy.linalg.lapack import dpbtrf, dpbtrs  # takes 0.18 s to import
 
     weight = 1 / (process_noise * samples.grid.step**5)
     intervals = np.zeros(weight.size) if lag is None else lag / samples.grid.step

@@ -56,7 +56,7 @@ def missing(connection: Connection) -> str:
 
 def upgrade(connection: Connection, step: str = "head") -> None:
     """Create or upgrade the tables to the newest version, or to an older one."""
-    from alembic import command
+    from alembic import command  # takes 0.09 s to import
     from alembic.config import Config
 
     config = Config()

@@ -149,7 +149,7 @@ def ballast(
     The apogee is as the altimeter reads it, including its error. Raises ImpossibleFlight if no mass lifts off,
     BadValue for a recovery device or rail direction that cannot be read.
     """
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import PchipInterpolator  # takes 0.3 s to import
 
     masses = _masses(plan, _legal(goal, found, bounds))
     plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
@@ -247,7 +247,7 @@ def _durations(rocket: Rocket, predictions: list[Prediction]) -> Float[Array, "d
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
     """The mass with the lowest cost: the best grid point, refined between its neighbors. [kg]"""
-    from scipy.optimize import minimize_scalar
+    from scipy.optimize import minimize_scalar  # takes 0.3 s to import
 
     costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]
     best = int(np.argmin(costs))

@@ -65,7 +65,7 @@ def suggestion_line(found: Suggestion, system: str) -> str:
     return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f to save its forecast."
 
 
-def question(expected: Interval, apogee: float, system: str) -> str:
+def apogee_question(expected: Interval, apogee: float, system: str) -> str:
     """The question before an implausible apogee [m] is saved, in the units of a system."""
     return (
         f"The apogee is {measure(APOGEE, apogee, system)}. This flight was expected to reach "

@@ -84,7 +84,7 @@ def calibration(
     `inside` is whether each flight was in the interval of a level whose ends were issued; other intervals follow from
     the PITs.
     """
-    from scipy.stats import binom
+    from scipy.stats import binom  # takes 0.6 s to import
 
     values = np.asarray(pits, float)
     count = len(values)

@@ -2,10 +2,10 @@
 
 import asyncio
 from collections import defaultdict
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from contextlib import nullcontext
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 from textual.screen import Screen
 from textual.worker import get_current_worker
@@ -13,10 +13,7 @@ from textual.worker import get_current_worker
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.host import Host
 from fieldkit.tui.memory import give_back
-from fieldkit.tui.resources import ENGINE
-
-if TYPE_CHECKING:
-    from fieldkit.tui.resources import Resources
+from fieldkit.tui.resources import Resources
 
 T = TypeVar("T")
 WAIT = 0.005
@@ -45,12 +42,12 @@ class AskingScreen(Screen[None]):
         self._threads: dict[str, asyncio.Future[Any]] = {}
 
     @property
-    def resources(self) -> "Resources":
+    def resources(self) -> Resources:
         """The ledger, the motors, the settings."""
         return self.field_app.resources
 
     @property
-    def field_app(self) -> "Host":
+    def field_app(self) -> Host:
         """The app by the interface for its pages, because its module imports theirs."""
         return cast(Host, self.app)
 
@@ -62,25 +59,17 @@ class AskingScreen(Screen[None]):
         *,
         in_turn: bool = False,
         alone: bool = False,
-        engine: Sequence[str] = ENGINE,
     ) -> None:
         """Run work in a worker of this screen, which ends with it, and pass its result to `answer`.
 
         A newer request of a group drops an older one, or waits for it if `in_turn`. An error becomes a notice; an
         unexpected one also a crash file. Threads cannot be stopped, so dropped work runs to its end or to its next call
-        of `go_on`. Long requests run `alone`: one at a time in their group, the newest next. A request that needs only
-        part of the `engine` does not wait for the rest.
+        of `go_on`. Long requests run `alone`: one at a time in their group, the newest next.
         """
-
-        def with_engine() -> T:
-            self.resources.import_engine(engine)
-            return question()
 
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
-                await self._pass_on(
-                    self._alone(group, with_engine) if alone else asyncio.to_thread(with_engine), answer
-                )
+                await self._pass_on(self._alone(group, question) if alone else asyncio.to_thread(question), answer)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
@@ -117,7 +106,7 @@ class AskingScreen(Screen[None]):
         finally:
             del running  # the traceback of a dropped request would keep its result
 
-    def _has_ended(self, group: str, ended: "asyncio.Future[Any]") -> None:
+    def _has_ended(self, group: str, ended: asyncio.Future[Any]) -> None:
         """A request of a group has ended, perhaps dropped; keep neither its result nor its error."""
         del self._threads[group]
         if not ended.cancelled():
@@ -137,13 +126,9 @@ class AskingScreen(Screen[None]):
         """Change the ledger in a worker of the app, whose result is shown even if this screen has closed; changes are
         made in the order of the keys, whatever their screens."""
 
-        def with_engine() -> T:
-            self.resources.import_engine()
-            return question()
-
         async def work() -> None:
             async with self.field_app.changing:
-                await self._pass_on(asyncio.to_thread(with_engine), answer)
+                await self._pass_on(asyncio.to_thread(question), answer)
 
         self.app.run_worker(work, group="change")  # type: ignore[arg-type]  # narrower than it takes
 

@@ -126,7 +126,7 @@ class Choosing(InOrder):
         """Ask for the target apogee for comparing motors."""
         now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
-        from fieldkit.tui.widgets.dialogs import AskText
+        from fieldkit.tui.widgets.dialogs import AskText  # takes 6 ms to import
 
         self.push_screen(AskText("Target", now, about, check=self._read_target), partial(self._targeted, now))
 

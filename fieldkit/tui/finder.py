@@ -6,23 +6,24 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from textual.command import Hit, Provider
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight.short_name import flight_label
+from fieldkit.motors import Motor
 from fieldkit.safe_text import printable
 from fieldkit.tui.help import Help
+from fieldkit.tui.home.first_run import take
 from fieldkit.tui.home.first_steps import Step
 from fieldkit.tui.host import Host
+from fieldkit.tui.next.motor_facts import facts
+from fieldkit.tui.next.plan_screen import PlanScreen
 from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.setup.setup_forms import ask_rail
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.dialogs import HelpScreen
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Motor
-
 
 MAX_HITS = 20
 """Maximum number of results of each kind: thousands of flights leave room for motors and help. [1]"""
@@ -51,8 +52,8 @@ class Finder(Provider):
             kept = await asyncio.to_thread(self._read)
         except FieldkitError:
             kept = []  # without a ledger, the other results are still listed
-        screens = [page.name.partition(":")[0] for page in pages().values()]
-        await asyncio.to_thread(self._host.resources.import_engine, screens)
+        for page in pages().values():
+            await page.imported()
         self._entries = [*self._settings(), *kept, *self._help()]
 
     async def search(self, query: str) -> AsyncIterator[Hit]:
@@ -68,8 +69,6 @@ class Finder(Provider):
     def _read(self) -> list[Entry]:
         """Flights, rockets and motors."""
         host, resources = self._host, self._host.resources
-        resources.import_engine()
-
         flights = resources.ledger.flights()
         ids = resources.ledger.ids(flights)
         newest = reversed(list(zip(ids, flights, strict=True)))
@@ -109,8 +108,6 @@ class Finder(Provider):
 
     def _help(self) -> Iterator[Entry]:
         """Every field explained on a page or beside the decisions, and every equivalent command."""
-        from fieldkit.tui.next.plan_screen import PlanScreen
-
         commands: set[str] = set()
         topics = [(page.title, page.screen.ABOUT) for page in pages().values()]
         topics.append(("Next, then d", PlanScreen.ABOUT))
@@ -126,9 +123,7 @@ class Finder(Provider):
     def _show_help(self, title: str, about: Help) -> None:
         self.app.push_screen(HelpScreen(f"Help: {title}", about, ()))
 
-    def _about_motor(self, motor: "Motor") -> None:
-        from fieldkit.tui.next.motor_facts import facts
-
+    def _about_motor(self, motor: Motor) -> None:
         name = f"{motor.maker} {motor.designation}"
         about = Help(
             "The catalog data of this motor.",
@@ -138,14 +133,10 @@ class Finder(Provider):
         self.app.push_screen(HelpScreen(name, about, (), "Catalog data"))
 
     async def _load_demo(self) -> None:
-        from fieldkit.tui.home.first_run import take
-
         if isinstance(page := self.app.screen, PageScreen):
             await take(page, Step.DEMO)
 
     def _ask_rail(self) -> None:
-        from fieldkit.tui.setup.setup_forms import ask_rail
-
         if isinstance(page := self.app.screen, PageScreen):
             ask_rail(page)
 

@@ -1,19 +1,18 @@
 """The interface of the app for its pages and its palette."""
 
 from asyncio import Lock
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from fieldkit.tui.resources import Resources
-    from fieldkit.tui.widgets.bars import Notice
+from fieldkit.tui.resources import Resources
+from fieldkit.tui.widgets.bars import Notice
 
 
 class Host(Protocol):
     """The interface of the app for its pages: `revision` and `look` count changes, as in `Choosing`; `unseen` means
     that a page is being prepared behind the visible one; `changing` is held while the ledger is changed."""
 
-    resources: "Resources"
-    notices: "list[Notice]"
+    resources: Resources
+    notices: list[Notice]
     revision: int
     look: int
     unseen: bool

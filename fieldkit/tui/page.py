@@ -1,5 +1,6 @@
 """The base of every page: a screen between the bars, with help, copying, and work that blocks no key."""
 
+import asyncio
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -18,6 +19,7 @@ from textual.widgets import Input, Static
 from fieldkit.tui import screens
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.help import Help
+from fieldkit.tui.resources import IMPORTING
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 from fieldkit.tui.widgets.table import Table
 
@@ -35,9 +37,8 @@ NO_ANSWER = "not available because of an error"
 class Page:
     """A page: its number, its title, and its screen by name, as `module:Class`.
 
-    A screen is imported when its page is first opened or prepared. What only a worker or a key needs is imported
-    there, inside functions: reading the ledger takes 0.3 s of imports, forecasts 0.1 s more, decisions and the loop
-    0.25 s, which would delay the first rows or block a key.
+    A screen is imported when its page is first opened or prepared, with everything that it needs: 0.7 s of processor
+    time for the first one, 0.6 s for all seven after Home has read the launch day.
     """
 
     number: int
@@ -47,8 +48,13 @@ class Page:
     @property
     def screen(self) -> type["PageScreen"]:
         """The screen. Raises ImportError or AttributeError if there is none with this name."""
-        found: type[PageScreen] = resolve_name(self.name)
+        with IMPORTING:
+            found: type[PageScreen] = resolve_name(self.name)
         return found
+
+    async def imported(self) -> None:
+        """Import the screen in a thread, while keys are handled."""
+        await asyncio.to_thread(lambda: self.screen)
 
 
 @cache
@@ -209,7 +215,7 @@ class PageScreen(AskingScreen):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
-        from fieldkit.tui.widgets.dialogs import HelpScreen, key_list
+        from fieldkit.tui.widgets.dialogs import HelpScreen, key_list  # takes 6 ms to import
 
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, key_list(self)))
 

@@ -6,6 +6,8 @@ from pathlib import Path
 from fieldkit.errors import FileTaken
 from fieldkit.files import check_target, is_taken
 from fieldkit.paths import expanded, working_folder
+from fieldkit.presentation.report.book import book
+from fieldkit.presentation.report.write import check_report, write_report
 from fieldkit.progress import no_op
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
@@ -23,8 +25,6 @@ def ask_report(page: PageScreen, what: str) -> None:
 
 def _check(name: str) -> None:
     """Raises BadValue for the name of a file in no known format; an empty one cancels."""
-    from fieldkit.presentation.report.write import check_report
-
     if name.strip():
         check_report(expanded(name.strip()))
 
@@ -46,9 +46,6 @@ def _ask_to_replace(page: PageScreen, what: str, path: Path, taken: Path) -> Non
 
 def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
     def work() -> list[Path] | FileTaken:
-        from fieldkit.presentation.report.book import book
-        from fieldkit.presentation.report.write import write_report
-
         try:
             check_target(path, force=force)
             found = book(page.resources.ledger, page.resources.motors, what, no_op, page.resources.settings.units)

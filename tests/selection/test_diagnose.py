@@ -25,34 +25,28 @@ SEED = 31
 HELD = ("null", "wind", "mass_offset", "early_ejection", "motor_thrust")
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One set of each held-out scenario, at full strength."""
-    folder = tmp_path_factory.mktemp("sets")
-    make(folder, HELD, 1, SEED, "fast", first=2)
-    return folder
-
-
 class Diagnoses(dict):
-    """The diagnosis of each set, with its label and its later flights, by scenario; made when first asked for."""
+    """The diagnosis of one set of each held-out scenario, at full strength, with its label and its later flights; made
+    when first asked for."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def __missing__(self, scenario: str) -> tuple[Diagnosis, dict[str, object], list[Flight]]:
-        labels = json.loads((self.folder / "labels.json").read_text())
-        label = next(one for one in labels if one["scenario"] == scenario)
-        flights = _flights(self.folder / f"{label['set']}.csv")
+        folder = self.folder / scenario
+        make(folder, (scenario,), 1, SEED, "fast", first=2)
+        (label,) = json.loads((folder / "labels.json").read_text())
+        flights = _flights(folder / f"{label['set']}.csv")
         model = rocket_model([f for f, _ in flights], [m for _, m in flights])
         diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
-        later = [f for f, _ in _flights(self.folder / f"{label['set']}_future.csv")]
+        later = [f for f, _ in _flights(folder / f"{label['set']}_future.csv")]
         self[scenario] = diagnosis, label, later
         return self[scenario]
 
 
 @pytest.fixture(scope="module")
-def diagnoses(folder: Path) -> Diagnoses:
-    return Diagnoses(folder)
+def diagnoses(tmp_path_factory: pytest.TempPathFactory) -> Diagnoses:
+    return Diagnoses(tmp_path_factory.mktemp("sets"))
 
 
 def _flights(path: Path) -> list[tuple[Flight, Found]]:
@@ -131,11 +125,9 @@ def test_an_early_ejection_has_its_fingerprint(diagnoses: Diagnoses) -> None:
 
 
 @pytest.mark.slow
-def test_a_diagnosis_is_reproducible_and_does_not_depend_on_the_order_of_candidates(
-    folder: Path, diagnoses: Diagnoses
-) -> None:
+def test_a_diagnosis_is_reproducible_and_does_not_depend_on_the_order_of_candidates(diagnoses: Diagnoses) -> None:
     diagnosis, label, _ = diagnoses["wind"]
-    flights = _flights(folder / f"{label['set']}.csv")
+    flights = _flights(diagnoses.folder / "wind" / f"{label['set']}.csv")
     model = rocket_model([f for f, _ in flights], [m for _, m in flights])
     again = diagnose(model, diagnosis.data)
     assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]

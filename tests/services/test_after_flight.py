@@ -13,7 +13,7 @@ from fieldkit.flight.start import Start
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import PLUGGED_DELAY, catalogue
-from fieldkit.presentation.after_flight_text import outcome_lines, question
+from fieldkit.presentation.after_flight_text import apogee_question, outcome_lines
 from fieldkit.services.after_flight import expected_instead, outcome
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer, planned_answers, setup_answers
@@ -121,7 +121,7 @@ def test_an_apogee_in_the_wrong_unit_is_questioned_and_a_poor_flight_is_not(ledg
     low, middle, high = expected
     assert low < middle < high
     assert middle == pytest.approx(245.0, rel=0.1)
-    assert question(expected, 20.0, "US").startswith("The apogee is 66 ft. This flight was expected to reach ")
+    assert apogee_question(expected, 20.0, "US").startswith("The apogee is 66 ft. This flight was expected to reach ")
 
 
 @pytest.mark.parametrize("missing", ["motor", "dry_mass", "apogee"])

@@ -17,6 +17,7 @@ from fieldkit.services.planning import rocket_of
 from fieldkit.services.plausible_flights import followed
 from tests.commands import Run
 
+CHECK_SHAPES = False
 FLIGHTS = 30
 
 

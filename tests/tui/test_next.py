@@ -743,7 +743,7 @@ async def test_enter_on_a_motor_still_to_be_forecast_saves_it_when_its_forecast_
         time.sleep(0.3)
         return guide(*args)  # type: ignore[arg-type]  # as passed
 
-    monkeypatch.setattr("fieldkit.planning.motor_guide.guide", slow)
+    monkeypatch.setattr("fieldkit.tui.next.next_page.guide", slow)
     monkeypatch.setattr("fieldkit.services.manual_entry.LAPSES", timedelta.max)  # made at a frozen time in the past
     async with opened(file, page="home") as pilot:
         pilot.app.post_message(Key("f", "f"))

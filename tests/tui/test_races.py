@@ -160,6 +160,8 @@ async def test_a_capture_that_ends_in_the_background_does_not_take_keys_of_anoth
         async with opened(file) as pilot:
             await press(pilot, "7")
             await pilot.app._press_keys(["enter", "2"])
+            while not isinstance(pilot.app.screen, AddScreen):
+                await asyncio.sleep(0.01)
             go.set()
             await calm(pilot)
             await press(pilot, *typed("281"))

@@ -65,7 +65,7 @@ def plain_numbers(
 ) -> Float[Array, "row channel"] | None:
     """The numbers of a block with this number of line ends, one row per line, in the units of their columns; None if it
     contains anything else."""
-    import pandas
+    import pandas  # takes 0.17 s to import
 
     content = bytes(block)
     lines = ends + (not content.endswith(b"\n"))

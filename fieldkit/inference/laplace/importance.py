@@ -157,7 +157,7 @@ def log_likelihood(
 ) -> Float[Array, "draw scale flight"]:
     """Log likelihood of every flight of a fit, with multivariate Student t noise around the compared readouts of each
     draw, up to the constant of a normal. [nat]"""
-    from scipy.special import gammaln
+    from scipy.special import gammaln  # takes 0.18 s to import
 
     model, near = fit.model, fit.tangent
     usable = fit.data.seen & np.isfinite(near.values)

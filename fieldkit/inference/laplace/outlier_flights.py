@@ -21,7 +21,7 @@ def readouts_used(data: Data, tangent: Tangent) -> Int[Integers, "flight"]:
 def log_tail(weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float) -> Float[Array, "flight"]:
     """The term of each flight in the lower bound of the log evidence, in addition to a normal one of this weight.
     [nat]"""
-    from scipy.special import digamma, gammaln
+    from scipy.special import digamma, gammaln  # takes 0.18 s to import
 
     a, a0 = (nu + count) / 2, nu / 2
     b = a / weight

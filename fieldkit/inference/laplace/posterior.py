@@ -286,7 +286,7 @@ def _log_inside_each(
     model: Model, mean: Float[Array, "*batch term"], variance: Float[Array, "*batch term"]
 ) -> Float[Array, "*batch"]:
     """As `_log_inside`, for a batch of posteriors."""
-    from scipy.special import ndtr
+    from scipy.special import ndtr  # takes 0.18 s to import
 
     rows = [i for i, term in enumerate(model.terms) if np.isfinite(term.low) or np.isfinite(term.high)]
     low, high = (np.array([getattr(model.terms[i], end) for i in rows]) for end in ("low", "high"))

@@ -113,7 +113,7 @@ def _read(path: Path, largest: int) -> bytes:
 
 def _session(graph: bytes, folder: Path) -> Any:
     """A session on one thread: a flight takes a tenth of a millisecond, less than starting a second thread."""
-    import onnxruntime
+    import onnxruntime  # takes 0.02 s to import
 
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1

@@ -42,7 +42,7 @@ def pages(book: FlightReport) -> Iterator["Figure"]:
 
 def _page(title: str, subtitle: str, ratios: Sequence[float]) -> tuple["Figure", list["SubFigure"]]:
     """A page with a heading and a footer, and its parts below each other."""
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # takes 0.3 s to import
     from matplotlib.gridspec import GridSpec
 
     page = Figure(figsize=A4, layout="constrained")

@@ -160,7 +160,7 @@ def picture(draw: Draw, size: tuple[float, float], kind: str, margins: Margins |
 
     Without `margins` they are fitted to the words, which takes twice as long as the drawing.
     """
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # takes 0.3 s to import
 
     with styled():
         figure = Figure(figsize=size, layout="constrained" if margins is None else None)

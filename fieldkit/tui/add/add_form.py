@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from datetime import date
 from functools import partial
 from threading import Lock
-from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
@@ -19,11 +18,24 @@ from fieldkit.importing.manual_entry import (
     read_answer,
     read_lift_off_mass,
 )
+from fieldkit.motors import is_cluster
+from fieldkit.presentation.after_flight_text import apogee_question
 from fieldkit.quantities import in_own_unit, in_system, measure, significant, spelled, system_typed
-
-if TYPE_CHECKING:
-    from fieldkit.services.pickers import Names
-    from fieldkit.tui.resources import Resources
+from fieldkit.services.after_flight import expected_instead
+from fieldkit.services.manual_entry import (
+    UNITS,
+    enter,
+    id_and_time,
+    identical_flight,
+    offer,
+    planned_answers,
+    typed_unit,
+    usual,
+    weighed,
+)
+from fieldkit.services.pickers import Names
+from fieldkit.services.plausible_flights import implausible_flights
+from fieldkit.tui.resources import Resources
 
 SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, with the last flight's values as defaults."""
@@ -76,7 +88,7 @@ class FormStart:
     draft: Mapping[str, str]
     units: Mapping[str, str]
     offers: Mapping[str, str]
-    names: "Names"
+    names: Names
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +107,6 @@ class Saved:
 
 def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
     """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`."""
-    from fieldkit.services.manual_entry import typed_unit
-
     flight, wrong, lift_off = Flight(), dict[str, str](), None
     for name, text in texts.items():
         try:
@@ -154,7 +164,7 @@ class Draft:
     All methods may be called from any thread.
     """
 
-    def __init__(self, resources: "Resources") -> None:
+    def __init__(self, resources: Resources) -> None:
         self._resources = resources
         self._lock = Lock()
         self._units: Mapping[str, str] = {}
@@ -167,8 +177,6 @@ class Draft:
 
     def begin(self) -> FormStart:
         """Load the draft; one that was started on another day has that day as its default date."""
-        from fieldkit.services.manual_entry import UNITS
-
         ledger, own = self._resources.ledger, self._resources.own_draft
         draft, self._units = ledger.draft(own.name) or {}, ledger.draft(UNITS) or {}
         self._kept = self._dated = bool(draft)
@@ -178,8 +186,6 @@ class Draft:
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """The default answers from the planned flight, or from the last one, given the answers so far."""
-        from fieldkit.services.manual_entry import offer, planned_answers
-
         plan = planned_answers(self._resources.ledger)
         flight, offers = Flight(), {DATE.name: TODAY}
         for question in QUESTIONS:
@@ -194,15 +200,10 @@ class Draft:
 
     def usual(self, flight: Flight) -> dict[str, float]:
         """The usual readouts of the same rocket on the same motor. [SI]"""
-        from fieldkit.services.manual_entry import usual
-
         return usual(self._resources.ledger, self._resources.motors, flight)
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Save the draft of the `flight`-th flight."""
-        from fieldkit.services.manual_entry import UNITS
-
-        self._resources.import_engine()
         with self._lock:
             if flight != self.flight:
                 return
@@ -236,9 +237,6 @@ class Draft:
     def save(self, answered: Answered, *, confirmed: bool = False) -> Saved:
         """Save the flight in the ledger if all answers can be read and its motor is known; a duplicate, a name that may
         be misspelled or an implausible apogee must be `confirmed`."""
-        from fieldkit.services.manual_entry import enter, weighed
-        from fieldkit.services.plausible_flights import implausible_flights
-
         for name, why in answered.wrong.items():
             return Saved(wrong=name, trouble=f"{BY_NAME[name].title}: {why}")
         if trouble := self.motor_trouble(answered.flight.motor):
@@ -267,10 +265,6 @@ class Draft:
     def _question(self, flight: Flight, unit: str) -> str:
         """The question about a flight that the ledger has, a name that may be misspelled or an implausible apogee, in
         the `unit` in which it was typed; empty if there is none."""
-        from fieldkit.presentation.after_flight_text import question
-        from fieldkit.services.after_flight import expected_instead
-        from fieldkit.services.manual_entry import id_and_time, identical_flight
-
         if (before := identical_flight(self._resources.ledger, flight)) is not None:
             flight_named = id_and_time(self._resources.ledger, before)
             return f"Flight {flight_named} has the same values, or had when it was entered.\nSave another one like it?"
@@ -279,14 +273,12 @@ class Draft:
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
         if expected is not None and flight.apogee is not None:
             system = system_typed(READOUTS[0], unit, self._resources.settings.units)
-            doubts.append(question(expected, flight.apogee, system))
+            doubts.append(apogee_question(expected, flight.apogee, system))
         elif doubts:
             doubts.append("Save it as it is?")
         return "\n".join(doubts)
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is unknown; empty if it is known or a cluster, or if none is named."""
-        from fieldkit.motors import is_cluster
-
         trouble = "" if not name or is_cluster(name) else self._resources.motors.complaint(name)
         return f"Motor: {trouble}" if trouble else ""

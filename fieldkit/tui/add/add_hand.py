@@ -10,6 +10,7 @@ from textual.widgets import Static
 from fieldkit.importing.manual_entry import Question, implausible_answers
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
+from fieldkit.services.manual_entry import typed_number, typed_unit
 from fieldkit.tui.add.add_form import Answered, summary, together
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.widgets.big import Big
@@ -49,8 +50,6 @@ class Hand(Horizontal):
 
     def _enlarge(self, field: Field, answered: Answered, unit: str) -> None:
         """Show the number in large digits, its unit in the frame."""
-        from fieldkit.services.manual_entry import typed_number, typed_unit
-
         question, text = field.question, field.line.value.strip()
         known = question.column is not None and answered.number(question) is not None
         asked = f" ({spelled(unit)})" if question.column else ""

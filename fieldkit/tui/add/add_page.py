@@ -13,6 +13,7 @@ from textual.widgets import Button, Input
 from fieldkit.flight import Flight
 from fieldkit.importing.manual_entry import Question
 from fieldkit.quantities import unit_of
+from fieldkit.services.manual_entry import kind, typed_unit, with_unit
 from fieldkit.tui.add.add_form import (
     BY_NAME,
     MORE_FIELDS,
@@ -134,8 +135,6 @@ class AddScreen(PageScreen):
     def unit(self, question: Question) -> str:
         """The unit of a number typed without one: the one that applied when it was typed, the last typed, else the
         settings'."""
-        from fieldkit.services.manual_entry import kind
-
         column = question.column
         if column is None:
             return ""
@@ -164,8 +163,6 @@ class AddScreen(PageScreen):
 
     def _unit_of_answer(self, question: Question) -> str:
         """The unit that was typed with an answer, else that of a number without one."""
-        from fieldkit.services.manual_entry import typed_unit
-
         known = question.column is not None and self._answered.number(question) is not None
         return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
 
@@ -193,8 +190,6 @@ class AddScreen(PageScreen):
 
     def _answers(self) -> dict[str, str]:
         """The typed answers with their units."""
-        from fieldkit.services.manual_entry import with_unit
-
         texts = {name: text for name, text in self._sheet.answers().items() if name in self._sheet.touched}
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
 
@@ -243,8 +238,6 @@ class AddScreen(PageScreen):
     @on(Input.Blurred)
     def _left(self, event: Input.Blurred) -> None:
         """After leaving a field: its unit becomes the default of the next, and another rocket changes the defaults."""
-        from fieldkit.services.manual_entry import kind, typed_unit
-
         field = field_of(event.input)
         self._sheet.picker.close()
         if field is None or field.question.name not in self._sheet.touched:

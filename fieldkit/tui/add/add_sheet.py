@@ -10,6 +10,7 @@ from textual.widgets import Button, Input
 from fieldkit.flight.makers import motor_name
 from fieldkit.importing.manual_entry import Question, read_answer
 from fieldkit.quantities import measure
+from fieldkit.services.manual_entry import typed_unit
 from fieldkit.tui.add.add_form import BODY, BY_NAME, MORE_FIELDS, READ, SETUP
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
@@ -105,8 +106,6 @@ class Sheet:
 
     def touch(self, field: Field, unit: str) -> None:
         """Note that a question was answered: a number without a unit keeps this one, whatever is typed elsewhere."""
-        from fieldkit.services.manual_entry import typed_unit
-
         name = field.question.name
         self.touched.add(name)
         if field.answer and not typed_unit(field.answer):

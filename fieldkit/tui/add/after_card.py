@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -13,18 +13,18 @@ from textual.widgets import Static
 
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
+from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
 from fieldkit.quantities import measure, number
 from fieldkit.safe_text import printable
+from fieldkit.services.after_flight import Outcome, outcome
+from fieldkit.services.next_suggestion import Suggestion, suggestion
+from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
 from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import hanging
-
-if TYPE_CHECKING:
-    from fieldkit.services.after_flight import Outcome
-    from fieldkit.services.next_suggestion import Suggestion
-    from fieldkit.services.saved_forecasts import SavedForecast
-    from fieldkit.tui.resources import Resources
+from fieldkit.tui.widgets.plots import Plot, draw_density
 
 Draw = Callable[[Any, Any], None]
 MAX_EARLIER = 24
@@ -37,17 +37,13 @@ NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the f
 class AfterFlight:
     """A flight compared with its forecast, what to do next, and the earlier forecasts of its rocket that have flown."""
 
-    outcome: "Outcome"
-    next: "Suggestion"
-    earlier: tuple["SavedForecast", ...]
+    outcome: Outcome
+    next: Suggestion
+    earlier: tuple[SavedForecast, ...]
 
 
-def after_flight(resources: "Resources", flight: Flight) -> AfterFlight | None:
+def after_flight(resources: Resources, flight: Flight) -> AfterFlight | None:
     """All contents of the card of a saved flight; None if there is nothing to compare it with."""
-    from fieldkit.services.after_flight import outcome
-    from fieldkit.services.next_suggestion import suggestion
-    from fieldkit.services.saved_forecasts import list_forecasts
-
     ledger, motors = resources.ledger, resources.motors
     found = outcome(ledger, motors, flight)
     if found is None:
@@ -82,8 +78,6 @@ class AfterCard(VerticalScroll, can_focus=True):
 
     def compose(self) -> ComposeResult:
         """From the comparison to the suggestion, and below it the next flight and earlier ones."""
-        from fieldkit.tui.widgets.plots import Plot
-
         yield Static("", classes="heading")
         with Horizontal():
             yield Big()
@@ -95,8 +89,6 @@ class AfterCard(VerticalScroll, can_focus=True):
 
     def on_mount(self) -> None:
         """Set the titles of the plot and the card."""
-        from fieldkit.tui.widgets.plots import Plot
-
         self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5%, median and 95%"
         self.border_subtitle = "Enter to add the next flight"
 
@@ -128,9 +120,6 @@ class AfterCard(VerticalScroll, can_focus=True):
         self.text = heading
 
     def _show_outcome(self, found: AfterFlight | None, system: str) -> None:
-        from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
-        from fieldkit.tui.widgets.plots import draw_density
-
         if found is None:
             self._put(".facts", NO_FORECAST)
             return
@@ -152,8 +141,6 @@ class AfterCard(VerticalScroll, can_focus=True):
         self.text = "\n".join([self.text, cards.as_text("", facts), advice])
 
     def _hill(self, draw: Draw | None) -> None:
-        from fieldkit.tui.widgets.plots import Plot
-
         plot = self.query_one(Plot)
         plot.show(draw)
         plot.visible = draw is not None
@@ -162,7 +149,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         self.query_one(place, Static).update(content)  # type: ignore[arg-type]  # text or what draws itself
 
 
-def _rows(earlier: Sequence["SavedForecast"]) -> list[Interval]:
+def _rows(earlier: Sequence[SavedForecast]) -> list[Interval]:
     """Newest first."""
     return [
         Interval(

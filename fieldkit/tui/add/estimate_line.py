@@ -3,20 +3,20 @@
 import asyncio
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.presentation.typed_flight_text import estimate_line, estimate_rows
 from fieldkit.safe_text import printable
+from fieldkit.services.manual_entry import weighed
+from fieldkit.services.typed_flight import TypedEstimate, TypedFlight
 from fieldkit.tui.asking import go_on
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
-
-if TYPE_CHECKING:
-    from fieldkit.services.typed_flight import TypedEstimate, TypedFlight
 
 PAUSE = 0.15
 """Time without a key after which the estimate is computed: longer than between two digits. [s]"""
@@ -61,10 +61,7 @@ class EstimateLine(Static):
         await asyncio.sleep(PAUSE)
         self._page.ask(partial(self._work, typed, lift_off), self._show, "estimate", alone=True)
 
-    def _work(self, typed: Flight, lift_off: float | None) -> "TypedEstimate":
-        from fieldkit.services.manual_entry import weighed
-        from fieldkit.services.typed_flight import TypedFlight
-
+    def _work(self, typed: Flight, lift_off: float | None) -> TypedEstimate:
         go_on()
         beside = self._beside
         if beside is None:
@@ -73,7 +70,7 @@ class EstimateLine(Static):
             typed = weighed(self._page.resources.motors, typed, lift_off)
         return beside.estimate(typed)
 
-    def _show(self, found: "TypedEstimate") -> None:
+    def _show(self, found: TypedEstimate) -> None:
         self._found = found
         self.on_resize()
 
@@ -81,8 +78,6 @@ class EstimateLine(Static):
         """Draw the estimate for the current width and height."""
         if self._found is None:
             return
-        from fieldkit.presentation.typed_flight_text import estimate_line, estimate_rows
-
         system = self._page.resources.settings.units
         rows = estimate_rows(self._found, system)
         room = self.size.width - 2 - sum(max((len(row[at]) for row in rows), default=0) + 2 for at in (0, 1))

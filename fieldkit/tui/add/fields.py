@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import Any, ClassVar, cast
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -18,6 +18,8 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
 from fieldkit.quantities import in_own_unit, spelled
 from fieldkit.safe_text import printable
+from fieldkit.services.manual_entry import typed_unit
+from fieldkit.services.pickers import Names
 from fieldkit.tui.help import Help
 from fieldkit.tui.host import Host
 from fieldkit.tui.widgets.bars import KeyBar
@@ -25,9 +27,6 @@ from fieldkit.tui.widgets.dialogs import AskYes, HelpedModal
 from fieldkit.tui.widgets.hanging import marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
-
-if TYPE_CHECKING:
-    from fieldkit.services.pickers import Names
 
 
 class Field(Horizontal):
@@ -122,7 +121,7 @@ class Form(HelpedModal[dict[str, object] | None]):
         texts: dict[str, str],
         units: dict[str, str],
         read: Callable[[str, str, str], object] = read_answer,
-        names: "Callable[[], Names] | None" = None,
+        names: Callable[[], Names] | None = None,
     ) -> None:
         super().__init__()
         self._title, self._questions, self._texts, self._units = title, tuple(questions), texts, units
@@ -198,8 +197,6 @@ class Form(HelpedModal[dict[str, object] | None]):
 
     def _beside(self, field: Field, value: object, unit: str) -> str:
         """The unit of an answer; if it was typed in another one, that and its value in the flyer's."""
-        from fieldkit.services.manual_entry import typed_unit
-
         column, typed = field.question.column, typed_unit(field.answer)
         if column is None or not isinstance(value, float) or not typed or spelled(typed) == spelled(unit):
             return spelled(unit)

@@ -16,6 +16,7 @@ from fieldkit.tui.flights.flight_rows import Row
 from fieldkit.tui.flights.log_plot import Drawn, draw_trace
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
+from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
 
 MAX_DRAWN_FLIGHTS = 120
 """Number of latest flights of a configuration to draw, more than the card has columns."""
@@ -61,8 +62,6 @@ class FlightCard(VerticalScroll):
             self._plot("climb", trace.title, partial(draw_trace, trace, log.events, log.span))
 
     def _plot(self, name: str, title: str, draw: Any) -> None:
-        from fieldkit.tui.widgets.plots import Plot
-
         plot = next(iter(self.query(f"#{name}").results(Plot)), None)
         if plot is None and draw is not None:
             plot = Plot(id=name)
@@ -88,8 +87,6 @@ def _setup(row: Row, system: str) -> Iterable[Hanging]:
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
     """Draw Cd of each flight in order, with a vertical line at the current one and their ids below."""
-    from fieldkit.tui.widgets.plots import round_ticks, spaced
-
     drags = [one.drag or 0.0 for one in known]
     plt.scatter(list(range(len(known))), drags, marker="●", color=ink.line)
     ends = {len(known) - 1, 0}

@@ -3,19 +3,17 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.flight.makers import motor_name
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue
 from fieldkit.quantities import number
+from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.table import Head
-
-if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger
-    from fieldkit.motors import Catalogue
-
 
 WITH_FORECASTS, TIGHT = 98, 76
 """Minimum widths of a table with forecasts drawn next to all figures, and next to the most important ones: those on
@@ -153,10 +151,8 @@ def _drawn(room: int, scale: HeightScale, system: str) -> Shown:
     )
 
 
-def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
+def read_rows(ledger: Ledger, motors: Catalogue) -> list[Row]:
     """Every flight in the order flown, with its saved forecast and the error of that."""
-    from fieldkit.services.saved_forecasts import by_flight, list_forecasts
-
     flights = ledger.flights()
     forecasts = by_flight(list_forecasts(ledger, motors))
     rows = []

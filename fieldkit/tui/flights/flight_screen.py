@@ -13,7 +13,6 @@ from textual.widgets import Static
 from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.event_names import event_title
-from fieldkit.flight.start import Start
 from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, forecast_facts
@@ -30,9 +29,8 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
-from fieldkit.tui.setup.rocket_strip import RocketStrip
+from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.groups import Group, rocket_of
 from fieldkit.tui.widgets.hanging import hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
 
@@ -209,15 +207,13 @@ class FlightScreen(PageScreen):
         if isinstance(log, str):
             title.update(Content(printable(log)))
             if self._flight is not None and self.size.height >= MIN_LINES_FOR_ROCKET:
-                self.ask(partial(rocket_of, self.resources.ledger, self._flight), self._have_rocket, "rocket")
+                facts = partial(rocket_facts, self.resources.ledger, self._flight, self.resources.settings.units)
+                self.ask(facts, self.query_one(RocketStrip).show, "rocket")
             return
         events = sorted(log.events.items(), key=lambda one: one[1])
         marks = printable(", ".join(f"{event_title(name)} T{time:+.2f} s" for name, time in events))
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}  l for a cursor\n{marks}"))
         self._text.append(f"Log  {marks}")
-
-    def _have_rocket(self, rocket: tuple[Group, Start | None] | None) -> None:
-        self.query_one(RocketStrip).show(rocket, self.resources.settings.units)
 
     def _show_hills(self, hills: "Hills | str") -> None:
         for plot in self.query("#hills Plot"):

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from functools import cached_property, partial
 from math import isfinite
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
@@ -13,13 +13,18 @@ from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from fieldkit.inference.network.flights import Inferred
 from fieldkit.quantities import spelled, unit_of
+from fieldkit.services.inferred import FlightInference
 from fieldkit.tui.asking import or_why
+from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.flight_card import FlightCard
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, headings, read_rows, same_build, scale_of
+from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
+from fieldkit.tui.flights.tag_screen import TagScreen
 from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.next.intervals import HeightScale
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
@@ -27,11 +32,6 @@ from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
-
-if TYPE_CHECKING:
-    from fieldkit.inference.network.flights import Inferred
-    from fieldkit.services.inferred import FlightInference
-    from fieldkit.tui.flights.flight_screen import FlightScreen
 
 FLIGHTS_PER_BATCH = 40
 """Number of flights whose drag and thrust are computed together, in about a second, so that others do not wait. [1]"""
@@ -121,16 +121,14 @@ class FlightsScreen(PageScreen):
             self.ask(partial(self._inferred, waiting), self._have_drag, "drag", in_turn=True)
         return bool(waiting)
 
-    def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
-        from fieldkit.services.inferred import FlightInference
-
+    def _inferred(self, rows: Sequence[Row]) -> list[tuple[Row, Inferred]]:
         if self._inference is None:
             self._inference = FlightInference(self.resources.ledger, self.resources.motors)
         owners = {id(row.flight): row for row in rows}
         found = self._inference.infer([row.flight for row in rows]).inferred
         return [(owners[id(one.flight)], one) for one in found]
 
-    def _have_drag(self, found: "list[tuple[Row, Inferred]]") -> None:
+    def _have_drag(self, found: list[tuple[Row, Inferred]]) -> None:
         for row, one in found:
             row.drag, row.thrust = one.cd if isfinite(one.cd) else None, one.alpha
         self.query_one(Table).refresh()
@@ -236,10 +234,8 @@ class FlightsScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     @cached_property
-    def _flight(self) -> "FlightScreen":
+    def _flight(self) -> FlightScreen:
         """The screen of a flight, reused for all flights, because building it is slow."""
-        from fieldkit.tui.flights.flight_screen import FlightScreen
-
         screen = FlightScreen()
         self.app.install_screen(screen, "flight")
         return screen
@@ -272,15 +268,11 @@ class FlightsScreen(PageScreen):
     async def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
         if (row := await self._row_read()) is not None:
-            from fieldkit.tui.flights.tag_screen import TagScreen
-
             self.app.push_screen(TagScreen(row.id, row.flight))
 
     async def action_edit(self) -> None:
         """Edit the flight under the cursor."""
         if (row := await self._row_read()) is not None:
-            from fieldkit.tui.flights.edit_form import ask_changes
-
             ask_changes(self, row.id, row.flight, lambda _: None)
 
     async def action_remove(self) -> None:

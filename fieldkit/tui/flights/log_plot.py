@@ -1,15 +1,17 @@
 """The log of a flight as plots: its channels against time, with a line at each event."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from fieldkit import units
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.event_names import event_title
+from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled, unit_of
-
-if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger
+from fieldkit.services.replay import recording_of
+from fieldkit.tui.widgets.plots import round_ticks, spaced
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +67,8 @@ POINTS = 400
 drawn, up to twice as many can be left. [1]"""
 
 
-def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
+def drawn(ledger: Ledger, id: str, system: str) -> Drawn | str:
     """The log of a flight as traces from lift-off, or the reason there is nothing to draw."""
-    import numpy as np
-
-    from fieldkit.services.replay import recording_of
-
     found = recording_of(ledger, id)
     if found is None or found.reading is None:
         return "this flight has no log with samples"
@@ -102,8 +100,6 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
 def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
     """Draw a channel against the time of the whole log, with a line at each event and its name below, and round times
     where there is room."""
-    from fieldkit.tui.widgets.plots import round_ticks, spaced
-
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
     first, last = span
     inside = {name: time for name, time in events.items() if first <= time <= last}

@@ -1,22 +1,21 @@
 """Taking a first step with an empty ledger: a rocket in four fields, or the demo rocket."""
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.motors import Catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.quantities import measure, unit_of
+from fieldkit.services.imports import bring_in
+from fieldkit.services.kits import kits
+from fieldkit.services.launch_day import first_forecast
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.home.first_steps import Step
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.motors import Catalogue
-
 
 QUESTIONS = (
     Question("rocket", "Rocket", "Its name, as shown in lists."),
@@ -47,20 +46,18 @@ async def take(page: PageScreen, step: Step) -> None:
             await page.field_app.action_page("add")
 
 
-def _ask_rocket(page: PageScreen, motors: "Catalogue") -> None:
+def _ask_rocket(page: PageScreen, motors: Catalogue) -> None:
     system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[name], system) for name in ("dry_mass", "diameter")}
     form = Form("Your rocket", QUESTIONS, {}, units, partial(read_first, motors), page.resources.names)
     page.app.push_screen(form, partial(_described, page))
 
 
-def read_first(motors: "Catalogue", name: str, text: str, unit: str) -> object:
+def read_first(motors: Catalogue, name: str, text: str, unit: str) -> object:
     """An answer about a first rocket. Raises BadValue for one that is missing, cannot be read, or names no motor.
 
     A mass may be missing if the flyer has kits, which the rocket may be named after.
     """
-    from fieldkit.services.kits import kits
-
     if not text.strip() and name in EXAMPLES and not (name == "dry_mass" and kits()):
         raise BadValue(f"expected {EXAMPLES[name]}")
     if name == "motor" and (trouble := motors.complaint(text)):
@@ -73,16 +70,14 @@ def _described(page: PageScreen, values: dict[str, object] | None) -> None:
         return
     resources = page.resources
 
-    def work() -> "Prediction":
-        from fieldkit.services.launch_day import first_forecast
-
+    def work() -> Prediction:
         return first_forecast(resources.ledger, resources.motors, resources.settings, Flight().with_changes(**values))
 
     page.show_notice("Working out the first forecast ...")
     page.change(work, partial(_forecast_made, page))
 
 
-def _forecast_made(page: PageScreen, made: "Prediction") -> None:
+def _forecast_made(page: PageScreen, made: Prediction) -> None:
     low, middle, high = (
         measure(cards.APOGEE, float(x), page.resources.settings.units) for x in made.apogee_quantiles()
     )
@@ -91,8 +86,6 @@ def _forecast_made(page: PageScreen, made: "Prediction") -> None:
 
 
 def _load_demo(page: PageScreen) -> int:
-    from fieldkit.services.imports import bring_in
-
     return len(bring_in(page.resources.ledger, [REFERENCE_FLIGHTS], lambda name: None).ids)
 
 

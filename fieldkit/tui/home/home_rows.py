@@ -1,20 +1,17 @@
 """The latest flights on the Home page: one row per flight, with its profile and its forecast if there is room."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.makers import motor_name
 from fieldkit.presentation.home_text import build_of, sparkline
 from fieldkit.quantities import number
+from fieldkit.services.listed_flights import ListedFlight
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
+from fieldkit.tui.resources import IMPORTING, Resources
 from fieldkit.tui.widgets.table import Head
-
-if TYPE_CHECKING:
-    from fieldkit.services.listed_flights import ListedFlight
-    from fieldkit.tui.resources import Resources
 
 PROFILE_CELLS, MOTOR_CELLS = 16, 10
 """Widths of the sparkline and of the motor of a flight. [cell]"""
@@ -24,8 +21,8 @@ APOGEE = BY_NAME["apogee"]
 
 
 def listed(
-    flights: "Sequence[ListedFlight]", settings: Settings, width: int
-) -> "tuple[list[Head], Callable[[ListedFlight, str], Sequence[str]]]":
+    flights: Sequence[ListedFlight], settings: Settings, width: int
+) -> tuple[list[Head], Callable[[ListedFlight, str], Sequence[str]]]:
     """The columns that fit in a width, without those that are empty for all flights, and the cells of a flight and its
     profile, all intervals on one scale."""
     scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
@@ -44,9 +41,9 @@ def _heads(profiles: int, bars: int, scale: HeightScale, system: str) -> list[He
     return [*heads, Head(heading(bars, scale, system), bars)] if bars else heads
 
 
-def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> "Callable[[ListedFlight, str], Sequence[str]]":
+def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[[ListedFlight, str], Sequence[str]]:
 
-    def cells(one: "ListedFlight", profile: str) -> Sequence[str]:
+    def cells(one: ListedFlight, profile: str) -> Sequence[str]:
         flight, forecast = one.flight, one.forecast
         when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
         apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
@@ -59,7 +56,7 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> "Callable
     return cells
 
 
-def _miss(one: "ListedFlight") -> bool:
+def _miss(one: ListedFlight) -> bool:
     return one.forecast is not None and one.forecast.miss is not None
 
 
@@ -68,13 +65,14 @@ def signed(height: float, system: str) -> str:
     return ("+" if height >= 0 else "-") + number(APOGEE, abs(height), system)
 
 
-def _bounds(one: "ListedFlight") -> Bounds | None:
+def _bounds(one: ListedFlight) -> Bounds | None:
     return None if one.forecast is None else one.forecast.interval
 
 
-def logs_of(resources: "Resources", flights: "Sequence[ListedFlight]") -> dict[str, str]:
+def logs_of(resources: Resources, flights: Sequence[ListedFlight]) -> dict[str, str]:
     """The profile of each flight by its id, empty if its log cannot be read or has no altitude. Raises Dropped."""
-    from fieldkit.tui.flights.log_plot import Drawn, drawn
+    with IMPORTING:
+        from fieldkit.tui.flights.log_plot import Drawn, drawn  # takes 0.16 s to import
 
     found: dict[str, str] = {}
     for one in flights:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from threading import Event as Flag
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -15,6 +15,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit import capture
+from fieldkit.capture import Ended, Port, Progress
 from fieldkit.capture.protocol import known_device
 from fieldkit.errors import CaptureTrouble
 from fieldkit.flight import BY_NAME
@@ -22,8 +23,11 @@ from fieldkit.paths import capture_folder
 from fieldkit.presentation.capture_text import counts, event_line
 from fieldkit.quantities import counted, measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
+from fieldkit.services.imports import Receipt, bring_in
+from fieldkit.services.pickers import OfferedAnswer
 from fieldkit.tui.help import Help
 from fieldkit.tui.imports.capture_ready import Ready, ready_in, ready_text
+from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
@@ -32,10 +36,6 @@ from fieldkit.tui.widgets.dialogs import AskText, AskYes
 from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
-
-if TYPE_CHECKING:
-    from fieldkit.capture import Ended, Port, Progress
-    from fieldkit.services.imports import Receipt
 
 MAX_DRAWN_ALTITUDES = 600
 """Number of latest altitudes of a telemetry stream that are drawn. [1]"""
@@ -138,8 +138,8 @@ class CaptureScreen(PageScreen):
     def _have_ready(self, ready: Ready) -> None:
         self.query_one("#steps", Static).update(ready_text(ready))
 
-    def _listed(self, ports: "list[Port]") -> None:
-        def cells(port: "Port") -> list[str]:
+    def _listed(self, ports: list[Port]) -> None:
+        def cells(port: Port) -> list[str]:
             numbers = "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"
             return [port.name, numbers, port.about or port.described, self._device or port.device]
 
@@ -154,7 +154,7 @@ class CaptureScreen(PageScreen):
         """Continue the newest unfinished capture."""
         self._begin(None)
 
-    def _begin(self, port: "Port | None") -> None:
+    def _begin(self, port: Port | None) -> None:
         """Start capturing from a port, or continue an unfinished capture."""
         if self._capturing:
             self.complain("a capture is running; k ends it")
@@ -172,7 +172,7 @@ class CaptureScreen(PageScreen):
             self.query_one(place, Static).update("")
         self.query_one(Plot).display = False
 
-    def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
+    def _follow(self, port: Port | None, device: str | None) -> Ended | None:
         """Capture from a port, or continue the newest unfinished capture; report each event to the screen, and return
         the last one. Raises CaptureTrouble or PortTrouble."""
         try:
@@ -204,7 +204,7 @@ class CaptureScreen(PageScreen):
         self.query_one("#events", Static).update(hanging(map(shortened, self._events)))
         self.query_one("#happened").scroll_end(animate=False)
 
-    def _progress(self, progress: "Progress") -> None:
+    def _progress(self, progress: Progress) -> None:
         """Show counts, the fraction done, and the altitude if a stream contains it."""
         parts = counts(progress)
         if progress.fraction is not None:
@@ -224,7 +224,7 @@ class CaptureScreen(PageScreen):
         self.query_one(Plot).display = True
         self.query_one(Plot).show(partial(_draw_heights, heights))
 
-    def _ended(self, end: "Ended | None") -> None:
+    def _ended(self, end: Ended | None) -> None:
         """Show how it ended, and ask whether to import its flights."""
         self._capturing = False
         if end is None or not end.bytes:
@@ -237,9 +237,8 @@ class CaptureScreen(PageScreen):
         ask = partial(self.app.push_screen, AskYes(question), partial(self._answered, end))
         self.show_in_front(ask, f"The capture has ended, {whole.split(';')[0]}. 7 to import its flights")
 
-    def _answered(self, end: "Ended", yes: bool | None) -> None:
+    def _answered(self, end: Ended, yes: bool | None) -> None:
         """Ask for values that the logger lacks, with defaults from the open forecast."""
-        from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
 
         def store(given: dict[str, object]) -> None:
             self.ask(partial(self._store, end, given), self._stored, "store")
@@ -247,13 +246,11 @@ class CaptureScreen(PageScreen):
         if yes:
             self.ask(partial(setup_of_day, self.resources), lambda known: ask_setup(self, known, store), "setup")
 
-    def _store(self, end: "Ended", given: dict[str, object]) -> "Receipt":
-        from fieldkit.services.imports import bring_in
-
+    def _store(self, end: Ended, given: dict[str, object]) -> Receipt:
         motors = self.resources.motors
         return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors, defaults=given)
 
-    def _stored(self, receipt: "Receipt") -> None:
+    def _stored(self, receipt: Receipt) -> None:
         self.show_notice(f"Imported {len(receipt.ids)}, {counted(receipt.duplicates, 'duplicate')}. u to undo")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
@@ -267,8 +264,6 @@ class CaptureScreen(PageScreen):
 
     def action_device(self) -> None:
         """Choose the device on the port."""
-        from fieldkit.services.pickers import OfferedAnswer
-
         picks = [OfferedAnswer(name, device.title) for name, device in capture.known_devices().items()]
         about = "The device on the port; ↓ chooses one. Empty: recognize it."
         self.app.push_screen(AskText("Device", self._device or "", about, picks, _check_device), self._named)

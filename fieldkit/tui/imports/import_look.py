@@ -6,28 +6,26 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from os.path import abspath, exists, isdir
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from textual.content import Content
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.flight.start import Start
 from fieldkit.importing.manual_entry import read_changes
+from fieldkit.importing.reading import ColumnChoice
+from fieldkit.importing.recognize import check_format
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
 from fieldkit.paths import expanded
 from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import printable
+from fieldkit.services.imports import Receipt, gather, take_in
 from fieldkit.tui.flights import logged
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.design_look import SUFFIX, design_at
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.hanging import Hanging
-
-if TYPE_CHECKING:
-    from fieldkit.flight.start import Start
-    from fieldkit.importing.reading import ColumnChoice
-    from fieldkit.services.imports import Receipt
-    from fieldkit.tui.resources import Resources
 
 Parts = list[str | tuple[str, str]]
 MAX_LISTED, MAX_NOTES = 200, 6
@@ -45,9 +43,9 @@ class Look:
 
     path: Path
     format: str
-    receipt: "Receipt | None"
+    receipt: Receipt | None
     trouble: str = ""
-    start: "Start | None" = None
+    start: Start | None = None
     words: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
     """The flights in it that can be imported, including duplicates."""
@@ -74,7 +72,7 @@ class ReadOptions:
         """Values that files lack, as fields of a flight. Raises BadValue."""
         return read_changes(Flight(), self.given)
 
-    def named(self) -> "list[ColumnChoice]":
+    def named(self) -> list[ColumnChoice]:
         """The column mapping as typed. Raises BadValue."""
         return [read_choice(self.columns)] if self.columns else []
 
@@ -93,7 +91,7 @@ def listed(folder: Path) -> list[Path]:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
 
-def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
+def look_at(resources: Resources, path: Path, reading: ReadOptions) -> Look:
     """The preview of a file; nothing is stored."""
     try:
         if path.suffix.lower() == SUFFIX:
@@ -108,7 +106,7 @@ def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
     return Look(path, ", ".join(formats), receipt, flights=flights, owner=_owner(resources, flights))
 
 
-def _owner(resources: "Resources", flights: tuple[Flight, ...]) -> str:
+def _owner(resources: Resources, flights: tuple[Flight, ...]) -> str:
     """The rocket with which a flight that names none was imported before; empty if it was not."""
     if len(flights) != 1 or flights[0].rocket:
         return ""
@@ -128,7 +126,7 @@ def _by_key(options: re.Match[str]) -> str:
     return "m, then " + "; ".join(part for part in options.groups() if part)
 
 
-def store(resources: "Resources", path: Path, reading: ReadOptions) -> "Receipt":
+def store(resources: Resources, path: Path, reading: ReadOptions) -> Receipt:
     """Store a file in the ledger, and save its column mapping."""
     receipt, _ = _bring_in(resources, path, reading, dry_run=False)
     for mapped in receipt.mapped:
@@ -144,11 +142,9 @@ def stored_in_words(receipt: "Receipt") -> str:
 
 
 def _bring_in(
-    resources: "Resources", path: Path, reading: ReadOptions, *, dry_run: bool
-) -> "tuple[Receipt, tuple[Flight, ...]]":
+    resources: Resources, path: Path, reading: ReadOptions, *, dry_run: bool
+) -> tuple[Receipt, tuple[Flight, ...]]:
     """The result of importing a file, and its flights."""
-    from fieldkit.services.imports import gather, take_in
-
     choices = [*reading.named(), *remembered()]
     paths, defaults = reading.together(path), reading.defaults()
     found = gather(paths, resources.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
@@ -244,8 +240,6 @@ def name_and_size(path: Path) -> tuple[str, str]:
 
 def check_format_name(name: str) -> None:
     """Raises UnknownFormat for a name that no parser has; an empty one means that the content decides."""
-    from fieldkit.importing.recognize import check_format
-
     if name.strip():
         check_format(name.strip())
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from os.path import isdir
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -15,9 +15,16 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
+from fieldkit.importing.recognize import parsers
 from fieldkit.paths import working_folder
 from fieldkit.safe_text import printable
+from fieldkit.services.imports import Receipt
+from fieldkit.services.pickers import OfferedAnswer
+from fieldkit.tui.flights.log_view import LogView, looks_at
+from fieldkit.tui.imports.ask_columns import ask_columns
+from fieldkit.tui.imports.day_setup import is_open, waiting_setup
 from fieldkit.tui.imports.file_panel import FilePanel
+from fieldkit.tui.imports.given_form import ask_given
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
     UP,
@@ -37,14 +44,12 @@ from fieldkit.tui.imports.import_look import (
     what_it_brings,
     what_it_holds,
 )
+from fieldkit.tui.imports.mapping_form import MappingList
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.hanging import stacked
 from fieldkit.tui.widgets.table import Head, Table
-
-if TYPE_CHECKING:
-    from fieldkit.services.imports import Receipt
 
 
 class ImportScreen(PageScreen):
@@ -169,8 +174,6 @@ class ImportScreen(PageScreen):
     async def _store(self, path: Path, look: Look) -> None:
         """Store a file; if it lacks a rocket or a motor, ask first, with those of an open forecast, or else the last
         answers, filled in."""
-        from fieldkit.tui.imports.day_setup import is_open, waiting_setup
-
         if self._reading.given or not is_open(look.flights):
             self._store_with(path, self._reading)
         else:
@@ -178,8 +181,6 @@ class ImportScreen(PageScreen):
             await self.settled("setup")
 
     def _ask_setup(self, path: Path, known: dict[str, str]) -> None:
-        from fieldkit.tui.imports.given_form import ask_given
-
         def answered(given: dict[str, str]) -> None:
             self._answered = given
             self._store_with(path, replace(self._reading, given=given))
@@ -199,7 +200,7 @@ class ImportScreen(PageScreen):
         self.query_one("#files", Table).refresh()
         self._examine()
 
-    def _stored(self, receipt: "Receipt") -> None:
+    def _stored(self, receipt: Receipt) -> None:
         self._reading = replace(self._reading, marked=())
         self.show_notice(stored_in_words(receipt))
         self.field_app.changed()
@@ -222,16 +223,11 @@ class ImportScreen(PageScreen):
         if look is None or look.receipt is None or not look.receipt.files:
             self.complain(look.trouble if look is not None and look.trouble else "No file under the cursor")
             return
-        from fieldkit.tui.flights.log_view import LogView, looks_at
-
         system = self.resources.settings.units
         self.app.push_screen(LogView([one for file in look.receipt.files for one in looks_at(file, system)], system))
 
     def action_format(self) -> None:
         """Name a parser."""
-        from fieldkit.importing.recognize import parsers
-        from fieldkit.services.pickers import OfferedAnswer
-
         picks = [OfferedAnswer(name, parser.title) for name, parser in parsers().items()]
         about = "The format; ↓ chooses one. Empty: by its content."
         self.app.push_screen(
@@ -255,8 +251,6 @@ class ImportScreen(PageScreen):
 
     def action_set(self) -> None:
         """Enter values that the file lacks."""
-        from fieldkit.tui.imports.given_form import ask_given
-
         ask_given(self, self._reading.given, self._set)
 
     def _set(self, given: dict[str, str]) -> None:
@@ -268,8 +262,6 @@ class ImportScreen(PageScreen):
         if path is None or path == UP or isdir(path):
             self.complain("No table under the cursor")
             return
-        from fieldkit.tui.imports.ask_columns import ask_columns
-
         ask_columns(self, path, self._columns_named)
         await self.settled("columns")
 
@@ -278,8 +270,6 @@ class ImportScreen(PageScreen):
 
     def action_mappings(self) -> None:
         """List the saved column mappings."""
-        from fieldkit.tui.imports.mapping_form import MappingList
-
         self.app.push_screen(MappingList(self.complain), lambda _: self._examine())
 
     def action_folder(self) -> None:

@@ -1,17 +1,15 @@
 """The requests of the Loop page: the models of a rocket, and the search for missing effects."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
+from fieldkit.ledger import Version
+from fieldkit.physics.effect import Effect, effects
 from fieldkit.progress import ReportProgress
-
-if TYPE_CHECKING:
-    from fieldkit.ledger import Version
-    from fieldkit.physics.effect import Effect
-    from fieldkit.services.findings import Findings
-    from fieldkit.tui.resources import Resources
-
+from fieldkit.services import close_loop
+from fieldkit.services.findings import Findings
+from fieldkit.services.forecasts import which_rocket
+from fieldkit.tui.resources import Resources
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
 """The panels of the page, shown one at a time or all at once."""
@@ -25,9 +23,9 @@ class Standing:
 
     rocket: str
     rockets: tuple[str, ...]
-    versions: "tuple[Version, ...]"
+    versions: tuple[Version, ...]
     flights: tuple[Flight, ...]
-    tried: "tuple[Effect, ...]" = ()
+    tried: tuple[Effect, ...] = ()
     """The effects that a search tries."""
 
     @property
@@ -41,12 +39,9 @@ class Standing:
         return next((version.number for version in self.versions if version.active), PLAIN_MODEL)
 
 
-def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
+def standing_of(resources: Resources, rocket: str | None) -> Standing | None:
     """The state of a rocket, or of the one flown last if none is given or it no longer exists; None if nothing has
     flown."""
-    from fieldkit.physics.effect import effects
-    from fieldkit.services.forecasts import which_rocket
-
     ledger = resources.ledger
     rockets = tuple(ledger.names("rocket"))
     if not rockets:
@@ -56,11 +51,9 @@ def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)), tried)
 
 
-def look(resources: "Resources", rocket: str, on_progress: ReportProgress) -> "Findings":
+def look(resources: Resources, rocket: str, on_progress: ReportProgress) -> Findings:
     """Search for effects that a rocket's model lacks, with its flights and their logs; nothing changes.
 
     Raises NoFlights if there are too few flights.
     """
-    from fieldkit.services import close_loop
-
     return close_loop.look(resources.ledger, resources.motors, rocket, on_progress)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -12,7 +12,11 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.presentation.loop_text import report
 from fieldkit.safe_text import printable
+from fieldkit.services.close_loop import adopt
+from fieldkit.services.findings import Findings
+from fieldkit.services.forecasts import used_version
 from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.loop.loop_help import LOOP_HELP
@@ -22,9 +26,6 @@ from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
-
-if TYPE_CHECKING:
-    from fieldkit.services.findings import Findings
 
 
 class LoopScreen(PageScreen):
@@ -155,7 +156,7 @@ class LoopScreen(PageScreen):
         self.workers.cancel_group(self, "look")
         self.panels.forget(why)
 
-    def _looked(self, found: "Findings | str") -> None:
+    def _looked(self, found: Findings | str) -> None:
         """Show the findings, or the reason for their absence."""
         self._search = ""
         if isinstance(found, str):
@@ -226,9 +227,6 @@ class LoopScreen(PageScreen):
         if found is None:
             self.complain("Nothing to accept yet. S to search for missing effects; Verdict shows the progress")
             return
-        from fieldkit.services.close_loop import adopt
-        from fieldkit.services.forecasts import used_version
-
         plain = self._standing is None or self._standing.plain
         if plain and all(not places for _, places in found.diagnosis.averaged):
             self.show_notice("Nothing to accept: the plain model is in use")
@@ -283,6 +281,4 @@ class LoopScreen(PageScreen):
         found = self.panels.found
         if found is None or PANELS[self._panel] == "Versions":
             return self.query_one("#versions", Table).current_text()
-        from fieldkit.presentation.loop_text import report
-
         return "\n".join(report(found, self.resources.settings.units, details=True))

@@ -2,18 +2,16 @@
 
 from dataclasses import replace
 from math import isfinite
-from typing import TYPE_CHECKING
 
+from fieldkit.planning.ballast import Ballast
+from fieldkit.planning.delay import Delays
+from fieldkit.planning.quantiles import three
 from fieldkit.quantities import ShownUnits
-
-if TYPE_CHECKING:
-    from fieldkit.planning.ballast import Ballast
-    from fieldkit.planning.delay import Delays
-    from fieldkit.shapes import Array, Float
-    from fieldkit.tui.next.answer import Answer
+from fieldkit.shapes import Array, Float
+from fieldkit.tui.next.answer import Answer
 
 
-def of_delay(answer: "Answer", judged: "Delays") -> "Answer":
+def of_delay(answer: Answer, judged: Delays) -> Answer:
     """The best delay; the answer is unchanged if there is none or it is not known when it fires."""
     if not judged.delays or not isfinite(judged.delays[0].after_apogee[1]):
         return answer
@@ -28,7 +26,7 @@ def of_delay(answer: "Answer", judged: "Delays") -> "Answer":
     return replace(answer, large=f"{best.delay:g}", about=about)
 
 
-def of_ballast(answer: "Answer", best: "Ballast", system: str) -> "Answer":
+def of_ballast(answer: Answer, best: Ballast, system: str) -> Answer:
     """The dry mass to fly: the current one unless a change is clearly better."""
     shown = ShownUnits(system)
     large, unit = shown.mass(best.mass if best.clear else best.mass - best.add).split(" ", 1)
@@ -37,10 +35,8 @@ def of_ballast(answer: "Answer", best: "Ballast", system: str) -> "Answer":
     return replace(answer, large=large, about=(f"{unit} dry mass", change, f"mean miss {shown.length(result.error)}"))
 
 
-def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
+def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
     """The expected points of a flight."""
-    from fieldkit.planning.quantiles import three
-
     low, _, high = three(points)
     about = ("points expected per flight", f"90% {low:.0f}-{high:.0f}", "fewer are better")
     return replace(answer, large=f"{points.mean():.0f}", about=about)

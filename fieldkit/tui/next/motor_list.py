@@ -3,16 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TYPE_CHECKING
 
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Catalogue, Motor
+from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.quantities import spelled, unit_of
+from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.motors import Catalogue, Motor
-    from fieldkit.planning.motor_guide import MotorChoice
-    from fieldkit.tui.next.next_plan import Plan
 
 AT_ONCE = 40
 """Number of motors forecast together, so that the first results appear before the others."""
@@ -26,14 +23,14 @@ class MotorList:
     """The results of a search for a `plan`, and the forecasts `known` so far; `fitting` shows only motors that fit
     unless there is a search."""
 
-    plan: "Plan | None" = None
-    found: "Sequence[Motor]" = ()
-    known: "dict[Motor, MotorChoice]" = field(default_factory=dict)
+    plan: Plan | None = None
+    found: Sequence[Motor] = ()
+    known: dict[Motor, MotorChoice] = field(default_factory=dict)
     fitting: bool = True
-    exact: "set[Motor]" = field(default_factory=set)
+    exact: set[Motor] = field(default_factory=set)
     """Motors with a forecast at full precision, as it would be saved; the others have fewer draws."""
 
-    def find(self, motors: "Catalogue", text: str) -> "list[Motor]":
+    def find(self, motors: Catalogue, text: str) -> list[Motor]:
         """All matches of a text, those that fit first; without a text, only those that fit unless all are requested."""
         found, plan = motors.search(text), self.plan
         if plan is None:
@@ -42,37 +39,37 @@ class MotorList:
             return [motor for motor in found if plan.wanted.fits(motor)]
         return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
 
-    def waiting(self, current: "Motor | None") -> "list[Motor]":
+    def waiting(self, current: Motor | None) -> list[Motor]:
         """The next few motors without a forecast: the current one if there is one, then those preferred, then in the
         order found."""
         preferred = [motor for motor in (self.plan.preferred if self.plan else ()) if motor in self.found]
         wanted = dict.fromkeys([*([current] if current else []), *preferred, *self.found[:MAX_FORECAST_MOTORS]])
         return [motor for motor in wanted if motor not in self.known][:AT_ONCE]
 
-    def turn_to(self, plan: "Plan | None") -> None:
+    def turn_to(self, plan: Plan | None) -> None:
         """Set another plan, without forecasts unless they are the same; without a plan, no motors."""
         if plan is None or self.plan is None or not plan.same_forecasts(self.plan):
             self.known, self.exact = {}, set()
         self.plan = plan
         self.found = self.found if plan is not None else ()
 
-    def put(self, plan: "Plan", found: "Sequence[MotorChoice]") -> None:
+    def put(self, plan: Plan, found: Sequence[MotorChoice]) -> None:
         """Add forecasts of a plan, unless it has been replaced in the meantime."""
         if plan is self.plan:
             self.known |= {one.motor: one for one in found}
 
-    def put_exact(self, motor: "Motor", made: "Prediction") -> None:
+    def put_exact(self, motor: Motor, made: Prediction) -> None:
         """Replace the forecast of a motor by one with all draws."""
         if (one := self.known.get(motor)) is not None:
             self.known[motor] = replace(one, prediction=made)
             self.exact.add(motor)
 
-    def fits(self, motor: "Motor") -> bool:
+    def fits(self, motor: Motor) -> bool:
         """Whether a motor fits the mount and is safe and sensible by its forecast, if there is one yet."""
         one = self.known.get(motor)
         return (one is None or one.fits) and (self.plan is None or self.plan.wanted.fits(motor))
 
-    def ordered(self, target: float | None) -> "list[Motor]":
+    def ordered(self, target: float | None) -> list[Motor]:
         """Those that fit first, by distance from the target [m], and those without a forecast last, so that no key acts
         on one of them. Without a target those with an open forecast and those flown first, then those whose thrust
         needs no caution."""
@@ -81,7 +78,7 @@ class MotorList:
         else:
             places = {motor: place for place, motor in enumerate(self.plan.preferred if self.plan else ())}
 
-        def order(motor: "Motor") -> tuple[bool, bool, float, float]:
+        def order(motor: Motor) -> tuple[bool, bool, float, float]:
             one = self.known.get(motor)
             return one is None, not self.fits(motor), places.get(motor, inf), inf if one is None else one.weak
 

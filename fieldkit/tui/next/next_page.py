@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -14,21 +14,24 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Motor
+from fieldkit.planning.motor_guide import MotorChoice, guide, label
+from fieldkit.services.forecasts import predict_plans
 from fieldkit.tui.asking import WAIT
 from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.next.decisions import Decision
 from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.motor_rows import listed
 from fieldkit.tui.next.next_help import NEXT_HELP
 from fieldkit.tui.next.next_plan import MASS_UNKNOWN, Plan, PlanWithoutMass, next_build, read_plan
+from fieldkit.tui.next.next_words import saved_in_words
+from fieldkit.tui.next.plan_form import ask_plan, keep_plan
+from fieldkit.tui.next.plan_screen import PlanScreen
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
-
-if TYPE_CHECKING:
-    from fieldkit.forecast.prediction import Prediction
-    from fieldkit.motors import Motor
-    from fieldkit.planning.motor_guide import MotorChoice
 
 WIDE_SCREEN = 150
 """Minimum width with room for every figure and the card. [cell]"""
@@ -144,7 +147,7 @@ class NextScreen(PageScreen):
         text = self.query_one(Input).value
         self.ask(lambda: self._motors.find(self.resources.motors, text), self._found, "find")
 
-    def _found(self, motors: "list[Motor]") -> None:
+    def _found(self, motors: list[Motor]) -> None:
         self._motors.found = motors
         self._refill()
         self._forecast()
@@ -155,14 +158,12 @@ class NextScreen(PageScreen):
         if plan is None or not waiting:
             return
 
-        def work() -> "list[MotorChoice]":
-            from fieldkit.planning.motor_guide import guide
-
+        def work() -> list[MotorChoice]:
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
         self.ask(work, partial(self._have, plan), "forecast", alone=True)
 
-    def _have(self, plan: Plan, found: "Sequence[MotorChoice]") -> None:
+    def _have(self, plan: Plan, found: Sequence[MotorChoice]) -> None:
         self._motors.put(plan, found)
         self._refill()
         self._forecast()
@@ -195,17 +196,15 @@ class NextScreen(PageScreen):
             if one.motor not in self._motors.exact:
                 self._rest = self.set_timer(REST, partial(self._forecast_exactly, one))
 
-    def _forecast_exactly(self, one: "MotorChoice") -> None:
+    def _forecast_exactly(self, one: MotorChoice) -> None:
         """Compute the full forecast of the motor under the cursor, as it would be saved; the list uses fewer draws."""
 
-        def work() -> "list[Prediction]":
-            from fieldkit.services.forecasts import predict_plans
-
+        def work() -> list[Prediction]:
             return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], keep=False)
 
         self.ask(work, partial(self._have_exact, one), "exact", alone=True)
 
-    def _have_exact(self, one: "MotorChoice", made: "list[Prediction]") -> None:
+    def _have_exact(self, one: MotorChoice, made: list[Prediction]) -> None:
         """Show it unless the plan has changed."""
         if self._motors.known.get(one.motor) is one:
             self._motors.put_exact(one.motor, made[0])
@@ -240,10 +239,6 @@ class NextScreen(PageScreen):
 
     async def action_decide(self) -> None:
         """Open the decisions for the motor under the cursor."""
-        from fieldkit.planning.motor_guide import label
-        from fieldkit.tui.next.decisions import Decision
-        from fieldkit.tui.next.plan_screen import PlanScreen
-
         await self.settled("change", "plan")
         plan, motor = self._motors.plan, self.query_one(Table).current
         if plan is not None and motor is not None:
@@ -253,14 +248,10 @@ class NextScreen(PageScreen):
 
     async def action_plan(self) -> None:
         """Change the plan."""
-        from fieldkit.tui.next.plan_form import ask_plan
-
         await self.settled("change", "plan")
         await ask_plan(self, self._plan.flight if self._plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
-        from fieldkit.tui.next.plan_form import keep_plan
-
         keep_plan(self, plan)
 
     @on(Table.Chosen)
@@ -276,17 +267,13 @@ class NextScreen(PageScreen):
                 self.show_notice("Nothing saved: the plan has changed; Enter again saves the new forecast")
             return
 
-        def work() -> "list[Prediction]":
-            from fieldkit.services.forecasts import predict_plans
-
+        def work() -> list[Prediction]:
             return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], decided=True)
 
         self.change(work, partial(self._kept, motor))
 
-    def _kept(self, motor: "Motor", made: "list[Prediction]") -> None:
+    def _kept(self, motor: Motor, made: list[Prediction]) -> None:
         """Show a notice and the saved figures."""
-        from fieldkit.tui.next.next_words import saved_in_words
-
         self.show_notice(saved_in_words(made[0], self.resources.settings.units))
         self.changed_for_others()
         self._motors.put_exact(motor, made[0])

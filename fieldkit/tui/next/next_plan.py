@@ -3,26 +3,27 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
+from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, answer_text
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Motor
 from fieldkit.paths import data_file
-from fieldkit.planning.limits import limits
+from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.limits import Limit, limits
+from fieldkit.planning.motor_guide import Wanted, lifts, widest_motor
+from fieldkit.planning.safety import motor_temperature
 from fieldkit.quantities import counted, measure
 from fieldkit.safe_text import printable
+from fieldkit.services import launch_day
+from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.saved_forecasts import list_forecasts
+from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
-
-if TYPE_CHECKING:
-    from fieldkit.flight.site import Site
-    from fieldkit.ledger import Ledger
-    from fieldkit.motors import Motor
-    from fieldkit.planning.forecasts import Rocket
-    from fieldkit.planning.limits import Limit
-    from fieldkit.planning.motor_guide import Wanted
-    from fieldkit.tui.resources import Resources
 
 MAX_NAMED_FLIGHTS = 8
 """Maximum number of individually named flights of a forecast."""
@@ -54,13 +55,13 @@ class Plan:
 
     flight: Flight
     full: Flight
-    rocket: "Rocket"
-    site: "Site"
-    limits: "dict[str, Limit]"
+    rocket: Rocket
+    site: Site
+    limits: dict[str, Limit]
     builds: tuple[Flight, ...]
-    wanted: "Wanted"
+    wanted: Wanted
     rests_on: str
-    saved: "tuple[Motor, ...]" = ()
+    saved: tuple[Motor, ...] = ()
     """Motors with an open forecast of this rocket, the latest first."""
 
     def same_forecasts(self, other: "Plan") -> bool:
@@ -69,15 +70,13 @@ class Plan:
         return same and self.rocket.same_as(other.rocket)
 
     @property
-    def preferred(self) -> list["Motor"]:
+    def preferred(self) -> list[Motor]:
         """The motors with an open forecast and those that the rocket has flown on, the latest first, without
         duplicates."""
         return list(dict.fromkeys([*self.saved, *(found.motor for found in reversed(self.rocket.motors))]))
 
-    def misfit(self, motor: "Motor") -> str:
+    def misfit(self, motor: Motor) -> str:
         """Why the rocket cannot fly on a motor, empty if it can."""
-        from fieldkit.planning.motor_guide import lifts
-
         if self.wanted.fits(motor):
             return ""
         if not motor.available:
@@ -125,17 +124,12 @@ def next_build(plan: Plan | PlanWithoutMass) -> Flight | None:
     return plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None)
 
 
-def read_plan(resources: "Resources") -> Plan | PlanWithoutMass | None:
+def read_plan(resources: Resources) -> Plan | PlanWithoutMass | None:
     """The saved plan, or else one for the last flown rocket with a known mass or, without flights, for a designed one;
     without forecasts if its mass is unknown; None without plan, flights and designs.
 
     Raises LedgerError if the ledger cannot be read, BadValue if the saved plan cannot.
     """
-    from fieldkit.planning.motor_guide import Wanted, widest_motor
-    from fieldkit.services import launch_day
-    from fieldkit.services.planning import completed_plan, rocket_of
-    from fieldkit.services.sites import site_of
-
     ledger = resources.ledger
     flights = ledger.flights()
     plan = launch_day.planned(ledger, flights)
@@ -159,16 +153,14 @@ def read_plan(resources: "Resources") -> Plan | PlanWithoutMass | None:
     )
 
 
-def _saved(resources: "Resources", plan: Flight) -> "Iterator[Motor]":
-    from fieldkit.services.saved_forecasts import list_forecasts
-
+def _saved(resources: Resources, plan: Flight) -> Iterator[Motor]:
     for one in reversed(list_forecasts(resources.ledger, resources.motors, plan.rocket)):
         if one.waits and one.made.payload.get("config", "") == plan.config:
             with suppress(UnknownMotor):  # it was in another catalog
                 yield resources.motors.resolve(str(one.made.payload.get("motor", ""))).motor
 
 
-def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
+def rests_on(ledger: Ledger, rocket: str, flights: Sequence[Flight]) -> str:
     """The flights and the model of a forecast, in words."""
     clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
     if not clean:
@@ -181,8 +173,6 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
 
 def planned(values: Mapping[str, object]) -> Flight:
     """The plan from a filled-in form. Raises BadValue for an invalid motor temperature."""
-    from fieldkit.planning.safety import motor_temperature
-
     warm = str(values.get(MOTOR_TEMPERATURE) or "")
     rest = {name: value for name, value in values.items() if name != MOTOR_TEMPERATURE}
     plan = Flight(extra={MOTOR_TEMPERATURE: warm} if warm else {}).with_changes(**rest)

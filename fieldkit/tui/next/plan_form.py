@@ -3,19 +3,17 @@
 import asyncio
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import unit_of
 from fieldkit.services.launch_day import save_plan
+from fieldkit.services.planning import completed_plan
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.setup_lists import same
-
-if TYPE_CHECKING:
-    from fieldkit.tui.resources import Resources
 
 BODY = ("dry_mass", "diameter")
 """The figures of a plan that belong to its rocket."""
@@ -44,11 +42,8 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
     )
 
 
-def _with_body(resources: "Resources", plan: Flight) -> Flight:
+def _with_body(resources: Resources, plan: Flight) -> Flight:
     """A plan with the mass and diameter of its rocket, as last flown or designed, if it has none."""
-    resources.import_engine()
-    from fieldkit.services.planning import completed_plan
-
     try:
         full = completed_plan(resources.ledger, resources.motors, plan, resources.settings)
     except FieldkitError:

@@ -7,10 +7,25 @@ from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
+from fieldkit.tui.resources import IMPORTING
 
 if TYPE_CHECKING:
-    from fieldkit.flight.start import Start
-    from fieldkit.tui.widgets.groups import Group
+    from fieldkit.flight import Flight
+    from fieldkit.ledger import Ledger
+    from fieldkit.tui.setup.setup_card import Facts
+
+
+def rocket_facts(ledger: "Ledger", flight: "Flight", system: str) -> "Facts | None":
+    """What the strip shows of the rocket of a flight; None for a flight without a rocket.
+
+    A worker reads it, and imports what reads and draws it: 0.17 s of processor time after the ledger is open.
+    """
+    with IMPORTING:
+        from fieldkit.tui.setup.setup_card import of_build
+        from fieldkit.tui.widgets.groups import rocket_of
+
+    rocket = rocket_of(ledger, flight)
+    return of_build(rocket[0], system, rocket[1]) if rocket is not None else None
 
 
 class RocketStrip(Horizontal):
@@ -25,16 +40,14 @@ class RocketStrip(Horizontal):
     RocketStrip Plot { width: 1fr; height: 1fr; }
     """
 
-    def show(self, rocket: "tuple[Group, Start | None] | None", system: str) -> None:
+    def show(self, facts: "Facts | None") -> None:
         """Show the flights of a rocket, and its design if known; None to hide the strip."""
-        self.set_class(rocket is not None, "-shown")
-        if rocket is None:
+        self.set_class(facts is not None, "-shown")
+        if facts is None:
             return
-        from fieldkit.tui.setup.setup_card import of_build
-        from fieldkit.tui.widgets.hanging import stacked
+        from fieldkit.tui.widgets.hanging import stacked  # imported with the facts
         from fieldkit.tui.widgets.plots import Plot
 
-        facts = of_build(rocket[0], system, rocket[1])
         text = next(iter(self.query(Static)), None)
         if text is None:
             text = Static()

@@ -1,20 +1,20 @@
 """The lists of the Setup page as headings, rows and cells, and the answers of their forms."""
 
 from collections.abc import Callable, Hashable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.importing.manual_entry import Question, answer_text, read_answer
+from fieldkit.motors import Motor
+from fieldkit.motors.motor import delays_text
 from fieldkit.paths import motor_folder, settings_file
+from fieldkit.planning.kits import Kit
 from fieldkit.quantities import SYSTEMS, measure, unit_of, written
 from fieldkit.settings import Settings
+from fieldkit.tui.setup.kit_form import kit_text
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite, LedgerNames
 from fieldkit.tui.widgets.table import Cells, Head
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Motor
-    from fieldkit.planning.kits import Kit
 
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
@@ -31,16 +31,14 @@ class ListContents(NamedTuple):
     name: Callable[[Any], Hashable] = lambda key: key
 
 
-def motors_listed(found: "Sequence[Motor]", system: str, width: int) -> ListContents:
+def motors_listed(found: Sequence[Motor], system: str, width: int) -> ListContents:
     """The motors that a search found, their masses in the unit of a system."""
-    from fieldkit.motors.motor import delays_text
-
     wide = width >= WIDE_TABLE_WIDTH
     heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 7, True), Head("avg N", 6, True)]
     heads += [Head("burn s", 6, True), Head(SYSTEMS[system].get("g", "grams"), 7, True)] if wide else []
     heads += [Head("delays s", 22 if wide else 12), Head("", 14 if wide else 5)]
 
-    def cells(motor: "Motor") -> list[str]:
+    def cells(motor: Motor) -> list[str]:
         gone = "" if motor.available else "no longer made" if wide else "gone"
         figures = (
             [
@@ -85,11 +83,10 @@ def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
     return ListContents(heads, names.sites, cells, lambda place: place.site.name)
 
 
-def kits_listed(kits: "Sequence[Kit]", system: str) -> ListContents:
+def kits_listed(kits: Sequence[Kit], system: str) -> ListContents:
     """The flyer's kits."""
-    from fieldkit.tui.setup.kit_form import kit_text
 
-    def cells(kit: "Kit") -> list[str]:
+    def cells(kit: Kit) -> list[str]:
         return [kit.name, *(kit_text(kit, name, system) for name in ("dry_mass", "diameter", "mount"))]
 
     heads = [Head("kit", 0), Head("dry mass", 9, True), Head("diameter", 9, True), Head("mount", 9, True)]

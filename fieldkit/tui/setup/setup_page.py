@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -10,11 +10,18 @@ from textual.containers import Container, Horizontal
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from fieldkit.motors import Motor
+from fieldkit.planning.kits import Kit
+from fieldkit.services.kits import kits
+from fieldkit.services.sites import sites
 from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.help import Help
+from fieldkit.tui.next import motor_facts
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
-from fieldkit.tui.setup import setup_card
+from fieldkit.tui.setup import kit_form, setup_card, setup_forms
+from fieldkit.tui.setup.kit_form import ask_delete
 from fieldkit.tui.setup.setup_card import Facts, SetupCard
+from fieldkit.tui.setup.setup_forms import ask_rail
 from fieldkit.tui.setup.setup_help import SETUP_HELP
 from fieldkit.tui.setup.setup_lists import (
     MEANS,
@@ -31,10 +38,6 @@ from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Motor
-    from fieldkit.planning.kits import Kit
 
 KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 """Names of the lists."""
@@ -103,8 +106,6 @@ class SetupScreen(PageScreen):
     def reload(self) -> None:
         """Read the rockets and sites of the flights, the kits, and the motors."""
         self._show()
-        from fieldkit.services.kits import kits
-
         self.ask(self._read, self._have)
         self.ask(kits, self._have_kits, "kits")
         self._search_now()
@@ -114,8 +115,6 @@ class SetupScreen(PageScreen):
         self._show()
 
     def _read(self) -> LedgerNames:
-        from fieldkit.services.sites import sites
-
         flights = self.resources.ledger.flights()
         ids = self.resources.ledger.ids(flights)
         places = placed(grouped(ids, flights, "site"), sites(self.resources.ledger))
@@ -127,7 +126,7 @@ class SetupScreen(PageScreen):
         self._names = names
         self._show()
 
-    def _have_kits(self, kits: "Sequence[Kit]") -> None:
+    def _have_kits(self, kits: Sequence[Kit]) -> None:
         self._kits = kits
         self._show()
 
@@ -141,7 +140,7 @@ class SetupScreen(PageScreen):
         text = self.query_one(Input).value
         self.ask(lambda: self.resources.motors.search(text), self._have_motors, "motors")
 
-    def _have_motors(self, motors: "list[Motor]") -> None:
+    def _have_motors(self, motors: list[Motor]) -> None:
         self._found = motors
         for error in self.resources.complaints:
             self.complain(str(error))
@@ -228,8 +227,6 @@ class SetupScreen(PageScreen):
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
-        from fieldkit.tui.setup import kit_form, setup_forms
-
         match KINDS[self._kind]:
             case "Motors":
                 self._about_motor(message.key)
@@ -242,9 +239,7 @@ class SetupScreen(PageScreen):
             case _:
                 self._change_setting(message.key)
 
-    def _about_motor(self, motor: "Motor") -> None:
-        from fieldkit.tui.next import motor_facts
-
+    def _about_motor(self, motor: Motor) -> None:
         text = f"{motor.maker} {motor.designation}"
         facts = motor_facts.facts(motor, self.resources.settings.units)
         about = Help("The catalog data of this motor.", facts, (f"fieldkit motors {text} --json",))
@@ -259,8 +254,6 @@ class SetupScreen(PageScreen):
         elif name == "target":
             self.field_app.ask_target()
         elif name == "rail":
-            from fieldkit.tui.setup.setup_forms import ask_rail
-
             ask_rail(self)
         else:
             self.complain(f"{name} cannot be changed here; ? explains how")
@@ -273,8 +266,6 @@ class SetupScreen(PageScreen):
 
     def action_add_one(self) -> None:
         """Add a kit, a site, or the motors of a file."""
-        from fieldkit.tui.setup import kit_form, setup_forms
-
         if KINDS[self._kind] == "Kits":
             kit_form.ask_kit(self, None)
         elif KINDS[self._kind] == "Sites":
@@ -284,8 +275,6 @@ class SetupScreen(PageScreen):
 
     def action_delete_kit(self) -> None:
         """Delete the kit under the cursor."""
-        from fieldkit.tui.setup.kit_form import ask_delete
-
         kit = self.query_one(Table).current
         if kit is not None:
             ask_delete(self, kit)

@@ -1,7 +1,7 @@
 """Small screens over a page: help, a question with a typed answer, one to agree to, and the base of such screens."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from textual.app import ComposeResult
 from textual.binding import ActiveBinding, Binding, BindingType
@@ -12,14 +12,12 @@ from textual.widgets import Input, Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
+from fieldkit.services.pickers import OfferedAnswer, among
 from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.hanging import Hanging, marked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.picker import Picker
-
-if TYPE_CHECKING:
-    from fieldkit.services.pickers import OfferedAnswer
 
 OF_TEXTUAL = {
     "app.focus_next": "Next part of the page",
@@ -156,7 +154,7 @@ class AskText(HelpedModal[str | None]):
         title: str,
         text: str,
         about: str = "",
-        offered: "Sequence[OfferedAnswer]" = (),
+        offered: Sequence[OfferedAnswer] = (),
         check: Callable[[str], object] = str,
     ) -> None:
         super().__init__()
@@ -166,8 +164,6 @@ class AskText(HelpedModal[str | None]):
     def on_mount(self) -> None:
         """Offer answers from the start."""
         if self._offered:
-            from fieldkit.services.pickers import among
-
             self._picker.sources = {"": among(self._offered)}
             self.call_after_refresh(self._picker.follow, self.query_one(Input), "")
 

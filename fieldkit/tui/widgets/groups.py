@@ -2,15 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
-from fieldkit.flight.start import start_among
-
-if TYPE_CHECKING:
-    from fieldkit.flight.start import Start
-    from fieldkit.ledger import Ledger
+from fieldkit.flight.start import Start, start_among
+from fieldkit.ledger import Ledger
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 """Columns whose last known values a group has."""
@@ -31,7 +27,7 @@ class Group:
 class LaunchSite:
     """A launch site, from flights or saved, with its flights, their `ids` and the `last` of them."""
 
-    site: "Site"
+    site: Site
     ids: tuple[str, ...]
     last: Flight
     flights: tuple[Flight, ...] = ()
@@ -44,9 +40,9 @@ class LedgerNames:
 
     builds: tuple[Group, ...]
     sites: tuple[LaunchSite, ...]
-    designs: "tuple[Start, ...]" = ()
+    designs: tuple[Start, ...] = ()
 
-    def design(self, rocket: str, config: str) -> "Start | None":
+    def design(self, rocket: str, config: str) -> Start | None:
         """The design of a configuration; None if none was imported."""
         known = [one for one in self.designs if one.rocket == rocket]
         return start_among(known, Flight(rocket=rocket, config=config))
@@ -69,7 +65,7 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
     return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
 
 
-def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[LaunchSite, ...]:
+def placed(groups: Sequence[Group], known: Sequence[Site]) -> tuple[LaunchSite, ...]:
     """The sites of some flights with their saved properties, and saved sites without flights."""
 
     saved = {site.name: site for site in known}
@@ -83,7 +79,7 @@ def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[LaunchSite
     return tuple(found)
 
 
-def rocket_of(ledger: "Ledger", flight: Flight) -> "tuple[Group, Start | None] | None":
+def rocket_of(ledger: Ledger, flight: Flight) -> tuple[Group, Start | None] | None:
     """The flights of a flight's rocket in the same configuration, and its design; None for a flight without a
     rocket."""
     if not flight.rocket:

@@ -5,7 +5,6 @@ together, which moves the form up and its line under the list.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -14,9 +13,7 @@ from textual.widgets import Input, OptionList
 from textual.widgets.option_list import Option
 
 from fieldkit.safe_text import printable
-
-if TYPE_CHECKING:
-    from fieldkit.services.pickers import OfferedAnswer, Source
+from fieldkit.services.pickers import OfferedAnswer, Source
 
 MIN_WIDTH, MAX_WIDTH = 24, 56
 """Smallest and largest width of the list. [cell]"""
@@ -100,5 +97,5 @@ class Picker(OptionList, can_focus=False):
         self.take()
 
 
-def _shown(pick: "OfferedAnswer") -> Content:
+def _shown(pick: OfferedAnswer) -> Content:
     return Content.assemble((printable(pick.text), "b"), f"  {printable(pick.about)}" if pick.about else "")

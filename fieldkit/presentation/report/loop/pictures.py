@@ -212,7 +212,7 @@ def pictures(found: Findings) -> list[str]:
 
 def svg(name: str, found: Findings, system: str = "SI") -> bytes:
     """One picture as an SVG document, letters drawn as shapes."""
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # takes 0.3 s to import
 
     draw, size = PICTURES[name]
     with styled():
@@ -223,7 +223,7 @@ def svg(name: str, found: Findings, system: str = "SI") -> bytes:
 
 def png(found: Findings, system: str = "SI") -> bytes:
     """All pictures below each other, as one PNG, in the units of a system."""
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # takes 0.3 s to import
 
     with styled():
         chosen = [PICTURES[name] for name in pictures(found)]
