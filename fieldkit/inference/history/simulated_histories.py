@@ -1,10 +1,11 @@
 """Simulated histories with their truth: the prior predictive of the model, with additional random deviations.
 
 Everything in the model is drawn from a hyperprior. Each effect in `models/effects` is present with its prior inclusion
-probability, with a strength and a place from its priors. The deviations from the model are a drag that differs between
-burn and coast and near the speed of sound, a little weathercocking, failures that nobody noticed, standard deviations
-other than the hyperprior's, and patterns that no effect represents: permanent changes, single days, every nth flight,
-smooth functions of recorded conditions.
+probability, with a strength and a place from its priors; in forecasts, effects of recorded conditions such as the wind
+always act, so they always act on rockets drawn from the hyperprior for forecasts. The deviations from the model are a
+drag that differs between burn and coast and near the speed of sound, a little weathercocking, failures that nobody
+noticed, standard deviations other than the hyperprior's, and patterns that no effect represents: permanent changes,
+single days, every nth flight, smooth functions of recorded conditions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
+from fieldkit.inference.history.linear_fit import declared_terms
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
@@ -65,12 +68,14 @@ class SimulatedHistory:
 
 @dataclass(frozen=True, slots=True)
 class _Rocket:
-    """A drawn rocket with its model and the candidates for it."""
+    """A drawn rocket with its model, the effects of recorded conditions that act on all its flights, and the candidates
+    for it."""
 
     rocket: DrawnRocket
     model: Model
     selects: bool
     shared: SharedPrior | None
+    declared: tuple[Term, ...]
     candidates: dict[str, list[PlacedEffect]]
 
 
@@ -108,17 +113,29 @@ def _rocket(rng: np.random.Generator, choice: Stock, candidates_of: Candidates, 
     hyperprior = certified() if selects else learned()
     sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
     hyperprior = replace(hyperprior, sds=sds)
-    count = len(rocket.used_in_fit)
-    model = base_model(rocket.flights, rocket.found, hyperprior, count)
+    count, flights = len(rocket.used_in_fit), _measured(rocket)
+    model = base_model(flights, rocket.found, hyperprior, count)
     shared = None
     if not selects and rng.uniform() < 0.4:
         shared = _others(rng, model)
-        model = base_model(rocket.flights, rocket.found, hyperprior, count, shared=shared)
+        model = base_model(flights, rocket.found, hyperprior, count, shared=shared)
+    declared = () if selects else tuple(declared_terms(flights))
+    always = {term.name for term in declared}
     families: dict[str, list[PlacedEffect]] = {}
     for candidate in candidates_of(model, rocket.used_in_fit):
-        if candidate.effect:
+        if candidate.effect and candidate.effect not in always:
             families.setdefault(candidate.effect, []).append(candidate)
-    return _Rocket(rocket, model, selects, shared, families)
+    return _Rocket(rocket, model, selects, shared, declared, families)
+
+
+def _measured(rocket: DrawnRocket) -> tuple[Flight, ...]:
+    """A rocket's flights with a placeholder for each readout, because the biases in the model depend on their
+    sources."""
+    flown = [
+        flight.with_changes(**dict.fromkeys(names, 1.0), source=dict.fromkeys(names, rocket.source))
+        for flight, names in zip(rocket.flights, rocket.shows, strict=False)
+    ]
+    return (*flown, rocket.flights[-1])
 
 
 def _others(rng: np.random.Generator, model: Model) -> SharedPrior:
@@ -182,6 +199,7 @@ class _World:
             one_sign = known[name].prior.low >= 0
             drawn_sizes = rng.normal(0.0, BACKGROUND_SDS["of one sign" if one_sign else "of both signs"], len(some))
             each = np.abs(drawn_sizes) if one_sign else drawn_sizes
+            each *= [all(term.name != name for term in one.declared) for one in some]
             terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
         flights = tuple(flight for one in some for flight in one.rocket.flights)
@@ -209,6 +227,9 @@ class _World:
                 mean, sd = shared.mean[place], np.full(self.draws, float(np.sqrt(shared.covariance[place, place])))
             self._add(term, rows, terms)
             values.append(np.clip(mean + sd * rng.normal(size=self.draws), term.low, term.high))
+        for term in one.declared:
+            self._add(term, rows, terms)
+            values.append(drawn(rng, Prior(term.mean, term.sd, term.low, term.high), self.draws))
         for draw, lacks in enumerate(kinds):
             for candidate in lacks.placed:
                 for term in candidate.terms:
@@ -240,7 +261,7 @@ class _World:
             raw = np.where(IS_LOGARITHMIC, np.exp(flown), flown)
         errors = np.concatenate(
             [
-                reading_sd(raw[:, slice(int(a), int(b))], one.model.hyperprior)
+                reading_sd(raw[:, slice(int(a), int(b))], one.model.hyperprior) * np.nan_to_num(one.rocket.sds, nan=1.0)
                 for a, b, one in zip(self.ends[:-1], self.ends[1:], self.some, strict=True)
             ],
             axis=1,
@@ -261,8 +282,14 @@ class _World:
         if not np.isfinite(plan) or plan < np.log(3.0):
             return None
         values = np.where(IS_LOGARITHMIC, np.exp(np.clip(own, -20.0, 20.0)), own)
+        sds = rocket.sds * reading_sd(values, one.model.hyperprior) * np.where(IS_LOGARITHMIC, values, 1.0)
         flights = [
-            flight.with_changes(**_shown(rocket.shows[i], values[i])) for i, flight in enumerate(rocket.flights[:-1])
+            flight.with_changes(
+                **_numbers(rocket.shows[i], values[i]),
+                sd=_numbers(rocket.shows[i], sds[i]),
+                source=dict.fromkeys(rocket.shows[i], rocket.source) if rocket.source else {},
+            )
+            for i, flight in enumerate(rocket.flights[:-1])
         ]
         drag, thrust = (
             bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust")
@@ -280,7 +307,7 @@ class _World:
         )
 
 
-def _shown(names: Sequence[str], values: Float[Array, "readout"]) -> dict[str, Any]:
-    """The recorded readouts of a flight, without missing ones."""
+def _numbers(names: Sequence[str], values: Float[Array, "readout"]) -> dict[str, Any]:
+    """The numbers of some readouts by name, without missing ones."""
     found = {name: float(values[OBSERVED_READOUTS.index(name)]) for name in names}
     return {name: value for name, value in found.items() if np.isfinite(value)}
