@@ -5,8 +5,9 @@ that act on many flights are shared (drag of the rocket, thrust of a motor type,
 from flight to flight is scatter, drawn for each flight.
 """
 
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -77,6 +78,7 @@ class Model:
     shared: SharedPrior | None = None
     coarse: bool = False
     departure: tuple[float, ...] = ()
+    _groups: dict[str, list[str]] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
     def names(self) -> list[str]:
@@ -93,8 +95,10 @@ class Model:
         return recorded(self.flights, name)
 
     def groups(self, per: str) -> list[str]:
-        """The group each flight belongs to, as in `groups`."""
-        return groups(self.flights, self.found, per)
+        """The group each flight belongs to, as in `groups`; computed once, because every candidate asks for it."""
+        if per not in self._groups:
+            self._groups[per] = groups(self.flights, self.found, per)
+        return self._groups[per]
 
     def with_terms(self, *terms: Term) -> "Model":
         """A copy with more terms."""
@@ -176,7 +180,8 @@ def base_model(
     area = reference_area(flights, flown)
     past = len(flights) if flown is None else flown
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
-    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
+    grouped = cache(lambda per: groups(flights, found, per))
+    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past)]
     if not diameter_known(recorded(flights, "diameter"), flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
@@ -199,9 +204,14 @@ def _with_unknown_area(term: Term, hyperprior: Hyperprior) -> Term:
 
 
 def _quantity_terms(
-    quantity: str, flights: Sequence[Flight], found: Sequence[Found], hyperprior: Hyperprior, flown: int
+    quantity: str,
+    flights: Sequence[Flight],
+    grouped: Callable[[str], list[str]],
+    hyperprior: Hyperprior,
+    flown: int,
 ) -> Iterator[Term]:
-    """The random effects of one quantity, widest group first; the widest holds the mean."""
+    """The random effects of one quantity, widest group first; the widest holds the mean. `grouped` returns the group of
+    each flight, as `groups`."""
     every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
         logged = measured_in_samples(flights, quantity)
@@ -222,7 +232,7 @@ def _quantity_terms(
     for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):
             continue
-        group = groups(flights, found, "motor" if level == "rocket_motor" else level)
+        group = grouped("motor" if level == "rocket_motor" else level)
         kinds = _shared_days(group, flown) if level == "day" else list(dict.fromkeys(group))
         for kind in _named(kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
