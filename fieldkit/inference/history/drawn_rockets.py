@@ -149,7 +149,8 @@ def _with_lots(rng: np.random.Generator, flights: Sequence[Flight]) -> list[Flig
 def _recorded_sds(rng: np.random.Generator, count: int, odds: float) -> Float[Array, "flight readout"]:
     """Standard deviations of the readouts of flights relative to the hyperprior's, nan if they are not recorded: a
     level for each readout, and a little variation among flights."""
-    level = rng.uniform(*np.log(RECORDED_SDS), len(OBSERVED_READOUTS))
+    low, high = np.log(RECORDED_SDS)
+    level = rng.uniform(low, high, len(OBSERVED_READOUTS))
     sds = np.exp(level + 0.2 * rng.normal(size=(count, len(OBSERVED_READOUTS))))
     return sds if rng.uniform() < odds else np.full_like(sds, np.nan)
 

@@ -22,6 +22,7 @@ from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.random_effects import priors
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Motor
+from fieldkit.motors.motor import digest
 from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
@@ -135,14 +136,6 @@ def simulate_shard(plan: ShardPlan) -> bytes:
     return file.getvalue()
 
 
-def _digest_of_motors(motors: Sequence[Motor]) -> str:
-    """A digest of all figures and thrust curves of motors."""
-    found = hashlib.sha256()
-    for motor in motors:
-        found.update(repr(motor).encode() + motor.time.tobytes() + motor.thrust.tobytes())
-    return found.hexdigest()
-
-
 def _motors(held_out: bool) -> list[Motor]:
     known, others = split_motors()
     return others if held_out else known
@@ -189,7 +182,7 @@ def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
     """A digest of everything that shards depend on, so that shards of another seed, feature, prior, hyperprior, catalog
     or version are not reused."""
     drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
-    drawn += [_digest_of_motors(_motors(held_out))]
+    drawn += [digest(_motors(held_out))]
     made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
     settings = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)
     return hashlib.sha256(settings.encode()).hexdigest()[:16]

@@ -113,13 +113,13 @@ def _rocket(rng: np.random.Generator, choice: Stock, candidates_of: Candidates, 
     hyperprior = certified() if selects else learned()
     sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
     hyperprior = replace(hyperprior, sds=sds)
-    count, flights = len(rocket.used_in_fit), _measured(rocket)
-    model = base_model(flights, rocket.found, hyperprior, count)
+    count, measured = len(rocket.used_in_fit), _measured(rocket)
+    model = base_model(measured, rocket.found, hyperprior, count)
     shared = None
     if not selects and rng.uniform() < 0.4:
         shared = _others(rng, model)
-        model = base_model(flights, rocket.found, hyperprior, count, shared=shared)
-    declared = () if selects else tuple(declared_terms(flights))
+        model = base_model(measured, rocket.found, hyperprior, count, shared=shared)
+    declared = () if selects else tuple(declared_terms(measured))
     always = {term.name for term in declared}
     families: dict[str, list[PlacedEffect]] = {}
     for candidate in candidates_of(model, rocket.used_in_fit):

@@ -14,7 +14,9 @@ import numpy as np
 
 from fieldkit import __version__, parallel
 from fieldkit.model.observations import DECLARED_FIELDS, FIGURES, READOUT_NAMES
-from fieldkit.model.prior_predictive import Truth, simulate, split_motors
+from fieldkit.model.prior_predictive import PRIORS, Truth, simulate, split_motors
+from fieldkit.model.random_effects import priors
+from fieldkit.motors.motor import digest
 from fieldkit.shapes import Array, Float
 
 SIZE = 50_000
@@ -84,7 +86,9 @@ def unpacked(content: bytes) -> Truth:
 
 
 def _digest(items: dict[str, SimulationPart]) -> str:
-    """A digest of everything that parts depend on, so that parts of another seed, recipe or version are not reused."""
-    motors = [motor.name for motor in split_motors()[0]]
-    settings = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
+    """A digest of everything that parts depend on, so that parts of another seed, recipe, prior, catalog or version are
+    not reused."""
+    acting = sorted({effect for part in items.values() for effect in part.effects})
+    drawn = [digest(split_motors()[0]), dict(PRIORS), priors(acting)]
+    settings = json.dumps([__version__, SIZE, drawn, {name: repr(part) for name, part in items.items()}])
     return hashlib.sha256(settings.encode()).hexdigest()[:16]
