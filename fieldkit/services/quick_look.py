@@ -76,7 +76,7 @@ def predict_quickly(
         used = [flight.clean for flight in before]
         ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
         (answer,) = answer_at_once(ready, ready.flown)
-        checked = check(answer, fit_in_use(ready))
+        checked = check(answer, fit_in_use(ready, answer))
         logged = has_logs([flight for flight in before if flight.clean])
         fitted = predict_plans(ledger, motors, [plan], keep=False)[0] if logged or not checked.agrees else None
         made.append(QuickForecast(whole, found, answer, checked, fitted))
