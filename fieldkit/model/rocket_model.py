@@ -18,7 +18,7 @@ from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, 
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
-from fieldkit.physics.effect import Effect
+from fieldkit.physics.effect import Effect, effects
 from fieldkit.physics.setups import recorded, typical_diameters
 from fieldkit.shapes import Array, Float
 
@@ -187,6 +187,20 @@ def base_model(
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
     order = tuple(flight_index or range(len(flights)))
     return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
+
+
+def usual_terms(model: Model) -> list[Term]:
+    """The terms of effects that every rocket has, on all flights; the learned hyperprior has them in its random
+    effects."""
+    if model.hyperprior.kind != "certified":
+        return []
+    every = np.ones(len(model.flights))
+    usual = {name: (effect, effect.background) for name, effect in effects().items()}
+    return [
+        Term(f"usual {name}", effect, own.mean, own.sd, every, own.low, own.high)
+        for name, (effect, own) in usual.items()
+        if own is not None
+    ]
 
 
 def with_shared(model: Model, shared: SharedPrior | None) -> Model:

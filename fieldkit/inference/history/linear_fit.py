@@ -21,7 +21,7 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, Term, base_model, groups
+from fieldkit.model.rocket_model import Model, Term, base_model, groups, usual_terms
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -99,6 +99,7 @@ def history_model(
     motors = on_one_new_motor(found, flown, elsewhere)
     model = base_model(flights, motors, coarse_scales(hyperprior), flown, order, shared)
     model = replace(model, found=tuple(found))
+    model = model.with_terms(*usual_terms(model))
     return model.with_terms(*declared_terms(flights)) if declared else model
 
 

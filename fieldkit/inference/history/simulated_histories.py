@@ -1,11 +1,11 @@
 """Simulated histories with their truth: the prior predictive of the model, with additional random deviations.
 
 Everything in the model is drawn from a hyperprior. Each effect in `models/effects` is present with its prior inclusion
-probability, with a strength and a place from its priors; in forecasts, effects of recorded conditions such as the wind
-always act, so they always act on rockets drawn from the hyperprior for forecasts. The deviations from the model are a
-drag that differs between burn and coast and near the speed of sound, a little weathercocking, failures that nobody
-noticed, standard deviations other than the hyperprior's, and patterns that no effect represents: permanent changes,
-single days, every nth flight, smooth functions of recorded conditions.
+probability, with a strength and a place from its priors. Effects that the model always has always act: with the
+hyperprior for effects, those that every rocket has; with that for forecasts, those of recorded conditions such as the
+wind. The deviations from the model are a drag that differs between burn and coast and near the speed of sound, a little
+weathercocking, failures that nobody noticed, standard deviations other than the hyperprior's, and patterns that no
+effect represents: permanent changes, single days, every nth flight, smooth functions of recorded conditions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, shared_names
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, shared_names, usual_terms
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.physics.effect import Prior, effects
@@ -68,14 +68,13 @@ class SimulatedHistory:
 
 @dataclass(frozen=True, slots=True)
 class _Rocket:
-    """A drawn rocket with its model, the effects of recorded conditions that act on all its flights, and the candidates
-    for it."""
+    """A drawn rocket with its model, the effects that its model always has, and the candidates for it."""
 
     rocket: DrawnRocket
     model: Model
     selects: bool
     shared: SharedPrior | None
-    declared: tuple[Term, ...]
+    always: tuple[Term, ...]
     candidates: dict[str, list[PlacedEffect]]
 
 
@@ -119,13 +118,13 @@ def _rocket(rng: np.random.Generator, choice: Stock, candidates_of: Candidates, 
     if not selects and rng.uniform() < 0.4:
         shared = _others(rng, model)
         model = base_model(measured, rocket.found, hyperprior, count, shared=shared)
-    declared = () if selects else tuple(declared_terms(measured))
-    always = {term.name for term in declared}
+    always = usual_terms(model) if selects else declared_terms(measured)
+    acting = {term.name for term in always}
     families: dict[str, list[PlacedEffect]] = {}
     for candidate in candidates_of(model, rocket.used_in_fit):
-        if candidate.effect and candidate.effect not in always:
+        if candidate.effect and candidate.effect not in acting:
             families.setdefault(candidate.effect, []).append(candidate)
-    return _Rocket(rocket, model, selects, shared, declared, families)
+    return _Rocket(rocket, model, selects, shared, tuple(always), families)
 
 
 def _measured(rocket: DrawnRocket) -> tuple[Flight, ...]:
@@ -199,7 +198,7 @@ class _World:
             one_sign = known[name].prior.low >= 0
             drawn_sizes = rng.normal(0.0, BACKGROUND_SDS["of one sign" if one_sign else "of both signs"], len(some))
             each = np.abs(drawn_sizes) if one_sign else drawn_sizes
-            each *= [all(term.name != name for term in one.declared) for one in some]
+            each *= [all(term.bends is not known[name] for term in one.always) for one in some]
             terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
         flights = tuple(flight for one in some for flight in one.rocket.flights)
@@ -227,7 +226,7 @@ class _World:
                 mean, sd = shared.mean[place], np.full(self.draws, float(np.sqrt(shared.covariance[place, place])))
             self._add(term, rows, terms)
             values.append(np.clip(mean + sd * rng.normal(size=self.draws), term.low, term.high))
-        for term in one.declared:
+        for term in one.always:
             self._add(term, rows, terms)
             values.append(drawn(rng, Prior(term.mean, term.sd, term.low, term.high), self.draws))
         for draw, lacks in enumerate(kinds):

@@ -8,16 +8,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fieldkit.flight import Flight
 from fieldkit.inference.history import shards, unexplained_patterns
 from fieldkit.inference.history import simulated_histories as simulated
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, SENSORS, draw_rocket, stock
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.linear_fit import declared_terms, history_model
+from fieldkit.inference.history.records import History
 from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model, groups
+from fieldkit.motors import Found
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 
@@ -68,9 +72,9 @@ def test_effects_are_present_with_their_prior_probability() -> None:
         assert one.unexplained
 
 
-def test_simulated_rockets_have_every_parameter_of_the_forecast_model(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those drawn from the hyperprior for forecasts have the parameters with which their flights are then forecast, and
-    in addition only weak effects: with wind, lots of motors, and readouts measured in samples."""
+def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the loop or of forecasts, with wind, lots of motors, and readouts measured in samples; in addition only
+    weak effects."""
     worlds: list[Any] = []
 
     class Seen(simulated._World):
@@ -82,15 +86,22 @@ def test_simulated_rockets_have_every_parameter_of_the_forecast_model(monkeypatc
     nothing, compared = dict.fromkeys(PRIOR, 0.0), set()
     for seed in range(24):
         for one in simulated_histories(np.random.default_rng(seed), KNOWN, quick_candidates, nothing, 1, 1, flights=8):
-            if not one.selects:
-                history = one.history
-                model = history_model(history.flights, history.found, 8, learned(), history.shared, declared=True)
-                others = set(worlds[-1]) - set(model.names)
-                assert set(model.names) <= set(worlds[-1])
-                assert all(name.startswith("background ") for name in others)
-                compared |= set(model.names)
-    assert {"wind", "top_speed in logs"} <= compared
+            history = one.history
+            if one.selects:
+                model = rocket_model(history.flights, history.found, flown=8)
+                assert set(model.names) == set(history_model(*_known(history), certified(), declared=False).names)
+            else:
+                model = history_model(*_known(history), learned(), history.shared, declared=True)
+            others = set(worlds[-1]) - set(model.names)
+            assert set(model.names) <= set(worlds[-1])
+            assert all(name.startswith("background ") for name in others)
+            compared |= set(model.names)
+    assert {"wind", "usual base_drag", "top_speed in logs"} <= compared
     assert any(" lot " in name for name in compared)
+
+
+def _known(history: History) -> tuple[tuple[Flight, ...], tuple[Found, ...], int]:
+    return history.flights, history.found, len(history.used_in_fit)
 
 
 def test_a_bad_day_is_shared_by_its_flights() -> None:
