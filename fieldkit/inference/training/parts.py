@@ -43,7 +43,7 @@ def simulate_parts(
     out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, on_part: ReportPart | None = None
 ) -> Truth:
     """The requested number of flights, less those that hardly leave the pad; parts from an earlier run in `out` are
-    reused."""
+    reused. Raises BadValue for an unknown effect."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
     items = {f"{n:05d}.npy": SimulationPart(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
     found: dict[str, Truth] = {}
