@@ -8,7 +8,7 @@ from flight to flight is scatter, drawn for each flight.
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from fieldkit.shapes import Array, Float
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
+T = TypeVar("T")
 GROUP_LEVELS = ("motor", "config", "site", "day")
 """Properties that group flights."""
 
@@ -78,7 +79,7 @@ class Model:
     shared: SharedPrior | None = None
     coarse: bool = False
     departure: tuple[float, ...] = ()
-    _groups: dict[str, list[str]] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _known: dict[str, Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
     def names(self) -> list[str]:
@@ -95,10 +96,16 @@ class Model:
         return recorded(self.flights, name)
 
     def groups(self, per: str) -> list[str]:
-        """The group each flight belongs to, as in `groups`; computed once, because every candidate asks for it."""
-        if per not in self._groups:
-            self._groups[per] = groups(self.flights, self.found, per)
-        return self._groups[per]
+        """The group each flight belongs to, as in `groups`."""
+        return self.once(per, lambda: groups(self.flights, self.found, per))
+
+    def once(self, name: str, compute: Callable[[], T]) -> T:
+        """The result of a computation that depends only on this model, saved under a name, because candidates and steps
+        of a fit ask for it again and again."""
+        if name not in self._known:
+            self._known[name] = compute()
+        found: T = self._known[name]
+        return found
 
     def with_terms(self, *terms: Term) -> "Model":
         """A copy with more terms."""
@@ -315,6 +322,10 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
 
     Derivation: variances of independent deviations add, per flight and, if a day has no term of its own, per day.
     """
+    return model.once("apogee scatter", lambda: _apogee_scatter(model))
+
+
+def _apogee_scatter(model: Model) -> Float[Array, "flight"]:
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
     scaled = np.array(model.departure) if model.departure else np.ones(len(model.flights))
     if not day:
