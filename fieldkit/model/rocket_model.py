@@ -5,7 +5,7 @@ that act on many flights are shared (drag of the rocket, thrust of a motor type,
 from flight to flight is scatter, drawn for each flight.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, Literal, TypeVar
@@ -13,12 +13,12 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
-from fieldkit.physics.effect import Effect, effects
+from fieldkit.physics.effect import Effect
 from fieldkit.physics.setups import recorded, typical_diameters
 from fieldkit.shapes import Array, Float
 
@@ -156,11 +156,6 @@ def diameter_known(diameter: Float[Array, "flight"], flown: int | None = None) -
     return bool(known.all() if flown == 0 else known[:flown].any())
 
 
-def has_logs(flights: Sequence[Flight]) -> bool:
-    """Whether any flight has a readout that only the samples of a log provide."""
-    return any(np.isfinite(recorded(flights, name)).any() for name in FROM_LOGS)
-
-
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
     """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
     if per in ("motor", "lot"):
@@ -194,20 +189,6 @@ def base_model(
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
     order = tuple(flight_index or range(len(flights)))
     return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
-
-
-def usual_terms(model: Model) -> list[Term]:
-    """The terms of effects that every rocket has, on all flights; the learned hyperprior has them in its random
-    effects."""
-    if model.hyperprior.kind != "certified":
-        return []
-    every = np.ones(len(model.flights))
-    usual = {name: (effect, effect.background) for name, effect in effects().items()}
-    return [
-        Term(f"usual {name}", effect, own.mean, own.sd, every, own.low, own.high)
-        for name, (effect, own) in usual.items()
-        if own is not None
-    ]
 
 
 def with_shared(model: Model, shared: SharedPrior | None) -> Model:
@@ -260,25 +241,6 @@ def _quantity_terms(
             varies = level in ("rocket_motor", "day")
             name = config_term(quantity, kind) if level == "config" else f"{quantity} {'on' if varies else 'of'} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="scatter" if varies else "")
-
-
-def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]"""
-    return measured_by((*SENSORS, "simulated"), flights, readout)
-
-
-def measured_by(sources: Collection[str], flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout comes from one of some sources, otherwise 0. [1]
-
-    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
-    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
-    """
-    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
-    own = np.array([float(flight.source.get(readout, "") in sources) for flight in flights])
-    if not shown:
-        return np.zeros(len(flights))
-    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
-    return np.asarray(own[np.array(shown)[last]])
 
 
 def _shared_days(days: Sequence[str], flown: int) -> list[str]:

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from fieldkit.flight import Flight
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
-from fieldkit.model.rocket_model import Model, base_model, usual_terms
+from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.usual_effects import usual_terms
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import Place, effect_terms

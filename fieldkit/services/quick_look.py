@@ -11,7 +11,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.ledger import Ledger
-from fieldkit.model.rocket_model import has_logs
+from fieldkit.model.sources import has_logs
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.quantities import counted

@@ -21,9 +21,10 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, Term, base_model, groups, usual_terms
+from fieldkit.model.rocket_model import Model, Term, base_model, groups
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.usual_effects import usual_terms
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import differs_from_zero

@@ -14,29 +14,23 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.flight import Flight
-from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
-from fieldkit.inference.history.linear_fit import declared_terms
+from fieldkit.inference.history.drawn_rockets import Stock
+from fieldkit.inference.history.modeled_rockets import ModeledRocket, modeled_rocket
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, shared_names, usual_terms
-from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.physics.effect import Prior, effects
 from fieldkit.shapes import Array, Float
 
-SELECTION_WORLD = 0.55
-"""Fraction of rockets drawn from the hyperprior for effects; the others come from the hyperprior for forecasts. [1]"""
 UNEXPLAINED = "unexplained"
 """Name of the prior probability of a pattern that no effect represents."""
 MIN_FLIGHTS_OF_PATTERN = 4
 """Minimum number of flights for a pattern. [1]"""
-SD_SPREAD = 0.25
-"""Standard deviation of the logarithm of every standard deviation around the hyperprior's. [1]"""
 MISTAKES = 0.015
 """Fraction of flights that went wrong without a tag. [1]"""
 DRAWS_PER_ROCKET = 2
@@ -66,18 +60,6 @@ class SimulatedHistory:
     alpha: float
 
 
-@dataclass(frozen=True, slots=True)
-class _Rocket:
-    """A drawn rocket with its model, the effects that its model always has, and the candidates for it."""
-
-    rocket: DrawnRocket
-    model: Model
-    selects: bool
-    shared: SharedPrior | None
-    always: tuple[Term, ...]
-    candidates: dict[str, list[PlacedEffect]]
-
-
 def simulated_histories(
     rng: np.random.Generator,
     choice: Stock,
@@ -93,7 +75,7 @@ def simulated_histories(
     cannot show does not change them. `flights` is the number of flights of each, random by default. Raises
     ImpossibleFlight for a flight without a dry mass and DamagedModel if the hyperprior cannot be read.
     """
-    some = [_rocket(rng, choice, candidates_of, flights) for _ in range(rockets)]
+    some = [modeled_rocket(rng, choice, candidates_of, flights) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]
     world = _World(rng, some, kinds, draws)
     readings = world.fly()
@@ -106,48 +88,6 @@ def simulated_histories(
     return found
 
 
-def _rocket(rng: np.random.Generator, choice: Stock, candidates_of: Candidates, flights: int | None) -> _Rocket:
-    rocket = draw_rocket(rng, choice, flights)
-    selects = bool(rng.uniform() < SELECTION_WORLD)
-    hyperprior = certified() if selects else learned()
-    sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
-    hyperprior = replace(hyperprior, sds=sds)
-    count, measured = len(rocket.used_in_fit), _measured(rocket)
-    model = base_model(measured, rocket.found, hyperprior, count)
-    shared = None
-    if not selects and rng.uniform() < 0.4:
-        shared = _others(rng, model)
-        model = base_model(measured, rocket.found, hyperprior, count, shared=shared)
-    always = usual_terms(model) if selects else declared_terms(measured)
-    acting = {term.name for term in always}
-    families: dict[str, list[PlacedEffect]] = {}
-    for candidate in candidates_of(model, rocket.used_in_fit):
-        if candidate.effect and candidate.effect not in acting:
-            families.setdefault(candidate.effect, []).append(candidate)
-    return _Rocket(rocket, model, selects, shared, tuple(always), families)
-
-
-def _measured(rocket: DrawnRocket) -> tuple[Flight, ...]:
-    """A rocket's flights with a placeholder for each readout, because the biases in the model depend on their
-    sources."""
-    flown = [
-        flight.with_changes(**dict.fromkeys(names, 1.0), source=dict.fromkeys(names, rocket.source))
-        for flight, names in zip(rocket.flights, rocket.shows, strict=False)
-    ]
-    return (*flown, rocket.flights[-1])
-
-
-def _others(rng: np.random.Generator, model: Model) -> SharedPrior:
-    """Information from other rockets of the flyer: other means than the hyperprior's, and smaller standard
-    deviations."""
-    names = shared_names(model)
-    terms = [next(term for term in model.terms if term.name == name) for name in names]
-    left = rng.uniform(0.25, 1.0, len(names))
-    sds = np.array([term.sd for term in terms])
-    mean = np.array([term.mean for term in terms]) + sds * np.sqrt(1 - left**2) * rng.normal(size=len(names))
-    return SharedPrior(tuple(names), mean, np.diag((sds * left) ** 2))
-
-
 @dataclass(frozen=True, slots=True)
 class _Lacks:
     """What the plain model of one history lacks: effects with their places, and shifts that no effect represents."""
@@ -156,7 +96,7 @@ class _Lacks:
     pattern: dict[str, Float[Array, "flight"]]
 
 
-def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float]) -> _Lacks:
+def _lacks(rng: np.random.Generator, one: ModeledRocket, inclusion: Mapping[str, float]) -> _Lacks:
     placed = []
     for name in sorted(one.candidates):
         if rng.uniform() >= inclusion[name]:
@@ -177,7 +117,7 @@ class _World:
     """The rockets of a batch as one model, whose draws are the histories."""
 
     def __init__(
-        self, rng: np.random.Generator, some: Sequence[_Rocket], kinds: Sequence[Sequence[_Lacks]], draws: int
+        self, rng: np.random.Generator, some: Sequence[ModeledRocket], kinds: Sequence[Sequence[_Lacks]], draws: int
     ) -> None:
         self.rng, self.some, self.kinds, self.draws = rng, some, kinds, draws
         lengths = [len(one.rocket.flights) for one in some]
@@ -207,7 +147,9 @@ class _World:
         self.model = Model(flights, found, area, tuple(terms), tuple(range(count)), some[0].model.hyperprior)
         self.values = np.stack(values, axis=-1)
 
-    def _one(self, one: _Rocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]) -> None:
+    def _one(
+        self, one: ModeledRocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]
+    ) -> None:
         """Add a rocket's terms and scatter."""
         rng, prior, width = self.rng, one.model.hyperprior, rows.stop - rows.start
         scales = {
