@@ -37,9 +37,9 @@ DRAWS_PER_ROCKET = 2
 """Histories per rocket."""
 ROCKETS_PER_BATCH = 25
 """Rockets per batch."""
-BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
-"""Standard deviation of the strengths, in their units, of effects that are always weakly present: of those that cannot
-be negative, whose strengths are the absolute values of the draws, and of the others."""
+BACKGROUND = 0.1
+"""Standard deviation of the strengths of effects that are always weakly present, relative to the size of a strength by
+its prior, the root mean square. Those that cannot be negative have the absolute values of the draws. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,9 +135,10 @@ class _World:
             self._one(one, kinds[number], rows, terms, values)
         known = effects()
         for name in _background():
-            one_sign = known[name].prior.low >= 0
-            drawn_sizes = rng.normal(0.0, BACKGROUND_SDS["of one sign" if one_sign else "of both signs"], len(some))
-            each = np.abs(drawn_sizes) if one_sign else drawn_sizes
+            prior = known[name].prior
+            usual = float(known[name].strength(np.hypot(prior.mean, prior.sd)))
+            drawn_sizes = rng.normal(0.0, BACKGROUND * usual, len(some))
+            each = np.abs(drawn_sizes) if prior.low >= 0 else drawn_sizes
             each *= [all(term.bends is not known[name] for term in one.always) for one in some]
             terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
