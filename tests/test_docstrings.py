@@ -38,7 +38,7 @@ NO_FORMULA = {
     "inference/network/field_ensemble.py": "looks up priors",
     "inference/network/posterior.py": "looks up what was recorded",
     "model/features.py": "arranges what was recorded",
-    "model/rocket_model.py": "looks up how a readout was recorded; `reference_area` names its derivation",
+    "model/sources.py": "looks up how a readout was recorded",
     "motors/comparison.py": "looks up the catalog",
     "motors/draft.py": "parses text",
     "physics/setups.py": "looks up what was recorded; `turn_lengths` names its source",

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +103,17 @@ def test_parts_with_another_seed_are_not_used(tmp_path: Path, monkeypatch: pytes
     np.testing.assert_array_equal(one.readouts, again.readouts)
     parts.drop_parts(tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_parts_of_another_catalog_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also if only the thrust of a motor has changed."""
+    few = split_motors()[0][::50]
+    stronger = [replace(few[0], thrust=few[0].thrust * 1.01), *few[1:]]
+    with ThreadPoolExecutor(1) as pool:
+        for motors in (few, stronger):
+            monkeypatch.setattr(parts, "split_motors", lambda motors=motors: (motors, []))
+            parts.simulate_parts(tmp_path, 1, 20, (), pool)
+    assert len(list(tmp_path.glob("*/*/*.npy"))) == 2
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,8 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
         "and density estimation for scalable, likelihood-free inference in cosmology, 2018). The network, trained on",
         "simulated histories only, corrects these results. The number of features does not depend on the number of",
         "flights, and one function of an effect's features and the history's features gives the probability of each",
-        "effect. This page is written by `python tools/history_report.py`.",
+        "effect. Differences of simulations at three drag coefficients give the derivatives, at the middle one those",
+        "of effects. This page is written by `python tools/history_report.py`.",
     )
     yield from ("```sh", card["command"], "```", "")
     yield from prose(
@@ -46,6 +47,13 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
         f"with training, in {card['training']['epochs']} epochs, the command took {card['seconds']:.0f} s on one",
         "thread of a busy machine. An interrupted run resumes. The five members are one graph.",
         hyperprior_of(card),
+    )
+    yield from prose(
+        "Histories are drawn from the model of forecasts or, with the hyperprior for effects, from that of the loop:",
+        "one to eight motor types, one to three configurations and sites, readouts typed or from samples, with or",
+        "without standard deviations, lots, dates, conditions and diameters. Effects are drawn from their priors; drag",
+        "that differs between burn and coast and near the speed of sound, a little weathercocking, unnoticed failures,",
+        "other standard deviations and patterns that no effect represents go beyond the model.",
     )
     yield from asked()
     yield from on_fresh(card)
@@ -85,8 +93,9 @@ def asked() -> Iterator[str]:
         f"sampling, Journal of Machine Learning Research 25, 2024), after {MORE_DRAWS} times as many draws if",
         "necessary. The weighted draws are the model's forecast of the plan's apogee. The network's draws of the",
         f"apogee are weighted by that forecast, and their effective fraction must be at least {LEAST_EFFECTIVE}, a",
-        "judgment. If either check fails, the fit answers instead. The printed forecast is the network's, without the",
-        "weights. It does not include effects accepted in the loop; those of the fit do.",
+        "judgment. If either check fails, the fit answers instead, and also if flights show drag and impulse from",
+        "logs, which the network does not use. The printed forecast is the network's, without the weights. It does not",
+        "include effects accepted in the loop; those of the fit do.",
     )
 
 

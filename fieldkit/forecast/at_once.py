@@ -59,10 +59,13 @@ def _history(
     return History(flights, found, tuple(used_in_fit), certified(), trained_prior(ensemble), shared)
 
 
-def fit_in_use(ready: PreparedHistory) -> LinearFit:
-    """The linear fit of a prepared history with the current hyperprior for forecasts, which may be newer than the
-    network. Raises DamagedModel if its card cannot be read, ImpossibleFlight for a flight without a dry mass.
+def fit_in_use(ready: PreparedHistory, answer: QuickAnswer) -> LinearFit:
+    """The linear fit of a prepared history with the current hyperprior for forecasts: that of the network's answer,
+    unless the hyperprior is newer than the network. Raises DamagedModel if its card cannot be read, ImpossibleFlight
+    for a flight without a dry mass.
     """
+    if ready.history.forecast.model_json() == learned().model_json():
+        return answer.summary.forecast
     again = prepared(replace(ready.history, forecast=learned()), ready.response, quick_candidates)
     return summarized(again, again.flown, ()).forecast
 

@@ -5,16 +5,17 @@ that act on many flights are shared (drag of the rocket, thrust of a motor type,
 from flight to flight is scatter, drawn for each flight.
 """
 
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.effect import Effect
@@ -24,6 +25,7 @@ from fieldkit.shapes import Array, Float
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
+T = TypeVar("T")
 GROUP_LEVELS = ("motor", "config", "site", "day")
 """Properties that group flights."""
 
@@ -77,6 +79,7 @@ class Model:
     shared: SharedPrior | None = None
     coarse: bool = False
     departure: tuple[float, ...] = ()
+    _known: dict[str, Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
     def names(self) -> list[str]:
@@ -94,7 +97,15 @@ class Model:
 
     def groups(self, per: str) -> list[str]:
         """The group each flight belongs to, as in `groups`."""
-        return groups(self.flights, self.found, per)
+        return self.once(per, lambda: groups(self.flights, self.found, per))
+
+    def once(self, name: str, compute: Callable[[], T]) -> T:
+        """The result of a computation that depends only on this model, saved under a name, because candidates and steps
+        of a fit ask for it again and again."""
+        if name not in self._known:
+            self._known[name] = compute()
+        found: T = self._known[name]
+        return found
 
     def with_terms(self, *terms: Term) -> "Model":
         """A copy with more terms."""
@@ -145,11 +156,6 @@ def diameter_known(diameter: Float[Array, "flight"], flown: int | None = None) -
     return bool(known.all() if flown == 0 else known[:flown].any())
 
 
-def has_logs(flights: Sequence[Flight]) -> bool:
-    """Whether any flight has a readout that only the samples of a log provide."""
-    return any(np.isfinite(recorded(flights, name)).any() for name in FROM_LOGS)
-
-
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
     """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
     if per in ("motor", "lot"):
@@ -176,7 +182,8 @@ def base_model(
     area = reference_area(flights, flown)
     past = len(flights) if flown is None else flown
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
-    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
+    grouped = cache(lambda per: groups(flights, found, per))
+    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past)]
     if not diameter_known(recorded(flights, "diameter"), flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
@@ -199,9 +206,14 @@ def _with_unknown_area(term: Term, hyperprior: Hyperprior) -> Term:
 
 
 def _quantity_terms(
-    quantity: str, flights: Sequence[Flight], found: Sequence[Found], hyperprior: Hyperprior, flown: int
+    quantity: str,
+    flights: Sequence[Flight],
+    grouped: Callable[[str], list[str]],
+    hyperprior: Hyperprior,
+    flown: int,
 ) -> Iterator[Term]:
-    """The random effects of one quantity, widest group first; the widest holds the mean."""
+    """The random effects of one quantity, widest group first; the widest holds the mean. `grouped` returns the group of
+    each flight, as `groups`."""
     every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
         logged = measured_in_samples(flights, quantity)
@@ -222,32 +234,13 @@ def _quantity_terms(
     for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):
             continue
-        group = groups(flights, found, "motor" if level == "rocket_motor" else level)
+        group = grouped("motor" if level == "rocket_motor" else level)
         kinds = _shared_days(group, flown) if level == "day" else list(dict.fromkeys(group))
         for kind in _named(kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
             varies = level in ("rocket_motor", "day")
             name = config_term(quantity, kind) if level == "config" else f"{quantity} {'on' if varies else 'of'} {kind}"
             yield Term(name, quantity, 0.0, sd, weight, scaled_by="scatter" if varies else "")
-
-
-def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]"""
-    return measured_by((*SENSORS, "simulated"), flights, readout)
-
-
-def measured_by(sources: Collection[str], flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
-    """1 for a flight whose readout comes from one of some sources, otherwise 0. [1]
-
-    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
-    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
-    """
-    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
-    own = np.array([float(flight.source.get(readout, "") in sources) for flight in flights])
-    if not shown:
-        return np.zeros(len(flights))
-    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
-    return np.asarray(own[np.array(shown)[last]])
 
 
 def _shared_days(days: Sequence[str], flown: int) -> list[str]:
@@ -291,6 +284,10 @@ def apogee_scatter(model: Model) -> Float[Array, "flight"]:
 
     Derivation: variances of independent deviations add, per flight and, if a day has no term of its own, per day.
     """
+    return model.once("apogee scatter", lambda: _apogee_scatter(model))
+
+
+def _apogee_scatter(model: Model) -> Float[Array, "flight"]:
     flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
     scaled = np.array(model.departure) if model.departure else np.ones(len(model.flights))
     if not day:

@@ -11,7 +11,8 @@ import numpy as np
 
 from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.model.rocket_model import Model, has_logs
+from fieldkit.model.rocket_model import Model
+from fieldkit.model.sources import has_logs
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.setups import field_setup

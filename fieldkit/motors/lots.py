@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 
 from fieldkit.flight import Flight
 from fieldkit.motors.catalogue import split_lot
@@ -14,6 +15,7 @@ OF_A_LOT = " lot "
 """What separates a motor type from its lot in the name of a group."""
 
 
+@lru_cache(maxsize=256)
 def names_a_lot(header: str) -> bool:
     """Whether a column of a flyer's table has the lots of the motors, by its header: `motor_lot`, `Batch no.`."""
     return set(re.findall(r"[a-z]+", header.casefold())) - FURTHER_WORDS in LOT_WORDS
@@ -30,6 +32,8 @@ def lots(motors: Sequence[str], recorded: Sequence[str]) -> list[str]:
 
     A flight without a lot has that of the flight before on the same motor type: a flyer records the lot of a new pack.
     """
+    if not any(recorded):
+        return [""] * len(recorded)
     last: dict[str, str] = {}
     result = []
     for motor, lot in zip(motors, recorded, strict=True):

@@ -3,6 +3,7 @@
 Derivation: integrals of a piecewise linear curve by the trapezoidal rule, which is exact for it.
 """
 
+import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -197,6 +198,14 @@ def without_motor(lift_off: float, motor: Motor) -> float:
         alone = f"the mass of {motor.loaded_mass * 1e3:.1f} g of {motor.maker} {motor.designation}"
         raise BadValue(f"found a mass of {lift_off * 1e3:.1f} g, expected more than {alone}")
     return lift_off - motor.loaded_mass
+
+
+def digest(motors: Sequence[Motor]) -> str:
+    """SHA-256 of all figures and thrust curves of motors, for simulations that are saved with them."""
+    found = hashlib.sha256()
+    for motor in motors:
+        found.update(repr(motor).encode() + motor.time.tobytes() + motor.thrust.tobytes())
+    return found.hexdigest()
 
 
 def describe(motor: Motor) -> dict[str, object]:

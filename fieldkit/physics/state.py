@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -83,9 +84,9 @@ class Setup:
     @property
     def draw_shape(self) -> tuple[int, ...]:
         """Shape that all entries broadcast to."""
-        arrays = [getattr(self, name) for name in PER_DRAW]
-        arrays += [self.air.density, self.air.temperature, *(strength for _, strength in self.forces)]
-        return np.broadcast_shapes(*{np.shape(a) for a in arrays})
+        arrays = [*_per_draw(self), self.air.density, self.air.temperature, *(strength for _, strength in self.forces)]
+        shapes = {np.shape(a) for a in arrays} - {()}
+        return shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
 
     def with_changes(self, **changes: Any) -> "Setup":
         """The same setup with some entries changed."""
@@ -134,6 +135,7 @@ PER_DRAW = tuple(
     if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", "closed_coast", *RECORDED)
 )
 """The entries with one value per draw that the simulator reads."""
+_per_draw = attrgetter(*PER_DRAW)
 
 
 @dataclass(frozen=True, slots=True)

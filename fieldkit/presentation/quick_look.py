@@ -134,11 +134,11 @@ def forecast_line(found: QuickForecast, system: str = "SI") -> str:
     answer = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
     apogee = answer["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
-    source = (
-        "by the network, checked by the fit"
-        if found.fitted is None
-        else "by the fit, because the network's answer failed its check"
-    )
+    source = "by the network, checked by the fit"
+    if found.fitted is not None and found.check.agrees:
+        source = "by the fit, because the network does not use drag and impulse from logs"
+    elif found.fitted is not None:
+        source = "by the fit, because the network's answer failed its check"
     return (
         f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90% interval "
         f"{shown.lengths(apogee['p05'], apogee['p95'])}, "

@@ -74,6 +74,6 @@ def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> S
     error = (forecasts.apogee - np.exp(truth))[seen]
     below = forecasts.below(truth)[seen]
     inside = (below > 0.05) & (below < 0.95)
-    return Score(
-        float(np.abs(error).mean()), float(np.sqrt((error**2).mean())), float(error.mean()), float(inside.mean())
-    )
+    greatest = max(float(np.abs(error).max()), 1e-9)  # the square of an absurd error would overflow
+    rmse = greatest * float(np.sqrt(((error / greatest) ** 2).mean()))
+    return Score(float(np.abs(error).mean()), rmse, float(error.mean()), float(inside.mean()))

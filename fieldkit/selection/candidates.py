@@ -111,17 +111,6 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     )
 
 
-def background_terms(model: Model) -> list[Term]:
-    """The terms of effects that are part of every rocket's model, on all its flights."""
-    every = np.ones(len(model.flights))
-    usual = {name: (effect, effect.background) for name, effect in effects().items()}
-    return [
-        Term(f"usual {name}", effect, own.mean, own.sd, every, own.low, own.high)
-        for name, (effect, own) in usual.items()
-        if own is not None
-    ]
-
-
 def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """Every effect that these flights could show, on all flights and in each group in which it may differ.
 

@@ -6,9 +6,10 @@ from fieldkit.flight import Flight
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
 from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.usual_effects import usual_terms
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
-from fieldkit.selection.candidates import Place, background_terms, effect_terms
+from fieldkit.selection.candidates import Place, effect_terms
 from fieldkit.selection.patterns import pattern_terms
 
 
@@ -28,8 +29,7 @@ def rocket_model(
     ImpossibleFlight for a flight without a dry mass.
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)
-    if hyperprior.kind == "certified":
-        model = model.with_terms(*background_terms(model))
+    model = model.with_terms(*usual_terms(model))
     known = [place for place in accepted if place.effect in effects()]
     patterns = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown

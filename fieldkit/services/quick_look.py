@@ -11,6 +11,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.ledger import Ledger
+from fieldkit.model.sources import has_logs
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.quantities import counted
@@ -26,7 +27,8 @@ MIN_FLIGHTS = 4
 class QuickForecast:
     """A plan, completed from the last flight, and the network's answer for it.
 
-    `check` compares the answer with the model; if the check fails, `fitted` is the fit's forecast.
+    `check` compares the answer with the model; if the check fails, or if flights show drag and impulse from a log,
+    which the network does not use, `fitted` is the fit's forecast.
     """
 
     plan: Flight
@@ -56,7 +58,7 @@ def predict_quickly(
     ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], on_progress: ReportProgress = no_op
 ) -> list[QuickForecast]:
     """The network's forecasts of planned flights, each as if it flew next, or the fit's if the check by importance
-    sampling fails; nothing is saved.
+    sampling fails or the flights show drag and impulse from logs; nothing is saved.
 
     Effects accepted in the loop and the Cds of designs are not used: the network determines effects itself. Raises
     NoFlights for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass, BadValue for a
@@ -74,7 +76,8 @@ def predict_quickly(
         used = [flight.clean for flight in before]
         ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
         (answer,) = answer_at_once(ready, ready.flown)
-        checked = check(answer, fit_in_use(ready))
-        fitted = None if checked.agrees else predict_plans(ledger, motors, [plan], keep=False)[0]
+        checked = check(answer, fit_in_use(ready, answer))
+        logged = has_logs([flight for flight in before if flight.clean])
+        fitted = predict_plans(ledger, motors, [plan], keep=False)[0] if logged or not checked.agrees else None
         made.append(QuickForecast(whole, found, answer, checked, fitted))
     return made

@@ -17,8 +17,9 @@ from fieldkit.ledger import Ledger
 from fieldkit.ledger.rows import same
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import base_model, has_logs
+from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.sources import has_logs
 from fieldkit.motors import Motor, catalogue
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.flight import fly as simulate

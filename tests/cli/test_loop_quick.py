@@ -102,3 +102,14 @@ def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fi
     assert ("by the network, checked by the fit" in line) is agrees
     (fit,) = run(*PREDICT, "--json").document["predictions"]
     assert (document["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=1e-3)) is not agrees
+
+
+def test_drag_from_a_log_is_left_to_the_fit(ledger: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The network does not use it, so its answer cannot agree with the fit's."""
+    monkeypatch.setattr(quick_look, "check", lambda answer, linear: Check(0.3, 0.5, 0.9, 400))
+    with Ledger.open(ledger) as book:
+        flight = book.flights()[0]
+        book.edit(flight.flight_id, coast_drag=0.003, sd={"coast_drag": 1e-4}, source={"coast_drag": "accel"})
+    (document,) = run(*PREDICT, "--quick", "--json").document["predictions"]
+    assert document["evaluation"] == "fit"
+    assert "the network does not use drag and impulse from logs" in run(*PREDICT, "--quick").out

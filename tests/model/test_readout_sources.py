@@ -8,8 +8,9 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
-from fieldkit.model.rocket_model import base_model, measured_in_samples
+from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.sources import measured_in_samples
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False

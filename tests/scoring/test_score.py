@@ -6,6 +6,7 @@ from scipy.special import ndtri
 
 from fieldkit.scoring.bootstrap import paired
 from fieldkit.scoring.proper_scores import calibration, crps, interval_score, pit
+from fieldkit.scoring.score import Forecasts, score
 
 pytestmark = pytest.mark.fast
 
@@ -73,3 +74,11 @@ def test_differences_are_paired_and_have_a_verdict_from_five_flights_on() -> Non
     assert paired(common, rng.permutation(common)).verdict == "unclear"
     assert paired(common[:4], common[:4] + 1).verdict == "unclear"
     assert paired(np.zeros(0), np.zeros(0)).flights == 0
+
+
+def test_an_absurd_forecast_has_a_finite_score() -> None:
+    """The square of an error of 1e195 m would overflow; the others are as usual."""
+    one = np.ones((1, 2))
+    assert np.isfinite(score(Forecasts(450 * one, one, one), np.full(2, 5.0), np.ones(2, bool)).rmse)
+    usual = score(Forecasts(np.log([[110.0, 80.0]]), one, one), np.log([100.0, 100.0]), np.ones(2, bool))
+    assert (usual.rmse, usual.mae) == (pytest.approx(np.sqrt(250)), pytest.approx(15))

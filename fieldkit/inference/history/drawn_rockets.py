@@ -10,6 +10,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.model.field_features import closed_form
 from fieldkit.model.observations import FIGURES, diameter_range, disc, figures
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
@@ -36,6 +37,14 @@ THRUST_TO_WEIGHT = (3.5, 25.0)
 its motor. [1]"""
 WORKABLE_THRUST_TO_WEIGHT = (2.8, 40.0)
 """Bounds of the same ratio of the other motors. [1]"""
+LOTS_RECORDED, NEW_LOT = 0.2, 0.15
+"""Probability that a flyer records the lots of motors, and that a motor is the first of a new lot. [1]"""
+SENSORS, SENSOR_ODDS = ("", "baro", "accel"), (0.75, 0.15, 0.1)
+"""Sources of the readouts of a rocket, empty for readouts that were typed, and their probabilities. [1]"""
+SD_RECORDED = {"": 0.1, "baro": 0.9, "accel": 0.9}
+"""Probability that the standard deviations of readouts are recorded, by source. [1]"""
+RECORDED_SDS = (0.2, 2.0)
+"""Bounds of recorded standard deviations, relative to the hyperprior's. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,12 +75,18 @@ def stock(motors: Sequence[Motor]) -> Stock:
 @dataclass(frozen=True, slots=True)
 class DrawnRocket:
     """Flights without readouts in the order flown, the last one planned, with their motors; and for the flown ones, the
-    names of the readouts each will have, and whether it is used in the fit."""
+    names of the readouts each will have, and whether it is used in the fit.
+
+    `source` is the source of all readouts, one of `SENSORS`. `sds` are their recorded standard deviations relative to
+    the hyperprior's, nan if they are not recorded. [1]
+    """
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
     shows: tuple[tuple[str, ...], ...]
     used_in_fit: tuple[bool, ...]
+    source: str
+    sds: Float[Array, "flight readout"]
 
 
 def draw_rocket(rng: np.random.Generator, choice: Stock, count: int | None = None) -> DrawnRocket:
@@ -110,7 +125,34 @@ def draw_rocket(rng: np.random.Generator, choice: Stock, count: int | None = Non
         )
         found.append(Found(kind, delay if np.isfinite(delay) else None))
     clean = rng.uniform(size=count) > (0.06 if rng.uniform() < 0.3 else 0.0)
-    return DrawnRocket(tuple(flights), tuple(found), _shows(rng, count), tuple(bool(x) for x in clean))
+    source = str(rng.choice(SENSORS, p=SENSOR_ODDS))
+    return DrawnRocket(
+        tuple(_with_lots(rng, flights) if rng.uniform() < LOTS_RECORDED else flights),
+        tuple(found),
+        _shows(rng, count),
+        tuple(bool(x) for x in clean),
+        source,
+        _recorded_sds(rng, count + 1, SD_RECORDED[source]),
+    )
+
+
+def _with_lots(rng: np.random.Generator, flights: Sequence[Flight]) -> list[Flight]:
+    """Flights with the lots of their motors, numbered for each type in the order flown."""
+    last: dict[str, int] = {}
+    found = []
+    for flight in flights:
+        last[flight.motor] = last.get(flight.motor, 1) + int(rng.uniform() < NEW_LOT)
+        found.append(replace(flight, extra={"motor_lot": str(last[flight.motor])}))
+    return found
+
+
+def _recorded_sds(rng: np.random.Generator, count: int, odds: float) -> Float[Array, "flight readout"]:
+    """Standard deviations of the readouts of flights relative to the hyperprior's, nan if they are not recorded: a
+    level for each readout, and a little variation among flights."""
+    low, high = np.log(RECORDED_SDS)
+    level = rng.uniform(low, high, len(OBSERVED_READOUTS))
+    sds = np.exp(level + 0.2 * rng.normal(size=(count, len(OBSERVED_READOUTS))))
+    return sds if rng.uniform() < odds else np.full_like(sds, np.nan)
 
 
 def _motors(rng: np.random.Generator, choice: Stock, count: int) -> tuple[list[Motor], float]:

@@ -1,7 +1,8 @@
 """The features of the history network: evidence, forecasts and residuals of linear fits, in the same order for any
 history and independent of the order in which a day's flights are listed.
 
-They come from two fits: one with the hyperprior for effects, one with the hyperprior for forecasts.
+They come from two fits: one with the hyperprior for effects, one with the hyperprior for forecasts. In the evidence for
+effects, outliers have smaller weights, as in the loop.
 """
 
 from collections.abc import Sequence
@@ -103,7 +104,7 @@ def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[
     history, response, candidates = ready.history, ready.response, ready.candidates
     data = history_data(flown, history.used_in_fit, history.selection)
     selection = linear_fit(ready.selection, data, response)
-    trials = weigh_placed(selection, ready.placed)
+    trials = weigh_placed(robust(selection), ready.placed)
     forecast_data = history_data(flown, history.used_in_fit, history.forecast)
     plain = linear_fit(ready.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)

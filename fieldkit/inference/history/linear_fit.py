@@ -24,6 +24,7 @@ from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, Term, base_model, groups
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.usual_effects import usual_terms
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import differs_from_zero
@@ -99,6 +100,7 @@ def history_model(
     motors = on_one_new_motor(found, flown, elsewhere)
     model = base_model(flights, motors, coarse_scales(hyperprior), flown, order, shared)
     model = replace(model, found=tuple(found))
+    model = model.with_terms(*usual_terms(model))
     return model.with_terms(*declared_terms(flights)) if declared else model
 
 

@@ -43,7 +43,7 @@ def moments(linear: LinearFit) -> Moments:
     fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
     fresh_means = np.array([term.mean for term in linear.fresh])
     row, fresh_row = near.slope[plans, 0], slopes(linear.fresh, linear.moved)[plans, 0]
-    known = np.einsum("pt,stu,pu->sp", row, fit.covariance, row, optimize=True) + fresh_sds**2 @ fresh_row.T**2
+    known = ((row @ fit.covariance) * row).sum(axis=-1) + fresh_sds**2 @ fresh_row.T**2
     means = near.values[plans, 0] + (fit.mean - near.at) @ row.T + fresh_row @ fresh_means
     mean = weights @ means
     between = weights @ (means - mean) ** 2

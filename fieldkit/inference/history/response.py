@@ -1,7 +1,8 @@
 """Simulated readouts of flights at a few drag coefficients, and their derivatives for each term and each effect.
 
 All flights and all perturbations are simulated in one batch. Results are interpolated between the drag coefficients, so
-that a fit can move its point of linearization without new simulations.
+that a fit can move its point of linearization without new simulations. The shifts of effects, and
+the derivatives that matter less, are simulated at the middle one only.
 
 Derivation: derivatives are difference quotients of simulations, and values between the drag coefficients are those of
 Lagrange's polynomial (1795).
@@ -28,10 +29,14 @@ REFERENCE_OPENING = 0.6
 """Opening time of the parachute at the reference. [s]"""
 DRAG_OFFSETS = (-0.45, 0.0, 0.45)
 """Logarithms of drag over the reference between which readouts are interpolated. [1]"""
+MIDDLE = DRAG_OFFSETS.index(0.0)
+"""Number of the drag at which shifts are simulated that are not simulated at each. [1]"""
 MAX_DRAG_OFFSET = 0.9
 """Maximum distance of the logarithm of drag from the reference. [1]"""
-STEPS = {"thrust": 0.05, "stretch": 0.05, "mass": 0.03, "opening": 0.3, "tilt": 1.0}
-"""Finite-difference step of each property of a flight, in the unit of its terms."""
+STEPS = {"thrust": 0.05, "mass": 0.03}
+"""Finite-difference step of the properties whose derivatives depend most on drag, in the unit of their terms."""
+STEPS_AT_MIDDLE = {"stretch": 0.05, "opening": 0.3, "tilt": 1.0}
+"""Finite-difference step of the other properties, whose derivatives are simulated at the middle drag only."""
 DELAY_STEP = 0.08
 """Step of the log delay to both sides, because readouts have a kink when ejection is at apogee. [1]"""
 GROWN = 8.0
@@ -77,32 +82,37 @@ def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array
     known = effects()
     count = len(flights)
     places = [(name, value) for name, effect in known.items() for value in secant(effect)]
-    rows = [("", 0.0), *STEPS.items(), ("delay", DELAY_STEP), ("delay", -DELAY_STEP)]
-    per_drag = len(rows) + len(places)
-    bends = {kind: np.zeros((per_drag, count)) for kind in (*STEPS, "delay")}
-    for row, (kind, step) in enumerate(rows):
+    each_drag = [("", 0.0), *STEPS.items()]
+    at_middle = [*STEPS_AT_MIDDLE.items(), ("delay", DELAY_STEP), ("delay", -DELAY_STEP)]
+    stepped = len(each_drag) * len(DRAG_OFFSETS)
+    placed = stepped + len(at_middle)
+    bends = {kind: np.zeros((placed + len(places), count)) for kind in (*STEPS, *STEPS_AT_MIDDLE, "delay", "drag")}
+    for row, (kind, step) in enumerate([*each_drag * len(DRAG_OFFSETS), *at_middle]):
         if kind:
             bends[kind][row] = step
     bends["opening"] += REFERENCE_OPENING
-    values = np.zeros((per_drag, len(places)))
-    values[len(rows) + np.arange(len(places)), np.arange(len(places))] = [value for _, value in places]
+    bends["drag"] += REFERENCE_LOG_DRAG
+    bends["drag"][:stepped] += np.repeat(DRAG_OFFSETS, len(each_drag))[:, None]
+    values = np.zeros((placed + len(places), len(places)))
+    values[placed:] = np.diag([value for _, value in places])
     terms = tuple(Term(f"{name} {value}", known[name], 0.0, 1.0, np.ones(count)) for name, value in places)
     model = Model(tuple(flights), tuple(found), area, terms, tuple(range(count)), coarse=True)
-    drag = np.repeat(REFERENCE_LOG_DRAG + np.array(DRAG_OFFSETS), per_drag)
-    every = {kind: np.tile(bent, (len(DRAG_OFFSETS), 1)) for kind, bent in bends.items()}
-    readings = shown(model, np.tile(values, (len(DRAG_OFFSETS), 1)), every | {"drag": drag[:, None] + np.zeros(count)})
+    readings = shown(model, values, bends)
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
-    flown = flown.reshape(len(DRAG_OFFSETS), per_drag, count, -1)
+    by_drag = flown[:stepped].reshape(len(DRAG_OFFSETS), len(each_drag), count, -1)
     with np.errstate(invalid="ignore"):
-        moved = np.nan_to_num(flown - flown[:, :1], posinf=0.0, neginf=0.0)
-    moves = {"": np.where(IN_LOG, np.nan, flown[:, 0])}
-    moves |= {kind: moved[:, row] / step for row, (kind, step) in enumerate(rows) if kind in STEPS}
-    there, back = (moved[:, row] for row, (kind, _) in enumerate(rows) if kind == "delay")
-    moves["delay"] = (there - back) / (2 * DELAY_STEP)
+        moved = np.nan_to_num(by_drag - by_drag[:, :1], posinf=0.0, neginf=0.0)
+        others = np.nan_to_num(flown[stepped:] - by_drag[MIDDLE, 0], posinf=0.0, neginf=0.0)
+    moves = {"": np.where(IN_LOG, np.nan, by_drag[:, 0])}
+    moves |= {kind: moved[:, row] / step for row, (kind, step) in enumerate(each_drag) if kind}
+    once = {kind: others[row] / step for row, (kind, step) in enumerate(at_middle) if kind in STEPS_AT_MIDDLE}
+    there, back = (others[row] for row, (kind, _) in enumerate(at_middle) if kind == "delay")
+    once["delay"] = (there - back) / (2 * DELAY_STEP)
     for name, effect in known.items():
-        own = [len(rows) + i for i, (other, _) in enumerate(places) if other == name]
+        own = [placed - stepped + row for row, (other, _) in enumerate(places) if other == name]
         size = 1.0 if effect.starts else secant(effect)[0]
-        moves |= {started(name, number): moved[:, row] / size for number, row in enumerate(own)}
+        once |= {started(name, number): others[row] / size for number, row in enumerate(own)}
+    moves |= {kind: np.broadcast_to(one, moves[""].shape) for kind, one in once.items()}
     return FlightResponse(tuple(moves), np.stack(list(moves.values())))
 
 

@@ -22,6 +22,7 @@ from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.random_effects import priors
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Motor
+from fieldkit.motors.motor import digest
 from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
@@ -178,9 +179,10 @@ def table(rows: Float[Array, "history column"]) -> HistoryTable:
 
 
 def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
-    """A digest of everything that shards depend on, so that shards of another seed, feature, prior, hyperprior or
-    version are not reused."""
+    """A digest of everything that shards depend on, so that shards of another seed, feature, prior, hyperprior, catalog
+    or version are not reused."""
     drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
+    drawn += [digest(_motors(held_out))]
     made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
     settings = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)
     return hashlib.sha256(settings.encode()).hexdigest()[:16]

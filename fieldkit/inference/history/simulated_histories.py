@@ -1,10 +1,11 @@
 """Simulated histories with their truth: the prior predictive of the model, with additional random deviations.
 
 Everything in the model is drawn from a hyperprior. Each effect in `models/effects` is present with its prior inclusion
-probability, with a strength and a place from its priors. The deviations from the model are a drag that differs between
-burn and coast and near the speed of sound, a little weathercocking, failures that nobody noticed, standard deviations
-other than the hyperprior's, and patterns that no effect represents: permanent changes, single days, every nth flight,
-smooth functions of recorded conditions.
+probability, with a strength and a place from its priors. Effects that the model always has always act: with the
+hyperprior for effects, those that every rocket has; with that for forecasts, those of recorded conditions such as the
+wind. The deviations from the model are a drag that differs between burn and coast and near the speed of sound, a little
+weathercocking, failures that nobody noticed, standard deviations other than the hyperprior's, and patterns that no
+effect represents: permanent changes, single days, every nth flight, smooth functions of recorded conditions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,36 +14,32 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
+from fieldkit.inference.history.drawn_rockets import Stock
+from fieldkit.inference.history.modeled_rockets import ModeledRocket, modeled_rocket
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, shared_names
-from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.physics.effect import Prior, effects
 from fieldkit.shapes import Array, Float
 
-SELECTION_WORLD = 0.55
-"""Fraction of rockets drawn from the hyperprior for effects; the others come from the hyperprior for forecasts. [1]"""
 UNEXPLAINED = "unexplained"
 """Name of the prior probability of a pattern that no effect represents."""
 MIN_FLIGHTS_OF_PATTERN = 4
 """Minimum number of flights for a pattern. [1]"""
-SD_SPREAD = 0.25
-"""Standard deviation of the logarithm of every standard deviation around the hyperprior's. [1]"""
 MISTAKES = 0.015
 """Fraction of flights that went wrong without a tag. [1]"""
 DRAWS_PER_ROCKET = 2
 """Histories per rocket."""
 ROCKETS_PER_BATCH = 25
 """Rockets per batch."""
-BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
-"""Standard deviation of the strengths, in their units, of effects that are always weakly present: of those that cannot
-be negative, whose strengths are the absolute values of the draws, and of the others."""
+BACKGROUND = 0.1
+"""Standard deviation of the strengths of effects that are always weakly present, relative to the size of a strength by
+its prior, the root mean square. Those that cannot be negative have the absolute values of the draws. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,17 +60,6 @@ class SimulatedHistory:
     alpha: float
 
 
-@dataclass(frozen=True, slots=True)
-class _Rocket:
-    """A drawn rocket with its model and the candidates for it."""
-
-    rocket: DrawnRocket
-    model: Model
-    selects: bool
-    shared: SharedPrior | None
-    candidates: dict[str, list[PlacedEffect]]
-
-
 def simulated_histories(
     rng: np.random.Generator,
     choice: Stock,
@@ -89,7 +75,7 @@ def simulated_histories(
     cannot show does not change them. `flights` is the number of flights of each, random by default. Raises
     ImpossibleFlight for a flight without a dry mass and DamagedModel if the hyperprior cannot be read.
     """
-    some = [_rocket(rng, choice, candidates_of, flights) for _ in range(rockets)]
+    some = [modeled_rocket(rng, choice, candidates_of, flights) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]
     world = _World(rng, some, kinds, draws)
     readings = world.fly()
@@ -102,36 +88,6 @@ def simulated_histories(
     return found
 
 
-def _rocket(rng: np.random.Generator, choice: Stock, candidates_of: Candidates, flights: int | None) -> _Rocket:
-    rocket = draw_rocket(rng, choice, flights)
-    selects = bool(rng.uniform() < SELECTION_WORLD)
-    hyperprior = certified() if selects else learned()
-    sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
-    hyperprior = replace(hyperprior, sds=sds)
-    count = len(rocket.used_in_fit)
-    model = base_model(rocket.flights, rocket.found, hyperprior, count)
-    shared = None
-    if not selects and rng.uniform() < 0.4:
-        shared = _others(rng, model)
-        model = base_model(rocket.flights, rocket.found, hyperprior, count, shared=shared)
-    families: dict[str, list[PlacedEffect]] = {}
-    for candidate in candidates_of(model, rocket.used_in_fit):
-        if candidate.effect:
-            families.setdefault(candidate.effect, []).append(candidate)
-    return _Rocket(rocket, model, selects, shared, families)
-
-
-def _others(rng: np.random.Generator, model: Model) -> SharedPrior:
-    """Information from other rockets of the flyer: other means than the hyperprior's, and smaller standard
-    deviations."""
-    names = shared_names(model)
-    terms = [next(term for term in model.terms if term.name == name) for name in names]
-    left = rng.uniform(0.25, 1.0, len(names))
-    sds = np.array([term.sd for term in terms])
-    mean = np.array([term.mean for term in terms]) + sds * np.sqrt(1 - left**2) * rng.normal(size=len(names))
-    return SharedPrior(tuple(names), mean, np.diag((sds * left) ** 2))
-
-
 @dataclass(frozen=True, slots=True)
 class _Lacks:
     """What the plain model of one history lacks: effects with their places, and shifts that no effect represents."""
@@ -140,7 +96,7 @@ class _Lacks:
     pattern: dict[str, Float[Array, "flight"]]
 
 
-def _lacks(rng: np.random.Generator, one: _Rocket, inclusion: Mapping[str, float]) -> _Lacks:
+def _lacks(rng: np.random.Generator, one: ModeledRocket, inclusion: Mapping[str, float]) -> _Lacks:
     placed = []
     for name in sorted(one.candidates):
         if rng.uniform() >= inclusion[name]:
@@ -161,7 +117,7 @@ class _World:
     """The rockets of a batch as one model, whose draws are the histories."""
 
     def __init__(
-        self, rng: np.random.Generator, some: Sequence[_Rocket], kinds: Sequence[Sequence[_Lacks]], draws: int
+        self, rng: np.random.Generator, some: Sequence[ModeledRocket], kinds: Sequence[Sequence[_Lacks]], draws: int
     ) -> None:
         self.rng, self.some, self.kinds, self.draws = rng, some, kinds, draws
         lengths = [len(one.rocket.flights) for one in some]
@@ -179,9 +135,11 @@ class _World:
             self._one(one, kinds[number], rows, terms, values)
         known = effects()
         for name in _background():
-            one_sign = known[name].prior.low >= 0
-            drawn_sizes = rng.normal(0.0, BACKGROUND_SDS["of one sign" if one_sign else "of both signs"], len(some))
-            each = np.abs(drawn_sizes) if one_sign else drawn_sizes
+            prior = known[name].prior
+            usual = float(known[name].strength(np.hypot(prior.mean, prior.sd)))
+            drawn_sizes = rng.normal(0.0, BACKGROUND * usual, len(some))
+            each = np.abs(drawn_sizes) if prior.low >= 0 else drawn_sizes
+            each *= [all(term.bends is not known[name] for term in one.always) for one in some]
             terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
         flights = tuple(flight for one in some for flight in one.rocket.flights)
@@ -190,7 +148,9 @@ class _World:
         self.model = Model(flights, found, area, tuple(terms), tuple(range(count)), some[0].model.hyperprior)
         self.values = np.stack(values, axis=-1)
 
-    def _one(self, one: _Rocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]) -> None:
+    def _one(
+        self, one: ModeledRocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]
+    ) -> None:
         """Add a rocket's terms and scatter."""
         rng, prior, width = self.rng, one.model.hyperprior, rows.stop - rows.start
         scales = {
@@ -209,6 +169,9 @@ class _World:
                 mean, sd = shared.mean[place], np.full(self.draws, float(np.sqrt(shared.covariance[place, place])))
             self._add(term, rows, terms)
             values.append(np.clip(mean + sd * rng.normal(size=self.draws), term.low, term.high))
+        for term in one.always:
+            self._add(term, rows, terms)
+            values.append(drawn(rng, Prior(term.mean, term.sd, term.low, term.high), self.draws))
         for draw, lacks in enumerate(kinds):
             for candidate in lacks.placed:
                 for term in candidate.terms:
@@ -240,7 +203,7 @@ class _World:
             raw = np.where(IS_LOGARITHMIC, np.exp(flown), flown)
         errors = np.concatenate(
             [
-                reading_sd(raw[:, slice(int(a), int(b))], one.model.hyperprior)
+                reading_sd(raw[:, slice(int(a), int(b))], one.model.hyperprior) * np.nan_to_num(one.rocket.sds, nan=1.0)
                 for a, b, one in zip(self.ends[:-1], self.ends[1:], self.some, strict=True)
             ],
             axis=1,
@@ -261,8 +224,14 @@ class _World:
         if not np.isfinite(plan) or plan < np.log(3.0):
             return None
         values = np.where(IS_LOGARITHMIC, np.exp(np.clip(own, -20.0, 20.0)), own)
+        sds = rocket.sds * reading_sd(values, one.model.hyperprior) * np.where(IS_LOGARITHMIC, values, 1.0)
         flights = [
-            flight.with_changes(**_shown(rocket.shows[i], values[i])) for i, flight in enumerate(rocket.flights[:-1])
+            flight.with_changes(
+                **_numbers(rocket.shows[i], values[i]),
+                sd=_numbers(rocket.shows[i], sds[i]),
+                source=dict.fromkeys(rocket.shows[i], rocket.source) if rocket.source else {},
+            )
+            for i, flight in enumerate(rocket.flights[:-1])
         ]
         drag, thrust = (
             bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust")
@@ -280,7 +249,7 @@ class _World:
         )
 
 
-def _shown(names: Sequence[str], values: Float[Array, "readout"]) -> dict[str, Any]:
-    """The recorded readouts of a flight, without missing ones."""
+def _numbers(names: Sequence[str], values: Float[Array, "readout"]) -> dict[str, Any]:
+    """The numbers of some readouts by name, without missing ones."""
     found = {name: float(values[OBSERVED_READOUTS.index(name)]) for name in names}
     return {name: value for name, value in found.items() if np.isfinite(value)}

@@ -28,11 +28,13 @@ def _step(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
 
 
 def _day(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
+    """A single day, shared by its flights; four flights in a row count as a day if no dates are recorded."""
     days = [
         flight.date_time.date().isoformat() if flight.date_time else str(i // 4)
         for i, flight in enumerate(rocket.flights)
     ]
-    return np.array([day == days[int(rng.integers(len(days) - 1))] for day in days], float)
+    bad = days[int(rng.integers(len(days) - 1))]
+    return np.array([day == bad for day in days], float)
 
 
 def _periodic(rng: np.random.Generator, rocket: DrawnRocket) -> Array:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -19,17 +18,18 @@ from fieldkit.errors import BadValue
 from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.features import effect_names, feature_names
+from fieldkit.inference.history.modeled_rockets import SELECTION_WORLD
 from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.shards import HistoryTable, simulate_table
-from fieldkit.inference.history.simulated_histories import SELECTION_WORLD
 from fieldkit.inference.network.ensemble import from_parts
 from fieldkit.inference.network.history_parts import width
 from fieldkit.inference.training.density import scaled_features
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss
 from fieldkit.inference.training.member_graphs import history_graph
-from fieldkit.inference.training.parts import drop_parts
+from fieldkit.inference.training.parts import FOLDER, drop_parts
 from fieldkit.inference.training.shipping import claim, ship
+from fieldkit.inference.training.stopwatch import Stopwatch
 from fieldkit.inference.training.unfinished import load_state, save_state
 from fieldkit.inference.validation.history import judge
 from fieldkit.model.hyperprior import certified, learned
@@ -84,29 +84,33 @@ def train_history(
     if schedule not in PLANS:
         raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
     claim(out)
-    plan, began = PLANS[schedule], time.perf_counter()
+    plan = PLANS[schedule]
+    simulating, whole_run = (Stopwatch(out / FOLDER / name) for name in ("simulation_seconds", "seconds"))
 
     def on_shard(done: int, count: int) -> None:
+        simulating.save()
+        whole_run.save()
         if progress:
             progress(done, count + plan.epochs, float("nan"))
 
     with workers(cluster) if cluster else ThreadPoolExecutor(1) as pool:
-        whole = simulate_table(out / "parts", seed, n_train, candidates_of, inclusion, pool, on_shard)
-        others = simulate_table(out / "parts", seed, HELD_OUT_ROCKETS, candidates_of, inclusion, pool, held_out=True)
-    simulated = time.perf_counter() - began
+        whole = simulate_table(out / FOLDER, seed, n_train, candidates_of, inclusion, pool, on_shard)
+        others = simulate_table(out / FOLDER, seed, HELD_OUT_ROCKETS, candidates_of, inclusion, pool, held_out=True)
+    simulated = simulating.seconds
     train, validation, test = split(whole)
 
     def on_epoch(epoch: int, epochs: int, value: float) -> None:
+        whole_run.save()
         if progress:
             progress(epoch, epochs, value)
 
     with one_thread(seed):
-        members, mean, sd, losses = fit_history(train, validation, plan, out / "parts" / "state.npy", on_epoch)
+        members, mean, sd, losses = fit_history(train, validation, plan, out / FOLDER / "state.npy", on_epoch)
     graph = history_graph(members, mean, sd)
     card = _card(seed, n_train, schedule, plan, inclusion) | {
         "simulations": len(whole.features),
         "simulation_seconds": round(simulated, 1),
-        "seconds": round(time.perf_counter() - began, 1),
+        "seconds": round(whole_run.seconds, 1),
         "loss": losses,
     }
     ensemble = from_parts(graph, card, out)

@@ -14,7 +14,9 @@ import numpy as np
 
 from fieldkit import __version__, parallel
 from fieldkit.model.observations import DECLARED_FIELDS, FIGURES, READOUT_NAMES
-from fieldkit.model.prior_predictive import Truth, simulate, split_motors
+from fieldkit.model.prior_predictive import PRIORS, Truth, simulate, split_motors
+from fieldkit.model.random_effects import priors
+from fieldkit.motors.motor import digest
 from fieldkit.shapes import Array, Float
 
 SIZE = 50_000
@@ -41,7 +43,7 @@ def simulate_parts(
     out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, on_part: ReportPart | None = None
 ) -> Truth:
     """The requested number of flights, less those that hardly leave the pad; parts from an earlier run in `out` are
-    reused."""
+    reused. Raises BadValue for an unknown effect."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
     items = {f"{n:05d}.npy": SimulationPart(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
     found: dict[str, Truth] = {}
@@ -84,7 +86,9 @@ def unpacked(content: bytes) -> Truth:
 
 
 def _digest(items: dict[str, SimulationPart]) -> str:
-    """A digest of everything that parts depend on, so that parts of another seed, recipe or version are not reused."""
-    motors = [motor.name for motor in split_motors()[0]]
-    settings = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
+    """A digest of everything that parts depend on, so that parts of another seed, recipe, prior, catalog or version are
+    not reused."""
+    acting = sorted({effect for part in items.values() for effect in part.effects})
+    drawn = [digest(split_motors()[0]), dict(PRIORS), priors(acting)]
+    settings = json.dumps([__version__, SIZE, drawn, {name: repr(part) for name, part in items.items()}])
     return hashlib.sha256(settings.encode()).hexdigest()[:16]

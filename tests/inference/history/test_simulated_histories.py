@@ -1,18 +1,27 @@
 """Simulated histories: reproducible draws, recorded values, and shards that resume."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from fieldkit.inference.history import shards
-from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, draw_rocket, stock
+from fieldkit.flight import Flight
+from fieldkit.inference.history import shards, unexplained_patterns
+from fieldkit.inference.history import simulated_histories as simulated
+from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, SENSORS, draw_rocket, stock
 from fieldkit.inference.history.features import effect_names, feature_names
+from fieldkit.inference.history.linear_fit import declared_terms, history_model
+from fieldkit.inference.history.records import History
 from fieldkit.inference.history.simulated_histories import simulated_histories
-from fieldkit.model.hyperprior import certified
+from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.prior_predictive import split_motors
-from fieldkit.model.rocket_model import base_model
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.model.rocket_model import base_model, groups
+from fieldkit.motors import Found
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 
@@ -58,8 +67,77 @@ def test_effects_are_present_with_their_prior_probability() -> None:
     for one in found:
         model = base_model(one.history.flights, one.history.found, certified(), 6)
         acting = {candidate.effect for candidate in quick_candidates(model, one.history.used_in_fit)}
-        assert set(one.effects) == acting - {""}
+        always = {term.name for term in declared_terms(one.history.flights)} if not one.selects else set()
+        assert set(one.effects) == acting - {""} - always
         assert one.unexplained
+
+
+def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the loop or of forecasts, with wind, lots of motors, and readouts measured in samples; in addition only
+    weak effects."""
+    worlds: list[Any] = []
+
+    class Seen(simulated._World):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            worlds.append(self.model.names)
+
+    monkeypatch.setattr(simulated, "_World", Seen)
+    nothing, compared = dict.fromkeys(PRIOR, 0.0), set()
+    for seed in range(24):
+        for one in simulated_histories(np.random.default_rng(seed), KNOWN, quick_candidates, nothing, 1, 1, flights=8):
+            history = one.history
+            if one.selects:
+                model = rocket_model(history.flights, history.found, flown=8)
+                assert set(model.names) == set(history_model(*_known(history), certified(), declared=False).names)
+            else:
+                model = history_model(*_known(history), learned(), history.shared, declared=True)
+            others = set(worlds[-1]) - set(model.names)
+            assert set(model.names) <= set(worlds[-1])
+            assert all(name.startswith("background ") for name in others)
+            compared |= set(model.names)
+    assert {"wind", "usual base_drag", "top_speed in logs"} <= compared
+    assert any(" lot " in name for name in compared)
+
+
+def _known(history: History) -> tuple[tuple[Flight, ...], tuple[Found, ...], int]:
+    return history.flights, history.found, len(history.used_in_fit)
+
+
+def test_a_bad_day_is_shared_by_its_flights() -> None:
+    shared = 0
+    for seed in range(20):
+        rocket = draw_rocket(np.random.default_rng(seed), KNOWN, 20)
+        days = groups(rocket.flights, rocket.found, "day")
+        bad = unexplained_patterns._day(np.random.default_rng(seed), rocket) > 0
+        if rocket.flights[0].date_time:
+            assert len({day for day, is_bad in zip(days, bad, strict=True) if is_bad}) == 1
+            assert not {day for day, is_bad in zip(days, bad, strict=True) if not is_bad} & {days[np.argmax(bad)]}
+        shared += bad.sum() > 1
+    assert shared > 5
+
+
+def test_all_readouts_of_a_flight_have_a_source_and_a_standard_deviation_or_none_has() -> None:
+    rocket = draw_rocket(np.random.default_rng(4), KNOWN, 30)
+    assert rocket.sds.shape == (31, len(OBSERVED_READOUTS))
+    sources = {draw_rocket(np.random.default_rng(seed), KNOWN, 2).source for seed in range(40)}
+    assert sources == set(SENSORS)
+    for one in simulated_histories(np.random.default_rng(8), KNOWN, quick_candidates, PRIOR, 12, 1, flights=4):
+        for flight in one.history.flights[:-1]:
+            assert set(flight.sd) in (set(), set(flight.readouts()))
+            assert set(flight.source) in (set(), set(flight.readouts()))
+            assert all(sd > 0 for sd in flight.sd.values())
+
+
+def test_shards_of_another_catalog_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "ROCKETS_PER_SHARD", 2)
+    known, others = split_motors()
+    changed = [replace(known[0], thrust=known[0].thrust * 1.01), *known[1:]]
+    with ThreadPoolExecutor(1) as pool:
+        shards.simulate_table(tmp_path, 5, 2, quick_candidates, PRIOR, pool)
+        monkeypatch.setattr(shards, "split_motors", lambda: (changed, others))
+        shards.simulate_table(tmp_path, 5, 2, quick_candidates, PRIOR, pool)
+    assert len(list(tmp_path.glob("*/*.npy"))) == 2
 
 
 def test_shards_of_another_prior_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -87,6 +88,15 @@ def test_the_command_trains_a_network_that_answers(
     assert card["test"]["histories"] > 0
     ensemble = checked(load_folder(out))
     assert 0 < quick_answer(history(5), quick_candidates, ensemble).none < 1
+
+
+def test_the_time_of_an_interrupted_run_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from fieldkit.inference.training import stopwatch
+
+    seconds = iter([100.0, 160.0, 500.0, 530.0])
+    monkeypatch.setattr(stopwatch, "time", SimpleNamespace(perf_counter=lambda: next(seconds)))
+    stopwatch.Stopwatch(tmp_path / "parts" / "seconds").save()
+    assert stopwatch.Stopwatch(tmp_path / "parts" / "seconds").seconds == pytest.approx(90.0)
 
 
 @pytest.mark.thorough

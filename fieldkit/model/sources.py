@@ -1,0 +1,35 @@
+"""What readouts come from: the samples of sensors, logs, or the display of a device."""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.flight.readout import SENSORS
+from fieldkit.model.hyperprior import FROM_LOGS
+from fieldkit.physics.setups import recorded
+from fieldkit.shapes import Array, Float
+
+
+def has_logs(flights: Sequence[Flight]) -> bool:
+    """Whether any flight has a readout that only the samples of a log provide."""
+    return any(np.isfinite(recorded(flights, name)).any() for name in FROM_LOGS)
+
+
+def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
+    """1 for a flight whose readout was measured in a sensor's samples or comes from a simulation, otherwise 0. [1]"""
+    return measured_by((*SENSORS, "simulated"), flights, readout)
+
+
+def measured_by(sources: Collection[str], flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:
+    """1 for a flight whose readout comes from one of some sources, otherwise 0. [1]
+
+    A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
+    it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
+    """
+    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
+    own = np.array([float(flight.source.get(readout, "") in sources) for flight in flights])
+    if not shown:
+        return np.zeros(len(flights))
+    last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)
+    return np.asarray(own[np.array(shown)[last]])
