@@ -22,9 +22,10 @@ from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.fleet import merged, rocket_fit
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
-from fieldkit.model.rocket_model import base_model, fleet_term
+from fieldkit.model.rocket_model import base_model
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.simulated_readouts import REFERENCE_LAUNCH_ANGLE
+from fieldkit.model.term_names import fleet_term
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float

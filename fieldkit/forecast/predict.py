@@ -20,9 +20,10 @@ from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.model.high_power import closer_to_designs
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, apogee_scatter, config_term, fleet_term
+from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
+from fieldkit.model.term_names import config_term, fleet_term
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import log_delay_ratio
 from fieldkit.physics.effect import effects, spoken

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldkit.inference.laplace.posterior import Fit, term_sds
-from fieldkit.model.rocket_model import Model, Term, fleet_term
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.term_names import fleet_term
 from fieldkit.shapes import Array, Float, Int, Integers
 
 MAX_REJECTIONS = 50

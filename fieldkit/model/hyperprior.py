@@ -33,7 +33,7 @@ QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
 """Quantities with random effects. `stretch` scales the burn time, the delay is a log ratio, ejection is in seconds."""
 FROM_DEVICES = ("top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """Readouts that each device defines in its own way; readouts measured in a sensor's samples have no such rule."""
-LEVELS = ("fleet", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged", "ports")
+LEVELS = ("fleet", "drift", "rocket", "config", "motor", "lot", "rocket_motor", "day", "flight", "logged", "ports")
 """Groups of flights that share a random effect, widest first. `logged` are a rocket's readouts measured in samples,
 without the bias of a device; `ports` those measured in samples of a barometer, which static ports bias."""
 CARD = "hyperprior.json"
@@ -179,6 +179,7 @@ START = Hyperprior(
             "thrust.lot": 0.025,
             "thrust.flight": 0.025,
             "mass.fleet": 0.05,
+            "mass.drift": 0.02,
             "mass.rocket": 0.05,
             "stretch.motor": 0.05,
             "stretch.flight": 0.03,
@@ -218,16 +219,16 @@ START = Hyperprior(
 )
 """The starting point of the fit, which stays near it without information: round figures chosen before any flight was
 seen. Cd is as in `CERTIFIED_PRIOR`. Motor types are within 5% of their certificates (certification tests differ by that
-much; NFPA 1125 allows single motors a standard deviation of 6.7%), their lots within 2.5% of the type if flights record
-them, burn times within 5% and delays within 10%. Masses are within 5%, because altimeter, recovery and wadding are not
-always weighed, which adds mass: the mean is learned. All devices of one kind share a bias of 5%, that of peak
-acceleration also by motor type, because devices smooth short spikes. Single flights scatter by 6%. The biases of
-devices have mean zero, because manufacturers aim at the truth, and the variation of noise among devices (`reading`) is
-a judgment: the open flights come from one device. Readouts measured in samples have a bias for each rocket and none of
-a device. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is missing). A
-climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times the impulse. Static ports change a drag
-from a barometer (`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters on one open flight differ by 13% in
-drag and 9% in impulse."""
+much; single motors by 6.7%, NFPA 1125), their lots within 2.5% of the type if flights record them, burn times within 5%
+and delays within 10%. Masses are within 5%, because altimeter, recovery and wadding are not always weighed, which adds
+mass: the mean is learned. Recorded once, they grow by repairs and fittings: 2% a year. Devices of one kind share a bias
+of 5%, that of peak acceleration also by motor type, as they smooth short spikes. Single flights scatter by 6%. The
+biases of devices have mean zero, because manufacturers aim at the truth; the variation of noise among devices
+(`reading`) is a judgment: open flights are from one device. Readouts measured in samples have a bias for each rocket
+and none of a device. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is used if it is
+missing). A climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times the impulse. Static ports
+change a drag from a barometer (`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters on one open flight differ
+by 13% in drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""

@@ -13,9 +13,11 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.model.drift import Period, years
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
+from fieldkit.model.term_names import config_term, drift_term, fleet_term
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.effect import Effect
@@ -173,17 +175,20 @@ def base_model(
     flown: int | None = None,
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
+    period: Period | None = None,
 ) -> Model:
     """The model of a rocket without effects: every random effect of the hyperprior for which there is a group.
 
     `flown` is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts
-    from 0. Raises ImpossibleFlight for a flight without a dry mass.
+    from 0. `period` is the fleet's, by default that of `shared` or else of these flights. Raises ImpossibleFlight for a
+    flight without a dry mass.
     """
     area = reference_area(flights, flown)
     past = len(flights) if flown is None else flown
+    time = years(flights, past, period or (shared.period if shared else None))
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
     grouped = cache(lambda per: groups(flights, found, per))
-    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past)]
+    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past, time)]
     if not diameter_known(recorded(flights, "diameter"), flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
@@ -211,6 +216,7 @@ def _quantity_terms(
     grouped: Callable[[str], list[str]],
     hyperprior: Hyperprior,
     flown: int,
+    time: Float[Array, "flight"],
 ) -> Iterator[Term]:
     """The random effects of one quantity, widest group first; the widest holds the mean. `grouped` returns the group of
     each flight, as `groups`."""
@@ -227,6 +233,8 @@ def _quantity_terms(
     if sd := hyperprior.fleet_sd(quantity):
         yield Term(fleet_term(quantity), quantity, mean, sd, every)
         mean = 0.0
+    if (sd := hyperprior.sd(quantity, "drift")) and time.any():
+        yield Term(drift_term(quantity), quantity, 0.0, sd, time)
     if sd := hyperprior.sd(quantity, "rocket"):
         yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
     if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), flights, quantity)).any():
@@ -254,21 +262,11 @@ def _named(groups: Sequence[str]) -> list[str]:
     return [group for group in dict.fromkeys(groups) if group]
 
 
-def fleet_term(quantity: str) -> str:
-    """The name of the term for one quantity of a flyer's whole fleet."""
-    return f"{quantity} of the fleet"
-
-
-def config_term(quantity: str, config: str) -> str:
-    """The name of the term for one quantity of one configuration, also if it is called like a motor type."""
-    return f"{quantity} of configuration {config}"
-
-
 def shared_names(model: Model) -> list[str]:
     """The terms that other rockets of the same ledger also have: for the fleet, for motor types and their lots."""
     motors = dict.fromkeys([*model.groups("motor"), *_named(model.groups("lot"))])
     known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
-    known |= {fleet_term(quantity) for quantity in QUANTITIES}
+    known |= {term(quantity) for quantity in QUANTITIES for term in (fleet_term, drift_term)}
     return [name for name in model.names if name in known]
 
 

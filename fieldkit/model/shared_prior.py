@@ -1,10 +1,11 @@
 """Information from other rockets' flights about the terms that a flyer's rockets share, as a normal distribution."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.model.drift import Period
 from fieldkit.shapes import Array, Float
 
 
@@ -12,12 +13,13 @@ from fieldkit.shapes import Array, Float
 class SharedPrior:
     """A normal distribution of named terms that replaces their independent priors in a model.
 
-    Mean and covariance are in the units of the terms.
+    Mean and covariance are in the units of the terms. `period` is that of the fleet.
     """
 
     names: tuple[str, ...]
     mean: Float[Array, "term"]
     covariance: Float[Array, "term term"]
+    period: Period | None = None
 
     def same_as(self, other: "SharedPrior") -> bool:
         """Whether both are the same distribution."""
@@ -28,7 +30,8 @@ class SharedPrior:
         """The marginal distribution of the terms among these names."""
         wanted = set(names)
         rows = [i for i, name in enumerate(self.names) if name in wanted]
-        return SharedPrior(tuple(self.names[i] for i in rows), self.mean[rows], self.covariance[np.ix_(rows, rows)])
+        names, covariance = tuple(self.names[i] for i in rows), self.covariance[np.ix_(rows, rows)]
+        return replace(self, names=names, mean=self.mean[rows], covariance=covariance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,4 +61,4 @@ def combined(prior: SharedPrior, messages: Sequence[Message]) -> SharedPrior:
         shift[rows] += message.shift
     covariance = np.linalg.inv(precision)
     covariance = 0.5 * (covariance + covariance.T)
-    return SharedPrior(prior.names, prior.mean + covariance @ shift, covariance)
+    return replace(prior, mean=prior.mean + covariance @ shift, covariance=covariance)

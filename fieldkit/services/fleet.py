@@ -18,6 +18,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fleet import FlownFlights, RocketFit, rocket_fit, shared_prior
 from fieldkit.ledger import Ledger
+from fieldkit.model.drift import Period, period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import Message, SharedPrior
 from fieldkit.motors import Catalogue, Found
@@ -70,11 +71,12 @@ def fleet_priors(
     made_with = json.dumps([__version__, own.json()], sort_keys=True)
     fleet = _fleet(ledger, motors, made_with)
     flown = {name: one for name, one in fleet.flown.items() if [name] != list(rockets)}
+    period = period_of(flight for one in fleet.flown.values() for flight, _ in one)
     for number, (name, one) in enumerate(flown.items()):
         on_progress(name, number / len(flown))
         if name not in fleet.fits:
-            fleet.fits[name] = _rocket_fit(ledger, name, one, own, made_with)
-    return {rocket: shared_prior([fleet.fits[name] for name in flown if name != rocket]) for rocket in rockets}
+            fleet.fits[name] = _rocket_fit(ledger, name, one, own, made_with, period)
+    return {rocket: shared_prior([fleet.fits[name] for name in flown if name != rocket], period) for rocket in rockets}
 
 
 def _fleet(ledger: Ledger, motors: Catalogue, made_with: str) -> _Fleet:
@@ -94,14 +96,16 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
     return found
 
 
-def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior, made_with: str) -> RocketFit:
+def _rocket_fit(
+    ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior, made_with: str, period: Period | None
+) -> RocketFit:
     """A rocket's separate fit, from the ledger if it is up to date; `made_with` is the version of fieldkit and the
-    hyperprior as text."""
-    digest = _digest(flown, made_with)
+    hyperprior as text. Only the start of the `period` acts on flights that were flown."""
+    digest = _digest(flown, f"{made_with} {period and period[0]}")
     kept = ledger.draft(MESSAGE_PREFIX + rocket)
     if kept is not None and kept.get("digest") == digest:
         return _read(kept)
-    made = rocket_fit(flown, hyperprior)
+    made = rocket_fit(flown, hyperprior, period)
     try:
         ledger.keep_draft(MESSAGE_PREFIX + rocket, {"digest": digest, **_written(made)})
     except LedgerError:  # a read-only ledger is slower, but the result is the same

@@ -102,7 +102,9 @@ def _kept(one: Reference) -> dict[str, Any]:
 def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> Reference:
     shared = kept["shared"]
     prior = (
-        SharedPrior(tuple(shared["names"]), *map(np.array, (shared["mean"], shared["covariance"]))) if shared else None
+        SharedPrior(tuple(shared["names"]), np.array(shared["mean"]), np.array(shared["covariance"]))
+        if shared
+        else None
     )
     case = Case(tuple(map(_flown, kept["flights"])), _flown(kept["plan"]), hyperprior, prior)
     by_exact, by_linear, draws = (np.array(kept[name]) for name in ("quantiles", "linear", "draws"))

@@ -15,6 +15,7 @@ from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
+from fieldkit.model.drift import period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -109,14 +110,15 @@ def _fleet_before(
     """The information from all other rockets' flights so far; `fits` has the fits of rockets that have not flown
     since."""
     found = []
+    period = period_of(flight for flown in past.values() for flight, _ in flown)
     for name, flown in past.items():
         teaching = [(flight, motor) for flight, motor in flown if flight.clean and flight.readouts()]
         if name == rocket or not teaching:
             continue
         if name not in fits or fits[name][0] != len(teaching):
-            fits[name] = len(teaching), rocket_fit(teaching, hyperprior)
+            fits[name] = len(teaching), rocket_fit(teaching, hyperprior, period)
         found.append(fits[name][1])
-    return shared_prior(found)
+    return shared_prior(found, period)
 
 
 def _forecast(

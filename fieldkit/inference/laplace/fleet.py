@@ -16,6 +16,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.drift import Period
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import Model, base_model, shared_names
@@ -35,14 +36,14 @@ class RocketFit:
     prior: SharedPrior
 
 
-def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
-    """Fit the clean flights of one rocket without information from others.
+def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | None = None) -> RocketFit:
+    """Fit the clean flights of one rocket without information from others; `period` is the fleet's, by default its own.
 
     Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
     cannot be read.
     """
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    model = replace(base_model(flights, found, hyperprior), coarse=True)
+    model = replace(base_model(flights, found, hyperprior, period=period), coarse=True)
     result = fit_robustly(model, observe(flights, [flight.clean for flight in flights], hyperprior))
     return RocketFit(result.log_evidence, message_of(result), independent_prior([model]))
 
@@ -91,11 +92,13 @@ def merged(priors: Sequence[SharedPrior]) -> SharedPrior:
     return SharedPrior(tuple(found), values[:, 0], np.diag(values[:, 1]))
 
 
-def shared_prior(others: Sequence[RocketFit]) -> SharedPrior | None:
-    """The combined information from other rockets about the shared terms; None if there are none."""
+def shared_prior(others: Sequence[RocketFit], period: Period | None = None) -> SharedPrior | None:
+    """The combined information from other rockets about the shared terms; None if there are none. `period` is that of
+    the whole fleet, for which they were fitted."""
     if not others:
         return None
-    return combined(merged([one.prior for one in others]), [one.message for one in others])
+    known = combined(merged([one.prior for one in others]), [one.message for one in others])
+    return replace(known, period=period)
 
 
 def joint_evidence(rockets: Sequence[RocketFit]) -> float:

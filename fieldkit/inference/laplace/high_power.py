@@ -23,7 +23,8 @@ from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.linearization import launch_angle_slope, tangents
 from fieldkit.model.high_power import CLOSER_AT_HIGH_POWER
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
-from fieldkit.model.rocket_model import apogee_scatter, base_model, fleet_term
+from fieldkit.model.rocket_model import apogee_scatter, base_model
+from fieldkit.model.term_names import fleet_term
 from fieldkit.motors import Found
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup

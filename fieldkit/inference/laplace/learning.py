@@ -19,10 +19,12 @@ from fieldkit.inference.laplace.fleet import RocketFit as Alone
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights, standardized_squares
 from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.drift import Period, period_of
 from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, base_model, fleet_term, with_shared
+from fieldkit.model.rocket_model import Model, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
+from fieldkit.model.term_names import drift_term, fleet_term
 from fieldkit.motors.lots import OF_A_LOT
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
@@ -45,6 +47,7 @@ class _Linear:
     """One rocket's flights, linearized at its last fit."""
 
     flown: FlownFlights
+    period: Period | None
     tangent: Tangent
     unit_scatter: Float[Array, "flight readout scatter"]
     trust: Float[Array, "flight readout"]
@@ -86,11 +89,11 @@ def learn_hyperprior(
     """
     start, found = replace(start, mean_sds={}), replace(begin or start, mean_sds={})
     for round_ in range(rounds):
-        linear = [[_linearized(flown, found) for flown in fleet] for fleet in fleets]
+        linear = [_linearized(fleet, found) for fleet in fleets]
         for step in range(steps):
             on_progress("learning", (round_ + step / steps) / rounds)
             found, linear = _step(linear, found, start)
-    together = [_posteriors([_linearized(flown, found) for flown in fleet], found)[1] for fleet in fleets]
+    together = [_posteriors(_linearized(fleet, found), found)[1] for fleet in fleets]
     return replace(found, mean_sds=MappingProxyType(mean_sds(together, found)))
 
 
@@ -119,15 +122,16 @@ def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
     cannot be read.
     """
     hyperprior = replace(hyperprior, mean_sds={})
-    return float(sum(joint_evidence([_alone(_fitted(flown, hyperprior)) for flown in fleet]) for fleet in fleets))
+    return float(sum(joint_evidence([_alone(result) for result in _fitted(fleet, hyperprior)]) for fleet in fleets))
 
 
 def _alone(result: Fit) -> Alone:
     return Alone(result.log_evidence, message_of(result), independent_prior([result.model]))
 
 
-def _model(flown: FlownFlights, hyperprior: Hyperprior) -> Model:
-    return replace(base_model([flight for flight, _ in flown], [found for _, found in flown], hyperprior), coarse=True)
+def _model(flown: FlownFlights, hyperprior: Hyperprior, period: Period | None) -> Model:
+    flights, found = [flight for flight, _ in flown], [found for _, found in flown]
+    return replace(base_model(flights, found, hyperprior, period=period), coarse=True)
 
 
 def _data(flown: FlownFlights, hyperprior: Hyperprior) -> Data:
@@ -135,14 +139,17 @@ def _data(flown: FlownFlights, hyperprior: Hyperprior) -> Data:
     return observe(flights, [flight.clean for flight in flights], hyperprior)
 
 
-def _fitted(flown: FlownFlights, hyperprior: Hyperprior) -> Fit:
-    return fit_robustly(_model(flown, hyperprior), _data(flown, hyperprior))
+def _fitted(fleet: Fleet, hyperprior: Hyperprior) -> list[Fit]:
+    period = period_of(flight for flown in fleet for flight, _ in flown)
+    return [fit_robustly(_model(flown, hyperprior, period), _data(flown, hyperprior)) for flown in fleet]
 
 
-def _linearized(flown: FlownFlights, hyperprior: Hyperprior) -> _Linear:
-    result = _fitted(flown, hyperprior)
-    sds = np.array([kind.sd for kind in result.model.scatter])
-    return _Linear(flown, result.tangent, result.tangent.scatter_slope / sds, result.data.trust)
+def _linearized(fleet: Fleet, hyperprior: Hyperprior) -> list[_Linear]:
+    found, period = [], period_of(flight for flown in fleet for flight, _ in flown)
+    for flown, result in zip(fleet, _fitted(fleet, hyperprior), strict=True):
+        sds = np.array([kind.sd for kind in result.model.scatter])
+        found.append(_Linear(flown, period, result.tangent, result.tangent.scatter_slope / sds, result.data.trust))
+    return found
 
 
 def _step(
@@ -174,7 +181,7 @@ def _posteriors(fleet: Sequence[_Linear], hyperprior: Hyperprior) -> tuple[list[
 
 
 def _solved(one: _Linear, hyperprior: Hyperprior, shared: SharedPrior | None) -> Fit:
-    model = with_shared(_model(one.flown, hyperprior), shared)
+    model = with_shared(_model(one.flown, hyperprior, one.period), shared)
     data = replace(_data(one.flown, hyperprior), trust=one.trust)
     sds = np.array([kind.sd for kind in model.scatter])
     return solve(model, data, replace(one.tangent, scatter_slope=one.unit_scatter * sds))
@@ -247,7 +254,7 @@ def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, me
             sums.add(f"{quantity}.fleet", float((mean - hyperprior.mean(quantity)) ** 2 + variance), 1.0)
             means.add(quantity, float(mean), 1.0)
         else:
-            level = "lot" if OF_A_LOT in name else "motor"
+            level = "drift" if name == drift_term(quantity) else "lot" if OF_A_LOT in name else "motor"
             sums.add(f"{quantity}.{level}", float(mean**2 + variance), 1.0)
 
 

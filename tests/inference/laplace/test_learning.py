@@ -9,10 +9,11 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.learning import MEAN_SD, evidence, learn_hyperprior, mean_sds
 from fieldkit.model.hyperprior import START, Hyperprior
-from fieldkit.model.rocket_model import base_model, fleet_term
+from fieldkit.model.rocket_model import base_model
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import fleet_term
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False

@@ -1,0 +1,39 @@
+"""The drift of a flyer's fleet: how the mean of a quantity over all rockets changes from year to year.
+
+It is a rate, constant over the years, times the time since the fleet's first flight. Real flights show one for the
+ratio of flown to recorded mass: rockets get heavier by repairs, paint and fittings, and the recorded mass stays.
+"""
+
+from collections.abc import Iterable, Sequence
+from datetime import date
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+
+Period = tuple[date, date]
+"""The first and the last day of a fleet's flights."""
+DAYS_PER_YEAR = 365.2425
+"""Mean length of a year of the Gregorian calendar. [d]"""
+
+
+def period_of(flights: Iterable[Flight]) -> Period | None:
+    """The first and the last day of some flights; None without a dated one."""
+    days = [flight.date_time.date() for flight in flights if flight.date_time]
+    return (min(days), max(days)) if days else None
+
+
+def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float[Array, "flight"]:
+    """Time of each flight since the first one of the fleet. [year]
+
+    `period` is the fleet's, by default that of these flights. A flight without a date has that of the flight before it;
+    a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date.
+    """
+    first, last = period or period_of(flights[:flown]) or period_of(flights) or (date.min, date.min)
+    days, before = [], first
+    for flight in flights[:flown]:
+        before = flight.date_time.date() if flight.date_time else before
+        days.append(before)
+    days += [flight.date_time.date() if flight.date_time else max(before, last) for flight in flights[flown:]]
+    return np.array([(day - first).days / DAYS_PER_YEAR for day in days])
