@@ -29,6 +29,8 @@ def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float
 
     `period` is the fleet's, by default that of these flights. A flight without a date has that of the flight before it;
     a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date.
+
+    Derivation: days in years of the Gregorian calendar.
     """
     first, last = period or period_of(flights[:flown]) or period_of(flights) or (date.min, date.min)
     days, before = [], first

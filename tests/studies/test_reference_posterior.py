@@ -108,7 +108,7 @@ def test_the_force_of_a_linear_model_is_the_gradient(student: bool) -> None:
         slopes[..., density.kinds.index(name)] = (density.readouts(means, {name: row}) - at)[0]
     for name in ("mass", "opening"):
         moved = means + np.array([float(term.bends == name and term.weight.all()) for term in model.terms])
-        count = sum(term.bends == name for term in model.terms)
+        count = sum(term.bends == name and bool(term.weight.all()) for term in model.terms)
         slopes[..., density.kinds.index(name)] = (density.readouts(moved, {}) - at)[0] / count
     density = replace(density, slopes=np.stack([slopes, slopes]))
     place = np.random.default_rng(1).normal(size=density.dimension) * 0.5
