@@ -484,13 +484,17 @@ async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
     end = capture.Ended(log, "stratologger", 4000, 200, 0, "complete", True)
     events = [
         capture.PortOpened("/dev/ttyUSB0", "stratologger", log),
-        capture.Progress(2000, 100, 1, 0.5, capture.Sample(123.4, 3.0, 20.0, "boost")),
+        *(capture.Progress(2000, 100, 1, 0.5, capture.Sample(one, 3.0, 20.0, "boost")) for one in (123.4, 99.0, 98.0)),
         capture.Lost("/dev/ttyUSB0", "the cable was pulled"),
         capture.Back("/dev/ttyUSB1"),
         end,
     ]
     here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
-    with patch("fieldkit.capture.ports", lambda: here), patch("fieldkit.capture.capture", lambda *a, **k: iter(events)):
+    with (
+        patch("fieldkit.capture.ports", lambda: here),
+        patch("fieldkit.capture.capture", lambda *a, **k: iter(events)),
+        patch("fieldkit.tui.imports.capture_page.MAX_DRAWN_ALTITUDES", 2),
+    ):
         async with opened(file, page="serial") as pilot:
             assert "0403:6015 FTDI chip" in words(pilot)
             await press(pilot, "enter")
@@ -508,7 +512,7 @@ async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
             assert "Imported 1" in words(pilot)
             events[1:1] = [capture.Instruction(f"page {number} is read") for number in range(20)]
             events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
-            events.remove(next(event for event in events if isinstance(event, capture.Progress)))
+            events[:] = [event for event in events if not isinstance(event, capture.Progress)]
             await press(pilot, "enter")
             seen = words(pilot)
             assert "nothing received" in seen, "the newest is in sight, however much was said before"
