@@ -48,7 +48,9 @@ def test_a_lag_that_thrust_or_shocks_hide_biases_no_readout_beyond_its_standard_
     truth = fly(rocket, None if rocket is FAST else catalogue().find("D13").motor)
     figures = measure([behind(recording(truth)[0], 0.4)]).figures
     right = truth.readouts()
-    assert {name for name in right.keys() & figures if abs(figures[name].value - right[name]) > 2.5 * figures[name].sd} == set()
+    assert {
+        name for name in right.keys() & figures if abs(figures[name].value - right[name]) > 2.5 * figures[name].sd
+    } == set()
 
 
 def test_heights_without_a_lag_are_unchanged() -> None:
