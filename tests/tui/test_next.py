@@ -171,8 +171,8 @@ async def test_several_logs_of_one_flight_can_be_marked_and_read_together(file: 
 
 async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
-    for name in ("one.csv", "two.csv"):
-        (file.parent / "field" / name).write_text("quux;frob\n" + rows)
+    for name, last in (("one.csv", ""), ("two.csv", "12.0;0.00\n")):
+        (file.parent / "field" / name).write_text("quux;frob\n" + rows + last)
     async with opened(file, page="import_files") as pilot:
         await press(pilot, "down")
         assert text_of(pilot, "#preview").endswith("F to choose a parser, m to map the columns of a table")
