@@ -70,7 +70,7 @@ def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
         flight = arrival.flight
         if known.match(arrival):
             duplicates += 1
-        elif other := elsewhere.get(_log_identity(arrival)):
+        elif (other := elsewhere.get(_log_identity(arrival))) and other.rocket != flight.rocket:
             if flight.rocket or not agrees(other, arrival.given or {}):
                 conflicts.append(Conflict(arrival, _other_rocket(recorder.connection, other, flight)))
             else:
