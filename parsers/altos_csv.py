@@ -46,7 +46,7 @@ BAROMETER = {
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
 """Columns by name, with their channels: those of the barometer and the flight computer, and those of the satellites."""
-IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
+NOT_IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
 """Units of the columns that are not in SI."""
 WRAP = 65536 * TICK
 """Period after which the clock of the radio form wraps around. [s]"""
@@ -136,7 +136,7 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
     ]
     for name, channel in (BAROMETER | SATELLITES).items():
         if name in names and not (name == "baro_speed" and "speed" in names):
-            channels.append(Channel(channel, names.index(name), IN_SI.get(name, Unit(1.0)), header=name))
+            channels.append(Channel(channel, names.index(name), NOT_IN_SI.get(name, Unit(1.0)), header=name))
     if "longitude" in names and "altitude" in names[names.index("longitude") :]:
         place = names.index("altitude", names.index("longitude"))
         channels = [c for c in channels if c.place != place] + [Channel("gps_altitude_msl", place, header="altitude")]

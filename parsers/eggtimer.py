@@ -23,7 +23,7 @@ from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.header import Header, find_header, header_in
 from fieldkit.importing.tables.pad_state import marks
 from fieldkit.importing.tables.text import lines, narrow
-from fieldkit.importing.tables.unit_inference import settle_felt, settle_time_heights
+from fieldkit.importing.tables.unit_inference import InferredUnit, settle_felt, settle_time_heights
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
@@ -132,8 +132,10 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
     parts, remarks = table.flights()
     found: list[Found] = []
     for one in parts:
-        reading = _reading(one, part)
-        found += [reading] if _spelled_unit(head) else [reading, Note(_why(one, head), row=head.row)]
+        unit = _unit(one, head)
+        note = f"has no units; altitude is taken in {unit.unit}, {unit.why}"
+        reading = _reading(one, part, unit.unit)
+        found += [reading] if _spelled_unit(head) else [reading, Note(note, row=head.row)]
     return [*found, *(below(remark, above) for remark in remarks)]
 
 
@@ -142,21 +144,19 @@ def _spelled_unit(head: Header) -> str:
     return next(ALTITUDES[name] for name in head.names if name in ALTITUDES)
 
 
-def _unit(table: LogTable, head: Header) -> str:
+def _unit(table: LogTable, head: Header) -> InferredUnit:
     """The unit of the heights of a table. Raises DamagedLog if it cannot be determined."""
-    settled = "ft" if set(head.names) >= CLASSIC else _spelled_unit(head)
-    settled = settled or unit_of_fall(table.values["time"], table.values["altitude"]) or _unit_of_climb(table)
-    if not settled:
-        found = "found altitudes whose unit cannot be determined, expected a header such as Alt_ft or Alt_m"
-        raise DamagedLog(found, row=head.row, column="Alt")
-    return settled
-
-
-def _unit_of_climb(table: LogTable) -> str:
-    """The unit in which the climb ends with a deceleration of one g and lasts as long as it can; "" if uncertain."""
+    if set(head.names) >= CLASSIC:
+        return InferredUnit("ft", "as the Classic prints it")
+    if spelled := _spelled_unit(head):
+        return InferredUnit(spelled, "as its column says")
+    if near_top := unit_of_fall(table.values["time"], table.values["altitude"]):
+        return InferredUnit(near_top, "as the deceleration just before apogee shows")
     samples = {name: table.values[name] for name in ("time", "altitude")}
-    found = settle_time_heights(samples, {"time": "s"}).get("altitude")
-    return found.unit if found else ""
+    if settled := settle_time_heights(samples, {"time": "s"}).get("altitude"):
+        return settled
+    found = "found altitudes whose unit cannot be determined, expected a header such as Alt_ft or Alt_m"
+    raise DamagedLog(found, row=head.row, column="Alt")
 
 
 def _seconds(time: Float[Array, "row"]) -> Float[Array, "row"]:
@@ -165,8 +165,8 @@ def _seconds(time: Float[Array, "row"]) -> Float[Array, "row"]:
     return time * (1e-3 if len(steps) and np.median(steps) > SLOW_STEP else 1.0)
 
 
-def _reading(table: LogTable, part: _TextTable) -> Reading:
-    time, length, velocity = table.values["time"], UNITS["length"][_unit(table, part.head)], table.get("speed")
+def _reading(table: LogTable, part: _TextTable, unit: str) -> Reading:
+    time, length, velocity = table.values["time"], UNITS["length"][unit], table.get("speed")
     series = Series(
         time=time,
         altitude=table.values["altitude"] * length.factor,
@@ -182,11 +182,6 @@ def _felt(printed: Float[Array, "row"] | None) -> Float[Array, "row"] | None:
     """The acceleration that an Eggtimer Proton prints, if it is one g at rest in some unit; otherwise None. [m/s^2]"""
     one = None if printed is None else settle_felt(printed)
     return None if printed is None or one is None else printed * UNITS["acceleration"][one.unit].factor
-
-
-def _why(table: LogTable, head: Header) -> str:
-    why = "as the Classic prints it" if set(head.names) >= CLASSIC else "as the fall after apogee shows"
-    return f"has no units; altitude is taken in {_unit(table, head)}, {why}"
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:

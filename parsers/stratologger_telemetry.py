@@ -46,11 +46,11 @@ def read(log: bytes) -> list[Found]:
         lost = table.rows[~is_number]
         notes.append(Note(f"is not a number, left out; {counted(len(lost), 'such line')} in all", int(lost[0])))
     stated: dict[str, object] = {}
-    began = _began(log, head)
+    began, row = _began(log, head)
     try:
         stated["date_time"] = datetime.fromisoformat(began).replace(tzinfo=None) if began else None
     except ValueError:
-        notes.append(DamagedLog(f"found {shown(began)}, expected a date and time", row=2))
+        notes.append(DamagedLog(f"found {shown(began)}, expected a date and time", row=row))
     if len(height) > 1 and abs(height[0]) > ON_PAD >= abs(height[1]):
         stated["site_elevation"] = float(height[0])
         time, height = time[1:], height[1:]
@@ -73,11 +73,12 @@ def _decimal(log: bytes, head: Header) -> str:
     return "," if "," in "".join(first_lines(log, after=head.row, most=1)) else "."
 
 
-def _began(log: bytes, head: Header) -> str:
-    """When the capture began according to the lines above the table; empty if they do not state it."""
+def _began(log: bytes, head: Header) -> tuple[str, int]:
+    """When the capture began according to the lines above the table, empty if they do not state it, and its row."""
     above = lines_of(decode(log[:HEAD]))[: head.row - 1]
     split = (line.replace('"', "").partition(head.separator) for line in above)
-    return next((value.strip(head.separator) for name, _, value in split if name == "began"), "")
+    rows = enumerate(split, start=1)
+    return next(((value.strip(head.separator), row) for row, (name, _, value) in rows if name == "began"), ("", 0))
 
 
 PARSER = Parser(

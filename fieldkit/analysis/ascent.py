@@ -6,6 +6,7 @@ barometer adds a correction whose acceleration is a random walk (`process_noise`
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 
@@ -46,6 +47,8 @@ _ROUNDS = 12
 """Rounds of a fixed-point iteration whose error shrinks to a third in each. [1]"""
 _MIN_WEIGHT = 0.02
 """Smallest probability of a lag that counts. [1]"""
+_LONG_LAG = 0.2
+"""Shortest lag that makes a boost look much smoother: process noises are also estimated for one of these. [s]"""
 _MAX_EVIDENCE_LOSS = 10.0
 """Log evidence by which two lags in a row are behind the most probable one if longer lags are not tried. [1]"""
 
@@ -186,6 +189,11 @@ def _fitted(start: FitStart, marks: Marks, lags: Sequence[Lag], static: float) -
     if start.fused or marks.lift is None:
         return [LaggedAscent(1.0, lags[0], _drawn(samples, start.guess, found, start.fused, 0.0))]
     tried = _tried(start, found, marks, lags, static)
+    longer = max((one for one in tried if one.lag >= _LONG_LAG), key=lambda one: one.evidence, default=None)
+    if longer is not None and longer.evidence > max(one.evidence for one in tried) - _MAX_EVIDENCE_LOSS:
+        smoother = settled(samples, guess_for(start, longer.marks, longer.lag), False, longer.marks, longer.lag)
+        also = _tried(start, found.with_process_of(smoother), marks, lags, static)
+        tried = _likelier(tried, also)
     most = max(one.evidence for one in tried)
     if not np.isfinite(most):
         raise np.linalg.LinAlgError("no curve can be fitted to these samples")
@@ -209,6 +217,12 @@ def _tried(start: FitStart, found: FittedCurve, marks: Marks, lags: Sequence[Lag
         if all(one.evidence < bar for one in every[-2:]):
             break
     return every
+
+
+def _likelier(every: Sequence[Burnout], others: Sequence[Burnout]) -> list[Burnout]:
+    """The more probable of two burnouts for each lag; a lag that only one of two lists has is kept."""
+    pairs = zip_longest(every, others)
+    return [max((one for one in pair if one is not None), key=lambda one: one.evidence) for pair in pairs]
 
 
 def _again(start: FitStart, found: FittedCurve, burnout: Burnout) -> Ascent:

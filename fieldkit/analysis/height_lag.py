@@ -3,7 +3,9 @@
 A lag cannot be seen in a coast, which it only shifts in time. It shows at lift-off and burnout: if the heights are
 corrected for too small a lag, thrust seems to fade over seconds after burnout, and for too large a lag, the drag seems
 to be much greater just after burnout than later. So each lag has a likelihood (`fieldkit.analysis.ascent`), and the
-figures are averaged over the lags.
+figures are averaged over the lags. Where shocks or gaps hide it, its prior widens the standard deviations: the heights
+h(t) = H - g t^2/2 around an apogee H at t = 0, behind a first-order lag T, are H - g (t - T)^2/2 - g T^2/2. So they are
+late by T, and their apogee is low by g T^2/2.
 
 Source: the BMP280 datasheet (Bosch, BST-BMP280-DS001, 3.3.3), whose filters have time constants of 0.06 to 0.6 s at 25
 samples per second. A bay with one port of 1/4 inch per 100 cubic inches, the rule of altimeter manuals, has far less:
@@ -22,6 +24,7 @@ from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import known_well
 from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 _LAGS = (0.0, 0.06, 0.12, 0.2, 0.28, 0.36, 0.45, 0.55, 0.7)
@@ -50,10 +53,27 @@ def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag
     """The lags that heights may have if only they show the boost; shocks near the speed of sound or a gap hide them."""
     if lift is None or not track.is_barometric or seen.transonic or burnout_is_hidden(track, seen):
         return [replace(NO_LAG, lift=lift)]
-    edges = np.append((np.array(_LAGS[1:]) + _LAGS[:-1]) / 2, np.inf)
-    prior = np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
     lifts = earlier_liftoffs(lift, track, seen, _LAGS)
-    return [Lag(*one) for one in zip(_LAGS, prior.tolist(), lifts, strict=True)]
+    return [Lag(*one) for one in zip(_LAGS, _prior().tolist(), lifts, strict=True)]
+
+
+def _prior() -> Float[Array, "lag"]:
+    """Prior probability of each lag to try. [1]"""
+    edges = np.append((np.array(_LAGS[1:]) + _LAGS[:-1]) / 2, np.inf)
+    return np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
+
+
+def widened_by_unseen_lag(found: Recorded) -> Recorded:
+    """Results from heights whose lag is unknown: apogee and landing may be late, and the apogee low."""
+    lag, prior = np.array(_LAGS), _prior()
+    late, low = float(np.sqrt(prior @ lag**2)), GRAVITY / 2 * float(np.sqrt(prior @ lag**4))
+    figures, events = dict(found.figures), dict(found.events)
+    for name, error in {"apogee": low, "time_to_apogee": late, "duration": late}.items():
+        if name in figures:
+            figures[name] = replace(figures[name], sd=float(np.hypot(figures[name].sd, error)))
+    for name in events.keys() & {"apogee", "landing"}:
+        events[name] = replace(events[name], sd=float(np.hypot(events[name].sd, late)))
+    return replace(found, figures=figures, events=events)
 
 
 def burnout_is_hidden(track: Heights, seen: Outline) -> bool:

@@ -1,6 +1,6 @@
-"""Initial guess of a rocket's acceleration: from its accelerometer, or a coast with drag after a constant thrust.
+"""Initial guess of a rocket's acceleration: from its accelerometer, or a coast with drag after a typical thrust.
 
-Derivation: constant acceleration in the boost, then Newton's second law with drag in proportion to v².
+Derivation: thrust that decreases evenly in the boost, then Newton's second law with drag in proportion to v².
 """
 
 import math
@@ -17,6 +17,11 @@ from fieldkit.shapes import Array, Flags, Float
 
 MAX_SENSOR_GAP = 0.3
 """Longest gap in the boost after which an accelerometer is still complete. [s]"""
+THRUST_DECREASE = 0.71
+"""By how much thrust decreases from the start to the end of a burn, as a fraction of its mean: median over the catalog,
+each impulse class weighted equally (a test recomputes it). [1]"""
+SHORTEST_BURN = 0.1
+"""Shortest burn of a guess. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,15 +67,16 @@ def first_guess(
         guess = np.interp(knots, coast.time, coast.acceleration)
         top_speed = float(np.interp(burnout, coast.time, coast.speed))
     if lift is not None:
-        guess[(knots >= start) & (knots < burnout)] = top_speed / max(burnout - start, 0.1)
+        pushed = (knots >= start) & (knots < burnout)
+        guess[pushed] = boost(knots[pushed] - start, top_speed, burnout - start)
     fused = False
     if push is not None:
         level = levelled(push, lift)
         inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
-        boost = push.time[(push.time > start) & (push.time < burnout)]
+        pushes = push.time[(push.time > start) & (push.time < burnout)]
         if (
             level is not None
-            and np.diff(boost).max(initial=0.0) < MAX_SENSOR_GAP
+            and np.diff(pushes).max(initial=0.0) < MAX_SENSOR_GAP
             and (inside & (knots > start) & (knots < burnout)).sum() > 2
         ):
             total = running_integral(level, push.time)
@@ -83,6 +89,13 @@ def first_guess(
     speed = np.concatenate(([0.0], np.cumsum((guess[1:] + guess[:-1]) / 2))) * grid.step
     rise = speed[:-1] * grid.step + (2 * guess[:-1] + guess[1:]) * grid.step**2 / 6
     return Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
+
+
+def boost(since: Float[Array, "_"], top_speed: float, burn: float) -> Float[Array, "_"]:
+    """Typical net acceleration at times since lift-off [s] of a boost to a top speed [m/s] in a burn [s]. [m/s^2]"""
+    burn = max(burn, SHORTEST_BURN)
+    mean = top_speed / burn
+    return np.asarray(mean + THRUST_DECREASE * (mean + GRAVITY) * (0.5 - since / burn))
 
 
 def _in_silence(knots: Float[Array, "knot"], push: Push) -> Flags:

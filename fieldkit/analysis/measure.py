@@ -14,7 +14,7 @@ from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, h
 from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
-from fieldkit.analysis.height_lag import averaged, possible_lags
+from fieldkit.analysis.height_lag import averaged, possible_lags, widened_by_unseen_lag
 from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.notes import (
@@ -127,6 +127,8 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     times = trust.push.time if trust.push is not None and log.ascent.fused else every
     weights = [0.0 if NO_FLIGHT in one.notes else ascent.weight for one, ascent in zip(each, ascents, strict=True)]
     found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each], times)
+    if track.is_barometric and not (trust.compared if log.ascent.fused else len(lags) > 1):
+        found = widened_by_unseen_lag(found)
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     others += () if later is None else (OTHER_FLIGHT.format(later - float(every[0])),)
     return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)

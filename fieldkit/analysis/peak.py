@@ -12,7 +12,7 @@ from fieldkit.analysis.initial_guess import levelled
 from fieldkit.analysis.records import Figure
 from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.physics.standard_atmosphere import GRAVITY
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 BEYOND_WINDOW = (
     (0.05, 1.02, 0.06),
@@ -108,7 +108,8 @@ def _smoothed_peak(
     *,
     starts_late: bool = False,
 ) -> Figure:
-    """Peak from heights only: that of the curve, with what motors have beyond a window as long as the curve resolves.
+    """Peak from heights only: the highest mean of the curve over as long as it resolves, with what motors have beyond
+    that.
 
     If an accelerometer was saturated in the samples `hidden`, `filled` is the mean there [m/s^2] and how long it lasted
     [s]. Disturbed pressure at high speed creates peaks that no motor has. If the curve's peak differs from what motors
@@ -119,23 +120,30 @@ def _smoothed_peak(
     burn = max(float(np.ptp(time)), 1e-3)
     drag = _drag(ascent, float(time[-1]), float(speed[-1]))
     by_mean = _beyond(mean, BEYOND_MEAN, float(np.mean(drag * speed**2)))
-    place = int(np.argmax(ascent.acceleration[inside]))
     if hidden is not None and hidden.any():
         curve, window = filled
-        draws = ascent.accelerations[:, hidden].mean(axis=1)
+        hardest = np.flatnonzero(hidden[inside])
     else:
-        curve, draws = float(ascent.acceleration[inside][place]), ascent.accelerations[:, inside][:, place]
         window = ascent.resolution
+        hardest = _hardest(ascent.acceleration[inside], round(window / median_step(ascent.time)))
+        curve = float(ascent.acceleration[inside][hardest].mean())
+    draws = ascent.accelerations[:, inside][:, hardest].mean(axis=1)
     if curve <= 0 or starts_late:
         return by_mean
     parts, ratios, sds = np.array(BEYOND_WINDOW).T
     beyond = tuple(float(np.interp(window / burn, parts, one)) for one in (ratios, sds))
     shared = mean.sd / mean.value  # an error of the mean is also an error of the peak
     error = float(np.hypot(draws.std(), shared * curve))
-    peak = _beyond(Figure(curve, error, mean.source), beyond, float(drag * speed[place] ** 2))
+    peak = _beyond(Figure(curve, error, mean.source), beyond, float(drag * np.mean(speed[hardest] ** 2)))
     if abs(np.log(peak.value / by_mean.value)) > 2 * np.hypot(peak.sd / peak.value, by_mean.sd / by_mean.value):
         return by_mean
     return peak
+
+
+def _hardest(net: Float[Array, "time"], count: int) -> Int[Integers, "_"]:
+    """Which of evenly spaced accelerations are the `count` in a row with the highest mean, or all if they are fewer."""
+    count = int(np.clip(count, 1, net.size))
+    return int(np.argmax(np.convolve(net, np.full(count, 1.0), "valid"))) + np.arange(count)
 
 
 def _beyond(mean: Figure, ratio: tuple[float, ...], drag: float) -> Figure:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis.initial_guess import Guess, lagged
+from fieldkit.analysis.initial_guess import SHORTEST_BURN, Guess, lagged
 from fieldkit.analysis.optimize import nelder_mead
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
 from fieldkit.analysis.samples import Marks, Samples
@@ -34,6 +34,13 @@ _BOOST_TIME = 1.0
 """How long the dynamic pressure stays near its maximum. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """Effect of ejection gas on the pressure in an airframe, as height [m], and its duration [s]."""
+THRUST_NOISE, THRUST_NOISE_SPREAD = 0.30, 1.0
+"""Process noise of thrust around its typical decrease, in units of its mean squared per burn time: median over the
+catalog, and interquartile range of the logarithm in those of a standard normal, each impulse class weighted equally (a
+test recomputes them). [1]"""
+_COAST_NOISE, _FUSED_NOISES = 5.0, (3.0, 0.3)
+"""Typical process noise of the acceleration in a coast, and with an accelerometer under thrust and in the coast.
+[m^2/s^5]"""
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
 _FOLLOWED = 5.0
@@ -81,7 +88,7 @@ class FittedCurve:
     """Result of a fit: the curve, and the variances and process noise it was fitted with.
 
     `noise` is that of a sample [m], `variance` that of each sample [m^2]; `thrust`, `coast` and `opening` are process
-    noises [m^2/s^5].
+    noises [m^2/s^5], and `prior` is the log prior density of the first two up to a constant.
     """
 
     curve: CurvePosterior
@@ -90,6 +97,7 @@ class FittedCurve:
     thrust: float
     coast: float
     opening: float
+    prior: float
 
     def again(
         self, samples: Samples, guess: Guess, marks: Marks, lag: float, error: Float[Array, "time"] | None = None
@@ -103,15 +111,20 @@ class FittedCurve:
         return replace(self, curve=fit(samples.splines, height, 1 / self.variance, variances, late, error))
 
     def evidence(self, samples: Samples, guess: Guess, marks: Marks, lag: float, static: float) -> float:
-        """Log evidence of another guess and another lag of the samples [s], with the same settings; -inf if none fits.
+        """Log evidence of another guess and another lag of the samples [s], with the same settings and their prior;
+        -inf if no curve fits.
 
         `static` is the standard deviation of the airframe's pressure error, as a fraction of the dynamic pressure.
         """
         error = static * self.ram(samples, guess, marks, lag) if static > 0 else None
         try:
-            return self.again(samples, guess, marks, lag, error).curve.evidence
+            return self.prior + self.again(samples, guess, marks, lag, error).curve.evidence
         except np.linalg.LinAlgError:
             return -np.inf
+
+    def with_process_of(self, other: "FittedCurve") -> "FittedCurve":
+        """The same samples and errors with the process noises of another fit."""
+        return replace(self, thrust=other.thrust, coast=other.coast, prior=other.prior)
 
     def ram(self, samples: Samples, guess: Guess, marks: Marks, lag: float) -> Float[Array, "time"]:
         """Height of the dynamic pressure at each sample, v²/2g behind a lag [s]. [m]"""
@@ -143,6 +156,7 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: floa
         float(np.exp(settings[0])),
         float(np.exp(settings[1])),
         model.opening,
+        -0.5 * float((((settings - model.centre) / model.spread)[:2] ** 2).sum()),
     )
 
 
@@ -203,6 +217,7 @@ class _Model:
 def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float) -> _Model:
     """The model of a flight; if an accelerometer gives the shape, the process noise is smaller."""
     phase = phases(samples.grid, marks)
+    noises = _FUSED_NOISES if fused else (_thrust_noise(guess, marks, samples.grid.start), _COAST_NOISE)
     return _Model(
         samples,
         samples.above(guess, lag),
@@ -211,9 +226,16 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float
         _ram(samples, guess, fused) ** 2 + _blur(samples, guess, marks) ** 2 + _gas(samples.time, marks.charge) ** 2,
         _opening(samples.grid, guess, marks.charge),
         lags(samples.grid, marks, lag),
-        np.log([3.0 if fused else 2000.0, 0.3 if fused else 5.0, samples.noise, 1.5]),
-        np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([0.7, 0.8, 0.35, 0.7]),
+        np.log([*noises, samples.noise, 1.5]),
+        np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([THRUST_NOISE_SPREAD, 0.8, 0.35, 0.7]),
     )
+
+
+def _thrust_noise(guess: Guess, marks: Marks, start: float) -> float:
+    """Typical process noise of the acceleration in the boost of a guess on a grid that begins at `start` [s].
+    [m^2/s^5]"""
+    burn = max(marks.burnout - (start if marks.lift is None else marks.lift), SHORTEST_BURN)
+    return THRUST_NOISE * (float(guess.speed.max()) / burn + GRAVITY) ** 2 / burn
 
 
 def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:

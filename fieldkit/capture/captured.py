@@ -1,6 +1,7 @@
 """Read back captures: the bytes, the commands sent and their times, and the logs."""
 
 import json
+import re
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -138,7 +139,12 @@ def _mark(line: bytes) -> TapeMark | None:
 
 def captures(folder: Path) -> list[Path]:
     """The captures in a folder, newest last."""
-    return [file for file in sorted(folder.glob(f"*{BYTES}")) if is_capture(file)]
+    return [file for file in sorted(folder.glob(f"*{BYTES}"), key=_by_number) if is_capture(file)]
+
+
+def _by_number(file: Path) -> list[str | int]:
+    """Sort key of a name by its numbers: a capture that starts within the second of another has a number after it."""
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", file.stem)]
 
 
 def unfinished(folder: Path) -> Path | None:

@@ -25,6 +25,7 @@ class SerialLine:
 
     name: str
     protocol: str
+    settings: PortSettings
     tape: Tape
     _port: Any
 
@@ -78,6 +79,7 @@ class SerialLine:
             self._port.xonxoff = settings.xonxoff
         except _faults() as error:
             raise PortLost(f"{self.name}: the port disappeared ({_reason(error)})") from error
+        self.settings = settings
 
     def close(self) -> None:
         """Close the port, even if it has disappeared."""
@@ -102,7 +104,7 @@ def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> S
         )
     except _faults() as error:
         raise PortTrouble(f"{name}: cannot be opened ({_reason(error)}); {_advice(error)}") from error
-    return SerialLine(name, protocol, tape, port)
+    return SerialLine(name, protocol, settings, tape, port)
 
 
 def _faults() -> tuple[type[Exception], ...]:

@@ -1,12 +1,12 @@
 """A capture from start to end, across lost and regained ports, as a stream of events."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
-from fieldkit.capture.captured import read_capture
+from fieldkit.capture.captured import Captured, read_capture
 from fieldkit.capture.events import Back, Ended, Event, Instruction, Lost, PortOpened, Recognised
 from fieldkit.capture.line import PortSettings, SerialLine, open_line
 from fieldkit.capture.link import Dialogue, Link, Stopped, never
@@ -53,7 +53,7 @@ def capture(
     name = _name(device or port.device)
     settings = _settings(name, wishes)
     about = {"device": name, "port": port.name, "vendor": port.vendor, "product": port.product, "serial": port.serial}
-    with begin(folder, about | {"settings": {"baud": settings.baud, "xonxoff": settings.xonxoff}}) as tape:
+    with begin(folder, about | {"settings": asdict(settings)}) as tape:
         try:
             yield from _run(tape, port, name, settings, wishes, stop, look)
         except PortTrouble:
@@ -89,12 +89,18 @@ def resume(
             )
         port = replace(unit, name=found)
     name = _name(device or captured.device)
-    settings = _settings(name, wishes)
+    settings = _settings(name, wishes, _baud_of(captured) if name == captured.device else None)
     if captured.began is None:
         raise CaptureTrouble(f"{file.name}: its journal is damaged; import it and start another capture")
     with go_on(captured.file, captured.began) as tape:
         tape.note(
-            device=name, port=port.name, vendor=port.vendor, product=port.product, serial=port.serial, whole=False
+            device=name,
+            port=port.name,
+            vendor=port.vendor,
+            product=port.product,
+            serial=port.serial,
+            settings=asdict(settings),
+            whole=False,
         )
         yield from _run(tape, port, name, settings, wishes, stop, look)
 
@@ -107,9 +113,18 @@ def _name(device: str) -> str:
     return next(name for name, one in known_devices().items() if one is wanted)
 
 
-def _settings(name: str, wishes: CaptureOptions) -> PortSettings:
+def _settings(name: str, wishes: CaptureOptions, found: int | None = None) -> PortSettings:
+    """Settings of a protocol, or for listening without one, at the rate [baud] that was asked for, or else `found`."""
     settings = known_devices()[name].settings if name else PortSettings(RATES[0])
-    return replace(settings, baud=wishes.baud) if wishes.baud else settings
+    baud = wishes.baud or (found if name else None)
+    return replace(settings, baud=baud) if baud else settings
+
+
+def _baud_of(captured: Captured) -> int | None:
+    """The rate at which a unit was captured [baud]; None if the journal does not state one."""
+    settings = captured.fact("settings")
+    baud = settings.get("baud") if isinstance(settings, Mapping) else None
+    return baud if isinstance(baud, int) and baud > 0 else None
 
 
 def _run(
@@ -183,8 +198,12 @@ def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
 def _reopened(
     link: Link, unit: Port, settings: PortSettings, patience: float, look: Look, lost: PortLost
 ) -> Dialogue[SerialLine]:
-    """The line of a unit that has returned. Raises the loss again if it does not return."""
+    """The line of a unit that has returned, with the settings at which it was understood, or else those given.
+
+    Raises the loss again if it does not return.
+    """
     tape, name = link.line.tape, link.line.protocol
+    settings = link.line.settings if name else settings
     gives_up = time.monotonic() + patience
     while time.monotonic() < gives_up:
         if link.stop():
@@ -192,9 +211,7 @@ def _reopened(
         found = again(unit, look())
         if found is not None:
             try:
-                line = open_line(
-                    found, name, _settings(name, CaptureOptions(baud=settings.baud)) if name else settings, tape
-                )
+                line = open_line(found, name, settings, tape)
             except PortTrouble:
                 pass  # it may take a moment until the system allows it to be opened
             else:
@@ -239,9 +256,11 @@ def _senders_of(heard: bytes) -> list[str]:
 
 
 def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
-    """Continue with a protocol, which gets the bytes received so far."""
+    """Continue with a protocol at a rate [baud]; it gets the bytes received so far. Raises PortLost."""
+    settings = replace(known_devices()[name].settings, baud=baud)
+    link.line.retune(settings)
     link.line.protocol = name
-    link.line.tape.note(device=name, settings={"baud": baud})
+    link.line.tape.note(device=name, settings=asdict(settings))
     link.push_back(heard)
 
 

@@ -56,7 +56,6 @@ class OpenedFile:
 def open_file(source: str, log: bytes, format: str | None = None, choices: Sequence[ColumnChoice] = ()) -> OpenedFile:
     """Open a log, and measure it if no other file can complete it. Raises UnknownFormat or DamagedLog."""
     parsed, digest = open_log(log, source, format, choices), digest_of(log)
-    del log
     ((_, name, found),) = joined([(source, parsed.format, parsed.found)], [digest])
     alone = not any(isinstance(item, Reading) and (item.part or _is_numbered(item)) for item in parsed.found)
     return OpenedFile(source, parsed, digest, with_figures(found, name, digest) if alone else None)

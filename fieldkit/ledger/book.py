@@ -1,5 +1,6 @@
 """Add, replace, renew and remove flights in the tables."""
 
+import shlex
 from collections.abc import Sequence
 
 from sqlalchemy import Connection, func, select
@@ -8,7 +9,7 @@ from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
-from fieldkit.ledger.finding import Identity, StoredFlight, find
+from fieldkit.ledger.finding import Identity, StoredFlight, find, of_logs
 from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
@@ -62,12 +63,18 @@ def lacks_files(stored: Flight, flight: Flight) -> bool:
 def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
     """Add flights; see `Ledger.add`."""
     known, conflicts, duplicates = Known(recorder.connection, [one.flight for one in arrivals]), [], 0
+    elsewhere = _by_log(recorder.connection, arrivals)
     entry = recorder.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
     for arrival in arrivals:
         flight = arrival.flight
         if known.match(arrival):
             duplicates += 1
+        elif (other := elsewhere.get(_log_identity(arrival))) and other.rocket != flight.rocket:
+            if flight.rocket or not agrees(other, arrival.given or {}):
+                conflicts.append(Conflict(arrival, _other_rocket(recorder.connection, other, flight)))
+            else:
+                duplicates += 1
         elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
             conflicts.append(Conflict(arrival, error))
         else:
@@ -83,6 +90,31 @@ def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
     recorder.insert(tags, labels)
     names = ids(recorder.connection, [(row["rocket"], row["flight_id"]) for row in rows])
     return Added(tuple(names.values()), duplicates, tuple(conflicts))
+
+
+def _log_identity(arrival: Arrival) -> tuple[str, str] | None:
+    """Digest and flight_id of a flight from a file that names no rocket: the same under any rocket. None for others."""
+    names_none = not arrival.flight.rocket or "rocket" in (arrival.given or {})
+    return (arrival.log.digest, arrival.flight.flight_id) if arrival.log and names_none else None
+
+
+def _by_log(connection: Connection, arrivals: Sequence[Arrival]) -> dict[tuple[str, str] | None, Flight]:
+    """The stored flights from the files of incoming ones that name no rocket, by digest and flight_id."""
+    wanted = {one for one in map(_log_identity, arrivals) if one}
+    stored = of_logs(connection, sorted({digest for digest, _ in wanted}))
+    every = {(one.log_digest, one.flight.flight_id): one.flight for one in stored if one.log_digest}
+    return {one: every[one] for one in wanted & every.keys()}
+
+
+def _other_rocket(connection: Connection, stored: Flight, flight: Flight) -> str:
+    """Why a flight cannot be added whose log is stored as a flight of another rocket, in one line."""
+    (name,) = ids(connection, [(stored.rocket, stored.flight_id)]).values()
+    owner = f"as a flight of {stored.rocket}" if stored.rocket else "without a rocket"
+    column = shlex.quote(f"rocket={flight.rocket}") if flight.rocket else "COLUMN=VALUE"
+    return (
+        f"{flight_label(flight.flight_id)}: this log is in the ledger {owner}; "
+        f"use `fieldkit edit {shlex.quote(name)} {column}` to change it"
+    )
 
 
 def _objection(flight: Flight, stored: Flight | None) -> str | None:

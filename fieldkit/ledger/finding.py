@@ -103,6 +103,15 @@ def find(connection: Connection, identities: Sequence[Identity]) -> list[StoredF
     return stored
 
 
+def of_logs(connection: Connection, digests: Sequence[str]) -> list[StoredFlight]:
+    """The flights read from logs with one of these digests."""
+    stored: list[StoredFlight] = []
+    for start in range(0, len(digests), MAX_ROWS_BY_NAME):
+        some = digests[start : start + MAX_ROWS_BY_NAME]
+        stored += _all_stored(connection, select(flights).where(flights.c.log_digest.in_(some)))
+    return stored
+
+
 def ever_of(connection: Connection, rocket: str) -> list[StoredFlight]:
     """The flights of a rocket, and those that were its flights when they were entered, latest entry first."""
     once = IS_EDITED & (flights.c.entered["rocket"].as_string() == rocket)

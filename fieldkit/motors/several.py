@@ -25,8 +25,8 @@ CLUSTER_NOTE = (
     "drag and failed ignitions are not modeled"
 )
 STAGES_NOTE = (
-    "stages: a booster drops at its burnout and the next motor lights then; the Cd is that of the uppermost stage and, "
-    "without --booster-cd, of the whole rocket; the descent of boosters is not modeled"
+    "stages: a booster drops at its burnout, and the next motor lights at once; the Cd is that of the top stage, and "
+    "of the rocket with its boosters too unless --booster-cd states another; the descent of boosters is not modeled"
 )
 DROP_TIME = 1e-3
 """Time within which a booster drops. [s]"""

@@ -11,7 +11,8 @@ from fieldkit.analysis.height_lag import averaged
 from fieldkit.analysis.initial_guess import lagged
 from fieldkit.analysis.smooth import Grid, design, fit
 from fieldkit.flight import Series
-from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, Truth, fly, log
+from fieldkit.motors import catalogue
+from tests.analysis.recordings import FAST, LARGE, SMALL, Logger, Rocket, Truth, fly, log
 
 LIFT = Event(0.0, 0.1, "pressure")
 READOUTS = ("apogee", "top_speed", "burn_time", "avg_accel", "time_to_apogee", "coast_to_apogee", "duration")
@@ -39,6 +40,17 @@ def test_small_vents_bias_no_readout_beyond_its_standard_deviation(rocket: Rocke
     right = truth.readouts()
     assert {name for name in READOUTS if abs(figures[name].value - right[name]) > 2.5 * figures[name].sd} == set()
     assert figures["burn_time"].value == pytest.approx(right["burn_time"], rel=0.25)
+
+
+@pytest.mark.parametrize("rocket", [Rocket(mass=0.2, area=0.0009, delay=7.0), FAST], ids=["regressive thrust", "sonic"])
+def test_a_lag_that_thrust_or_shocks_hide_biases_no_readout_beyond_its_standard_deviation(rocket: Rocket) -> None:
+    """Thrust that decreases throughout looks like a lag, and near the speed of sound shocks hide one."""
+    truth = fly(rocket, None if rocket is FAST else catalogue().find("D13").motor)
+    figures = measure([behind(recording(truth)[0], 0.4)]).figures
+    right = truth.readouts()
+    assert {
+        name for name in right.keys() & figures if abs(figures[name].value - right[name]) > 2.5 * figures[name].sd
+    } == set()
 
 
 def test_heights_without_a_lag_are_unchanged() -> None:

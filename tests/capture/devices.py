@@ -102,6 +102,14 @@ class Wire:
         self.received += chunk
         return chunk
 
+    @property
+    def baud(self) -> int:
+        """The rate at which the host listens. [baud]"""
+        import termios
+
+        speed = termios.tcgetattr(self.master)[4]
+        return next(int(name[1:]) for name in dir(termios) if name[1:].isdigit() and getattr(termios, name) == speed)
+
     def unplug(self) -> None:
         """Pull the cable."""
         if not self._gone.is_set():
@@ -414,6 +422,21 @@ def talking(content: bytes, dribble: random.Random | None = None, pause: float =
             time.sleep(pause)
         while True:
             wire.listen(0.05)
+
+    return device
+
+
+def at_rate(baud: int, content: bytes) -> Device:
+    """A unit that sends at one rate, which is noise at every other, until its cable is pulled."""
+
+    def device(wire: Wire) -> None:
+        wire.wait_until_opened()
+        while wire.baud != baud:
+            wire.say(b"\xfe\x80" * 16)
+            time.sleep(0.02)
+        wire.say(content)
+        time.sleep(0.3)
+        wire.unplug()
 
     return device
 

@@ -37,7 +37,7 @@ from fieldkit.capture import (
 )
 from fieldkit.capture.line import PortSettings, open_line
 from fieldkit.capture.port import again
-from fieldkit.capture.tape import JOURNAL, begin, go_on
+from fieldkit.capture.tape import JOURNAL, _new, begin, go_on
 from fieldkit.cli.live import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
@@ -408,6 +408,17 @@ def test_a_pulled_cable_is_reported_and_resume_takes_the_newest(run: Run, folder
         assert "Imported 1" in run("capture", "--resume", wire.name).out
     with pytest.raises(CaptureTrouble, match="is no longer there; current ports"):
         list(resume(file, look=lambda: [Port("/dev/other")]))
+
+
+def test_captures_that_start_within_one_second_are_in_their_order(tmp_path: Path) -> None:
+    began = []
+    for _ in range(11):
+        file, raw = _new(tmp_path, "20260601-120000")
+        raw.close()
+        file.with_suffix(JOURNAL).write_text("")
+        began.append(file)
+    assert captures(tmp_path) == began
+    assert unfinished(tmp_path) == began[-1]
 
 
 @terminals

@@ -552,6 +552,29 @@ def test_a_unit_that_sends_unprompted_is_recognized_and_no_byte_is_lost(
     assert content.startswith(kept.raw)
 
 
+def test_a_port_is_opened_again_at_the_rate_at_which_its_unit_was_recognized(tmp_path: Path) -> None:
+    """At once after a loss, and in a later session."""
+    unit, rate = Port("", 0x1A86, 0x7523, "A1"), 19_200
+    lines, wishes = b"".join(b"%d\r\n" % n for n in range(0, 900, 3)), replace(QUICK, silence=0.5)
+    with played(devices.at_rate(rate, lines)) as first, played(devices.talking(lines)) as second:
+
+        def look() -> list[Port]:
+            return [replace(unit, name=second.name)]
+
+        events = []
+        for event in capture(replace(unit, name=first.name), folder=tmp_path, wishes=wishes, look=look):
+            first.opened.set()
+            if isinstance(event, Back):
+                second.opened.set()
+            events.append(event)
+        assert any(isinstance(event, Back) for event in events)
+        assert second.baud == rate
+    with played(devices.talking(lines)) as third:
+        for _ in resume(ended(events).file, replace(unit, name=third.name), wishes=wishes):
+            third.opened.set()
+        assert third.baud == rate
+
+
 @pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("device", [*known_devices(), None])
 def test_a_unit_that_never_answers_is_reported_in_one_line_and_leaves_no_file(

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldkit.capture import CaptureOptions, Port, known_devices
 from fieldkit.capture.captured import Captured
 from fieldkit.capture.commands import ALLOWED_COMMANDS, ForbiddenCommand, allowed
-from fieldkit.capture.line import SerialLine
+from fieldkit.capture.line import PortSettings, SerialLine
 from fieldkit.capture.link import Link, Stopped
 from fieldkit.capture.tape import Tape, begin
 from fieldkit.errors import FieldkitError
@@ -91,7 +91,7 @@ def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str
     for command in FORBIDDEN:
         ear = Ear(silent)
         with pytest.raises(ForbiddenCommand):
-            SerialLine("port", protocol, tape, ear).send(command)
+            SerialLine("port", protocol, PortSettings(), tape, ear).send(command)
         assert not ear.written
 
 
@@ -105,7 +105,7 @@ def test_whatever_is_passed_to_send_only_commands_in_the_table_are_written(
 ) -> None:
     ear = Ear(silent)
     try:
-        SerialLine("port", protocol, tape, ear).send(command)
+        SerialLine("port", protocol, PortSettings(), tape, ear).send(command)
     except ForbiddenCommand:
         assert not ear.written
     else:
@@ -288,7 +288,9 @@ def test_no_answer_makes_a_protocol_send_anything_else(tape: Tape, name: str) ->
 
         ear = Ear(reply)
         patience = count()
-        link = Link(SerialLine("port", name, tape, ear), lambda patience=patience: next(patience) > 5000)
+        link = Link(
+            SerialLine("port", name, PortSettings(), tape, ear), lambda patience=patience: next(patience) > 5000
+        )
         wishes = CaptureOptions(
             lambda flights: [-3, 2**40, *(f.number for f in flights)], seed % 3 == 0, 434.55e6, wait=5, silence=5
         )

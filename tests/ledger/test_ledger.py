@@ -16,8 +16,10 @@ from sqlalchemy.engine import make_url
 
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
+from fieldkit.importing.incoming import Arrival, Original
 from fieldkit.ledger import Ledger, Renewal
 from fieldkit.ledger.finding import PAGE
+from fieldkit.ledger.records import Added
 from tests.effort import examples
 
 pytestmark = pytest.mark.fast
@@ -181,6 +183,24 @@ def test_a_dry_run_says_what_would_happen_and_changes_nothing(ledger: Ledger) ->
     assert (added.new, added.duplicates) == (("2",), 1)
     assert ledger.flights() == [FIRST]
     assert len(ledger.history()) == 1
+
+
+def test_a_log_is_one_flight_with_and_without_a_rocket(ledger: Ledger) -> None:
+    """If the file names no rocket. A table that names its rockets may use an id for each."""
+    log, unnamed = Original.of(b"samples"), FIRST.with_changes(rocket="", flight_id="flight-1")
+
+    def added(rocket: str, *, given: bool = True) -> Added:
+        named = {"rocket": rocket} if rocket and given else {}
+        return ledger.add([Arrival(unnamed.with_changes(rocket=rocket), log, "a.pf2", given=named)])
+
+    assert added("").new == ("flight-1",)
+    (conflict,) = added("Astra").conflicts
+    assert "without a rocket; use `fieldkit edit flight-1 rocket=Astra`" in conflict.error
+    ledger.edit("flight-1", rocket="Astra")
+    assert (added("").duplicates, added("Astra").duplicates) == (1, 1)
+    (conflict,) = added("Bob").conflicts
+    assert "as a flight of Astra" in conflict.error
+    assert added("Bob", given=False).new == ("Bob/flight-1",)
 
 
 def test_two_flights_with_one_name_in_a_table_are_a_duplicate_or_a_conflict(ledger: Ledger) -> None:

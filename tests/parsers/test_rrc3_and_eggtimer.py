@@ -1,6 +1,8 @@
 """Loggers whose files name no units: RRC3, whose pressures prove them, and Eggtimer, whose acceleration near apogee
 may."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -110,6 +112,17 @@ def test_the_acceleration_near_apogee_distinguishes_feet_from_meters(unit: float
     assert series.altitude.max() == pytest.approx(208.7, abs=1)  # log(1 + 0.002 * 80**2 / 9.81) / 0.004
     assert series.time[1] == pytest.approx(0.05)
     assert isinstance(note, Note)
+    assert note.text.endswith(f"taken in {'m' if unit == 1.0 else 'ft'}, as the deceleration just before apogee shows")
+
+
+def test_a_note_states_how_the_unit_was_determined_where_the_top_does_not_show_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(parsers()["eggtimer"].read.__globals__, "unit_of_fall", lambda *_: "")  # type: ignore[attr-defined]
+    log = Path(__file__).parents[2] / "sample_logs" / "eggtimer__trs_console_in_feet.txt"
+    _, (note,) = found("eggtimer", log.read_bytes())
+    assert isinstance(note, Note)
+    assert note.text.endswith("taken in ft, by free fall")
 
 
 def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit_fixes_it() -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fieldkit.errors import DamagedLog
 from fieldkit.importing import Reading
 from fieldkit.importing.recognize import claims, parser_for, parsers
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
@@ -269,3 +270,10 @@ def test_a_last_cell_truncated_within_its_digits_is_not_a_number(cut: int, remai
 
 def test_a_table_with_a_date_and_readouts_is_a_table_of_flights() -> None:
     assert claims(b"date_time,apogee,notes\n2026-05-02 11:04,923ft,windy\n") == ["flight_table"]
+
+
+def test_a_damaged_start_of_live_telemetry_is_reported_with_its_row() -> None:
+    title, began, rest = LIVE.split("\n", 2)
+    log = "\n".join([title, "device,stratologger", "", began.replace("2026", "noon"), rest])
+    (damage,) = [one for one in parsers()["stratologger_telemetry"].read(log.encode()) if isinstance(one, DamagedLog)]
+    assert damage.row == 4

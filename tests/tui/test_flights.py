@@ -204,11 +204,15 @@ async def test_a_flight_opens_in_the_newly_chosen_colors(file: Path) -> None:
 
 async def test_a_log_is_plotted_with_its_events(tmp_path: Path) -> None:
     from fieldkit.services.imports import bring_in
+    from fieldkit.tui.flights.log_plot import POINTS, Drawn, drawn
     from tests.pressing import ROOT
 
     log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
     with Ledger.open(tmp_path / "ledger.db") as ledger:
-        bring_in(ledger, [log], lambda name: None, defaults={"rocket": "Comet"})
+        (id,) = bring_in(ledger, [log], lambda name: None, defaults={"rocket": "Comet"}).ids
+        plotted = drawn(ledger, id, "SI")
+        assert isinstance(plotted, Drawn)
+        assert POINTS / 2 < max(len(trace.time) for trace in plotted.traces.values()) <= POINTS
     async with opened(tmp_path / "ledger.db", (160, 90)) as pilot:
         await press(pilot, "enter")
         seen = words(pilot)

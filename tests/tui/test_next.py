@@ -171,8 +171,8 @@ async def test_several_logs_of_one_flight_can_be_marked_and_read_together(file: 
 
 async def test_unknown_columns_are_mapped_once_and_remembered(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
-    for name in ("one.csv", "two.csv"):
-        (file.parent / "field" / name).write_text("quux;frob\n" + rows)
+    for name, last in (("one.csv", ""), ("two.csv", "12.0;0.00\n")):
+        (file.parent / "field" / name).write_text("quux;frob\n" + rows + last)
     async with opened(file, page="import_files") as pilot:
         await press(pilot, "down")
         assert text_of(pilot, "#preview").endswith("F to choose a parser, m to map the columns of a table")
@@ -484,13 +484,17 @@ async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
     end = capture.Ended(log, "stratologger", 4000, 200, 0, "complete", True)
     events = [
         capture.PortOpened("/dev/ttyUSB0", "stratologger", log),
-        capture.Progress(2000, 100, 1, 0.5, capture.Sample(123.4, 3.0, 20.0, "boost")),
+        *(capture.Progress(2000, 100, 1, 0.5, capture.Sample(one, 3.0, 20.0, "boost")) for one in (123.4, 99.0, 98.0)),
         capture.Lost("/dev/ttyUSB0", "the cable was pulled"),
         capture.Back("/dev/ttyUSB1"),
         end,
     ]
     here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
-    with patch("fieldkit.capture.ports", lambda: here), patch("fieldkit.capture.capture", lambda *a, **k: iter(events)):
+    with (
+        patch("fieldkit.capture.ports", lambda: here),
+        patch("fieldkit.capture.capture", lambda *a, **k: iter(events)),
+        patch("fieldkit.tui.imports.capture_page.MAX_DRAWN_ALTITUDES", 2),
+    ):
         async with opened(file, page="serial") as pilot:
             assert "0403:6015 FTDI chip" in words(pilot)
             await press(pilot, "enter")
@@ -508,7 +512,7 @@ async def test_a_capture_shows_incoming_data_and_imports_it(file: Path) -> None:
             assert "Imported 1" in words(pilot)
             events[1:1] = [capture.Instruction(f"page {number} is read") for number in range(20)]
             events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
-            events.remove(next(event for event in events if isinstance(event, capture.Progress)))
+            events[:] = [event for event in events if not isinstance(event, capture.Progress)]
             await press(pilot, "enter")
             seen = words(pilot)
             assert "nothing received" in seen, "the newest is in sight, however much was said before"

@@ -63,8 +63,7 @@ DRAWN_MARGIN = 1.0
 TRACES = ("altitude", "speed", "acceleration")
 """Channels to draw, from top to bottom."""
 POINTS = 400
-"""Number of samples to which a channel is thinned, more than the widest screen has dots; because every n-th sample is
-drawn, up to twice as many can be left. [1]"""
+"""Largest number of samples of a channel that are drawn, more than the widest screen has dots. [1]"""
 
 
 def drawn(ledger: Ledger, id: str, system: str) -> Drawn | str:
@@ -84,7 +83,7 @@ def drawn(ledger: Ledger, id: str, system: str) -> Drawn | str:
         else:
             continue
         good = np.isfinite(values)
-        every = max(1, int(good.sum()) // POINTS)
+        every = max(1, -(-int(good.sum()) // POINTS))  # rounded up
         unit = unit_of(column, system)
         scale = units.unit(column.quantity, unit)
         measured = "" if clock is not None else ", from the heights"

@@ -101,6 +101,7 @@ class CaptureScreen(PageScreen):
         self._capturing = False
         self._events: list[str] = []
         self._heights: list[float] = []
+        self._highest = float("-inf")
 
     def body(self) -> Iterable[Widget]:
         """The ports and the capture."""
@@ -159,7 +160,7 @@ class CaptureScreen(PageScreen):
         if self._capturing:
             self.complain("a capture is running; k ends it")
             return
-        self._capturing, self._heights = True, []
+        self._capturing, self._heights, self._highest = True, [], float("-inf")
         self._stop.clear()
         self.add_class("-started")
         self._nothing_yet()
@@ -215,8 +216,9 @@ class CaptureScreen(PageScreen):
         if sample is None:
             return
         self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
+        self._highest = max(self._highest, sample.altitude)
         self.query_one(Big).show(number(cards.APOGEE, sample.altitude, system))
-        highest = measure(cards.APOGEE, max(self._heights), system)
+        highest = measure(cards.APOGEE, self._highest, system)
         speed = measure(BY_NAME["top_speed"], sample.speed, system)
         lines = [f"{spelled(unit_of(cards.APOGEE, system))} now, highest {highest}", speed, printable(sample.state)]
         self.query_one("#state", Static).update(Content("\n".join(line for line in lines if line)))
