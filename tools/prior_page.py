@@ -68,11 +68,12 @@ difference. {WRITTEN_BY}
 {chr(10).join(means)}
 
 The biases of devices have mean zero, because manufacturers aim at the truth. The mean of a flyer's fleet varies by the
-variation among fleets plus the standard deviation of the overall mean. *Drift* is its change per year since the first
-flight: in the journal, whose rockets were weighed once, the mass needed to explain the flights grows every year, which
-a falling thrust would explain as well. *Logged* is for readouts measured in the samples of a log. *Ports* is for the
-drag in the log of a barometer, which static ports change: by 0.12 if they are off by 3% of the dynamic pressure, and
-more in real flights with an accelerometer beside the barometer (`python -m tools.drags`).
+variation among fleets plus the standard deviation of the overall mean. *Drift* is its change in one year since the
+first flight, independent of other years: in the journal, whose rockets were weighed once, the mass that explains the
+flights grows over the years, though a falling thrust would explain them as well. *Logged* is for readouts measured in
+the samples of a log. *Ports* is for the drag in the log of a barometer, which static ports change: by 0.12 if they are
+off by 3% of the dynamic pressure, and more in real flights with an accelerometer beside the barometer (`python -m
+tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
 its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the

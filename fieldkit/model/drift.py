@@ -1,7 +1,8 @@
 """The drift of a flyer's fleet: how the mean of a quantity over all rockets changes from year to year.
 
-It is a rate, constant over the years, times the time since the fleet's first flight. Real flights show one for the
-ratio of flown to recorded mass: rockets get heavier by repairs, paint and fittings, and the recorded mass stays.
+It is continuous, with a rate for each year, and the rates of different years are independent: a random walk, known best
+where many flights were flown. Real flights show one for the ratio of flown to recorded mass: rockets get heavier by
+repairs, paint and fittings, and the recorded mass stays.
 """
 
 from collections.abc import Iterable, Sequence
@@ -39,3 +40,12 @@ def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float
         days.append(before)
     days += [flight.date_time.date() if flight.date_time else max(before, last) for flight in flights[flown:]]
     return np.array([(day - first).days / DAYS_PER_YEAR for day in days])
+
+
+def years_passed(time: Float[Array, "flight"]) -> Float[Array, "year flight"]:
+    """How much of each year of the fleet had passed at some times since its first flight [year]: 0 before it, 1 after
+    it. [1]
+
+    Derivation: the integral, until each time, of a function that is 1 in one year and 0 in all others.
+    """
+    return np.clip(time - np.arange(np.ceil(time.max(initial=0.0)))[:, None], 0.0, 1.0)

@@ -179,7 +179,7 @@ START = Hyperprior(
             "thrust.lot": 0.025,
             "thrust.flight": 0.025,
             "mass.fleet": 0.05,
-            "mass.drift": 0.02,
+            "mass.drift": 0.05,
             "mass.rocket": 0.05,
             "stretch.motor": 0.05,
             "stretch.flight": 0.03,
@@ -221,13 +221,13 @@ START = Hyperprior(
 types are within 5% of their certificates (certification tests differ by that much; single motors by 6.7%, NFPA 1125),
 their lots within 2.5% of the type if flights record them, burn times within 5% and delays within 10%. Masses are within
 5%, because altimeter, recovery and wadding are not always weighed, which adds mass: the mean is learned. Recorded once,
-they grow by repairs and fittings: 2% a year. Devices of one kind share a bias of 5%, that of peak acceleration also by
-motor type, as they smooth short spikes. Single flights scatter by 6%. The biases of devices have mean zero, because
-manufacturers aim at the truth; the variation of noise among devices (`reading`) is a judgment. Readouts measured in
-samples have no bias of a device. Drag and impulse from a log have the standard deviation of the analysis (`ratio` is
-used if it is missing). A climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times the impulse.
-Static ports change a drag from a barometer (`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters on one open
-flight differ by 13% in drag and 9% in impulse."""
+they change by repairs and fittings: by 5% a year. Devices of one kind share a bias of 5%, that of peak acceleration
+also by motor type, as they smooth short spikes. Single flights scatter by 6%. The biases of devices have mean zero,
+because manufacturers aim at the truth; the variation of noise among devices (`reading`) is a judgment. Readouts
+measured in samples have no bias of a device. Drag and impulse from a log have the standard deviation of the analysis
+(`ratio` is used if it is missing). A climb 15 degrees off vertical has 1/cos 15 = 1.035 times the drag and 0.97 times
+the impulse. Static ports change a drag from a barometer (`fieldkit.analysis.drag_and_impulse.PORTS_SD`). Two altimeters
+on one open flight differ by 13% in drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""

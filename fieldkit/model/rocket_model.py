@@ -13,11 +13,11 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.drift import Period, years
+from fieldkit.model.drift import Period, years, years_passed
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
-from fieldkit.model.term_names import config_term, drift_term, fleet_term
+from fieldkit.model.term_names import config_term, drift_term, fleet_term, is_drift
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.effect import Effect
@@ -233,8 +233,9 @@ def _quantity_terms(
     if sd := hyperprior.fleet_sd(quantity):
         yield Term(fleet_term(quantity), quantity, mean, sd, every)
         mean = 0.0
-    if (sd := hyperprior.sd(quantity, "drift")) and time.any():
-        yield Term(drift_term(quantity), quantity, 0.0, sd, time)
+    if sd := hyperprior.sd(quantity, "drift"):
+        for year, passed in enumerate(years_passed(time), start=1):
+            yield Term(drift_term(quantity, year), quantity, 0.0, sd, passed)
     if sd := hyperprior.sd(quantity, "rocket"):
         yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
     if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), flights, quantity)).any():
@@ -266,8 +267,8 @@ def shared_names(model: Model) -> list[str]:
     """The terms that other rockets of the same ledger also have: for the fleet, for motor types and their lots."""
     motors = dict.fromkeys([*model.groups("motor"), *_named(model.groups("lot"))])
     known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
-    known |= {term(quantity) for quantity in QUANTITIES for term in (fleet_term, drift_term)}
-    return [name for name in model.names if name in known]
+    known |= {fleet_term(quantity) for quantity in QUANTITIES}
+    return [name for name in model.names if name in known or is_drift(name)]
 
 
 def scatter_of(hyperprior: Hyperprior) -> tuple[Scatter, ...]:

@@ -6,9 +6,14 @@ def fleet_term(quantity: str) -> str:
     return f"{quantity} of the fleet"
 
 
-def drift_term(quantity: str) -> str:
-    """The name of the term for the change of one quantity of a flyer's whole fleet per year."""
-    return f"{quantity} of the fleet per year"
+def drift_term(quantity: str, year: int) -> str:
+    """The name of the term for the change of one quantity of a flyer's whole fleet in a year, counted from 1."""
+    return f"{fleet_term(quantity)} in year {year}"
+
+
+def is_drift(term: str) -> bool:
+    """Whether a term is one of `drift_term`."""
+    return " of the fleet in year " in term
 
 
 def config_term(quantity: str, config: str) -> str:

@@ -12,16 +12,16 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.inference.laplace.learning import learn_hyperprior
-from fieldkit.model.drift import DAYS_PER_YEAR, period_of, years
+from fieldkit.model.drift import DAYS_PER_YEAR, period_of, years, years_passed
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
-from fieldkit.model.term_names import drift_term
+from fieldkit.model.term_names import is_drift
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False
 START = datetime(2015, 6, 1)
-RATE = 0.05
+RATE = 0.03
 """How much heavier the rockets get. [1/year]"""
 MOTOR = catalogue().resolve("F39-6")
 
@@ -36,7 +36,7 @@ def flown(rocket: str, at: list[float], rate: float) -> list[tuple[Flight, Found
     plans = [flight(f"{rocket}-{number}", year, rocket) for number, year in enumerate(at)]
     model = base_model(plans, [MOTOR] * len(plans), learned(), period=(START.date(), START.date()))
     truth = np.array([[term.mean for term in model.terms]])
-    truth[0, model.names.index(drift_term("mass"))] = rate
+    truth[0, [is_drift(name) for name in model.names]] = rate
     figures = shown(model, truth, {})
     readouts = ("apogee", "top_speed", "coast_to_apogee")
     return [
@@ -66,7 +66,12 @@ def test_a_flight_without_a_date_was_flown_with_the_one_before_it() -> None:
 
 def test_flights_without_dates_have_no_drift() -> None:
     model = base_model([flight("1", None), flight("2", None)], [MOTOR, MOTOR], learned())
-    assert drift_term("mass") not in model.names
+    assert not any(map(is_drift, model.names))
+
+
+@given(st.lists(st.floats(0, 30), max_size=6))
+def test_the_parts_of_all_years_add_up_to_the_time(at: list[float]) -> None:
+    np.testing.assert_allclose(years_passed(np.array(at)).sum(axis=0), at, atol=1e-9)
 
 
 def error(hyperprior: Hyperprior) -> float:

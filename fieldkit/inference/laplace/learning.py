@@ -24,7 +24,7 @@ from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
-from fieldkit.model.term_names import drift_term, fleet_term
+from fieldkit.model.term_names import fleet_term, is_drift
 from fieldkit.motors.lots import OF_A_LOT
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
@@ -254,7 +254,7 @@ def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, me
             sums.add(f"{quantity}.fleet", float((mean - hyperprior.mean(quantity)) ** 2 + variance), 1.0)
             means.add(quantity, float(mean), 1.0)
         else:
-            level = "drift" if name == drift_term(quantity) else "lot" if OF_A_LOT in name else "motor"
+            level = "drift" if is_drift(name) else "lot" if OF_A_LOT in name else "motor"
             sums.add(f"{quantity}.{level}", float(mean**2 + variance), 1.0)
 
 
