@@ -20,13 +20,15 @@ from fieldkit.forecast.evaluation.forward_in_time import FlownFlight, Forecast, 
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.fleet import merged, rocket_fit
+from fieldkit.model.drift import period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.simulated_readouts import REFERENCE_LAUNCH_ANGLE
-from fieldkit.model.term_names import fleet_term
+from fieldkit.model.term_names import fleet_term, is_drift
 from fieldkit.progress import ReportProgress, no_op
+from fieldkit.quantities import counted
 from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float
 
@@ -73,7 +75,7 @@ class Shortfall:
 
     `ratio` is the median of flown over simulated apogee, `launch_angle_worth` the mean change of its logarithm by the
     usual launch angle. `joint` is the posterior of the fleet's terms with all causes, and `worth` the mean effect of
-    each of its terms on the log apogee.
+    each of its terms on the log apogee. `drift` is the posterior of the changes of the mass in single years.
     """
 
     flights: int
@@ -82,6 +84,7 @@ class Shortfall:
     steps: tuple[Step, ...]
     joint: SharedPrior
     worth: Float[Array, "term"]
+    drift: SharedPrior
 
 
 def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op) -> Shortfall:
@@ -102,11 +105,11 @@ def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op)
     pairs = zip(steps[0].forecasts, simulated, strict=True)
     bare = Step("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
     on_progress("all rockets together", len(CAUSES) / (len(CAUSES) + 1))
-    joint, worth = _together(at_an_angle, known)
+    joint, worth, drift = _together(at_an_angle, known)
     ratio = float(np.median([one.ratio for one in simulated]))
     both = zip(inclined, simulated, strict=True)
     worth_of_angle = float(np.mean([log(one.simulated / other.simulated) for one, other in both]))
-    return Shortfall(len(simulated), ratio, worth_of_angle, (bare, *steps), joint, worth)
+    return Shortfall(len(simulated), ratio, worth_of_angle, (bare, *steps), joint, worth, drift)
 
 
 def _measured(flown: Sequence[FlownFlight]) -> list[Simulated]:
@@ -141,19 +144,23 @@ def _uncalibrated(row: Forecast, middle: float) -> Forecast:
     return replace(row, p05=middle, p50=middle, p95=middle)
 
 
-def _together(flown: Sequence[FlownFlight], hyperprior: Hyperprior) -> tuple[SharedPrior, Float[Array, "term"]]:
-    """The posterior of the fleet's terms, and the effect of each on the apogees."""
+def _together(
+    flown: Sequence[FlownFlight], hyperprior: Hyperprior
+) -> tuple[SharedPrior, Float[Array, "term"], SharedPrior]:
+    """The posterior of the fleet's terms, the effect of each on the apogees, and the posterior of their drift."""
     rockets: dict[str, list[FlownFlight]] = {}
     for flight, motor in flown:
         rockets.setdefault(flight.rocket, []).append((flight, motor))
     used = [own for own in rockets.values() if any(one.clean and one.readouts() for one, _ in own)]
-    fits = [rocket_fit(own, hyperprior) for own in used]
+    period = period_of(flight for own in used for flight, _ in own)
+    fits = [rocket_fit(own, hyperprior, period) for own in used]
     posterior = combined(merged([one.prior for one in fits]), [one.message for one in fits])
     names = [name for name in posterior.names if name.endswith(fleet_term("")) and "delay" not in name]
     joint = posterior.only(names)
     slopes = np.concatenate([_apogee_slopes(own, hyperprior, joint.names) for own in used])
     prior = np.array([log(NOMINAL_CD) if name == fleet_term("drag") else 0.0 for name in joint.names])
-    return joint, np.asarray(slopes.mean(axis=0) * (joint.mean - prior))
+    worth = np.asarray(slopes.mean(axis=0) * (joint.mean - prior))
+    return joint, worth, posterior.only(filter(is_drift, posterior.names))
 
 
 def _apogee_slopes(
@@ -177,7 +184,10 @@ def _apogee_slopes(
 
 def page(found: Shortfall, *, unnamed: bool = False) -> str:
     """The shortfall as a page of Markdown; `unnamed` numbers the rockets."""
-    return "\n".join([*_causes(found), "", *_common_table(found), "", *_rockets(found, unnamed)]) + "\n"
+    return (
+        "\n".join([*_causes(found), "", *_common_table(found), *_drift(found.drift), "", *_rockets(found, unnamed)])
+        + "\n"
+    )
 
 
 def _causes(found: Shortfall) -> Iterator[str]:
@@ -231,6 +241,18 @@ def _common_table(found: Shortfall) -> Iterator[str]:
         scale = 1.0 if unit == " s" else 100.0
         off = f"{scale * (found.joint.mean[i] - start):+.1f} ± {scale * sds[i]:.1f}{unit}"
         yield f"| {quantity} | {off} | {100 * found.worth[i]:+.1f}% | {rival} ({correlation[i, other]:+.2f}) |"
+
+
+def _drift(drift: SharedPrior) -> Iterator[str]:
+    """How the mass has changed since the fleet's first flight; nothing for a fleet that flew on one day."""
+    if drift.names:
+        yield ""
+        change, sd = drift.mean.sum(), np.sqrt(drift.covariance.sum())
+        yield fill(
+            f"The mass is that at the first flight; {counted(len(drift.names), 'year')} later it has changed by "
+            f"{100 * change:+.0f} ± {100 * sd:.0f}%.",
+            118,
+        )
 
 
 def _prior_sd(name: str) -> float:

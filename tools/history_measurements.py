@@ -20,6 +20,7 @@ from fieldkit.inference.network.ensemble import Ensemble
 from fieldkit.inference.network.history import load_history, quick_answer
 from fieldkit.inference.validation.history import auc
 from fieldkit.ledger import Ledger
+from fieldkit.model.drift import period_of
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import observe
@@ -243,12 +244,13 @@ def journal(name: str, ledger: str, network: Ensemble) -> None:
         own = past.setdefault(flight.rocket, [])
         if own and flight.clean and flight.apogee is not None and any(f.clean and f.apogee for f, _ in own):
             others = [some for rocket, some in past.items() if rocket != flight.rocket]
+            period = period_of(flight for some in past.values() for flight, _ in some)
             fits = [
-                rocket_fit(used, known)
+                rocket_fit(used, known, period)
                 for some in others
                 if (used := [p for p in some if p[0].clean and p[0].readouts()])
             ]
-            shared = shared_prior(fits)
+            shared = shared_prior(fits, period)
             plan = flight.unflown(), motor
             began = time.process_time()
             (made,) = predict(own, [plan], shared=shared, draws=DRAWS)
