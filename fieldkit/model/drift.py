@@ -17,6 +17,9 @@ Period = tuple[date, date]
 """The first and the last day of a fleet's flights."""
 DAYS_PER_YEAR = 365.2425
 """Mean length of a year of the Gregorian calendar. [d]"""
+MAX_YEARS = 30
+"""Years for which a drift is followed, so that a wrong date adds no thousand terms; later flights count as flown then.
+[year]"""
 
 
 def period_of(flights: Iterable[Flight]) -> Period | None:
@@ -29,7 +32,7 @@ def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float
     """Time of each flight since the first one of the fleet. [year]
 
     `period` is the fleet's, by default that of these flights. A flight without a date has that of the flight before it;
-    a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date.
+    a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date; between 0 and `MAX_YEARS`.
 
     Derivation: days in years of the Gregorian calendar.
     """
@@ -39,7 +42,7 @@ def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float
         before = flight.date_time.date() if flight.date_time else before
         days.append(before)
     days += [flight.date_time.date() if flight.date_time else max(before, last) for flight in flights[flown:]]
-    return np.array([(day - first).days / DAYS_PER_YEAR for day in days])
+    return np.clip([(day - first).days / DAYS_PER_YEAR for day in days], 0.0, MAX_YEARS)
 
 
 def years_passed(time: Float[Array, "flight"]) -> Float[Array, "year flight"]:

@@ -12,7 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.inference.laplace.learning import learn_hyperprior
-from fieldkit.model.drift import DAYS_PER_YEAR, period_of, years, years_passed
+from fieldkit.model.drift import DAYS_PER_YEAR, MAX_YEARS, period_of, years, years_passed
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
@@ -62,6 +62,12 @@ def test_years_are_never_negative_and_plans_without_a_date_come_last(at: list[fl
 def test_a_flight_without_a_date_was_flown_with_the_one_before_it() -> None:
     flights = [flight("1", None), flight("2", 2), flight("3", None), flight("4", 5)]
     np.testing.assert_allclose(years(flights, 4, (START.date(), START.date())), [0, 2, 2, 5], atol=0.003)
+
+
+def test_a_wrong_date_adds_no_thousand_terms() -> None:
+    wrong = flight("0", None).with_changes(date_time=datetime(1, 1, 1))
+    model = base_model([wrong, flight("1", 0), flight("2", 1)], [MOTOR] * 3, learned())
+    assert sum(map(is_drift, model.names)) == MAX_YEARS
 
 
 def test_flights_without_dates_have_no_drift() -> None:
