@@ -32,7 +32,8 @@ def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float
     """Time of each flight since the first one of the fleet. [year]
 
     `period` is the fleet's, by default that of these flights. A flight without a date has that of the flight before it;
-    a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date; between 0 and `MAX_YEARS`.
+    a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date;
+    between 0 and `MAX_YEARS`.
 
     Derivation: days in years of the Gregorian calendar.
     """
