@@ -144,7 +144,8 @@ def captures(folder: Path) -> list[Path]:
 
 def _by_number(file: Path) -> list[str | int]:
     """Sort key of a name by its numbers: a capture that starts within the second of another has a number after it."""
-    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", file.stem)]
+    parts = re.split(r"([0-9]+)", file.stem)  # every second one is a number
+    return [int(part) if place % 2 else part for place, part in enumerate(parts)]
 
 
 def unfinished(folder: Path) -> Path | None:

@@ -262,7 +262,7 @@ def test_a_mawd_is_captured_and_imported_and_importing_it_again_changes_nothing(
     assert (document["imported"], document["samples"], document["whole"]) == (1, len(HEIGHTS), True)
     assert Path(document["file"]).parent == folder
     (flight,) = run("flights", "--json").document["flights"]
-    assert flight["apogee_m"] == pytest.approx(900 * 0.3048, rel=0.005)  # a jump into flight looks like a lag
+    assert flight["apogee_m"] == pytest.approx(900 * 0.3048, rel=0.01)  # a jump into flight looks like a lag
     assert flight["rocket"] == "Astra"
     again = run("import", "--set", "rocket=Astra", "--json", document["file"]).document
     assert (again["imported"], again["duplicates"]) == (0, 1)

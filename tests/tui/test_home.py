@@ -317,11 +317,11 @@ async def test_the_profile_of_a_flight_is_not_that_of_another_with_its_former_id
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         bring_in(ledger, [tmp_path / "table.csv"], lambda name: None)
     async with opened(tmp_path / "ledger.db", page="home") as pilot:
-        assert "▄▆███" in shown(pilot)
+        assert "▃▆███" in shown(pilot)
         with Ledger.open(tmp_path / "ledger.db") as ledger:
             ledger.remove("1")
             ledger.add([Flight("1", "Vega", apogee=90.0)])
         pilot.app.post_message(AppFocus())
         await calm(pilot)
         assert "Vega" in shown(pilot)
-        assert "▄▆███" not in shown(pilot)
+        assert "▃▆███" not in shown(pilot)

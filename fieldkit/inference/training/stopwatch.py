@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from fieldkit.files import replace
+from fieldkit.files import read_own, replace
 
 
 class Stopwatch:
@@ -11,7 +11,7 @@ class Stopwatch:
 
     def __init__(self, file: Path) -> None:
         self._file, self._began = file, time.perf_counter()
-        self._before = float(file.read_text("ascii")) if file.exists() else 0.0
+        self._before = float(read_own(file)) if file.exists() else 0.0
 
     @property
     def seconds(self) -> float:

@@ -10,8 +10,10 @@ from textual.widgets import Static
 
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.safe_text import printable
+from fieldkit.tui.flights.log_view import draw_height, file_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import stacked
+from fieldkit.tui.widgets.plots import Plot
 
 if TYPE_CHECKING:
     from fieldkit.services.imports import Receipt
@@ -31,7 +33,6 @@ class FilePanel(Vertical):
 
     def compose(self) -> Iterable[Widget]:
         """The plot, the contents, the facts."""
-        from fieldkit.tui.widgets.plots import Plot
 
         yield Plot(classes="-large-only")
         yield Static("", id="more")
@@ -39,8 +40,6 @@ class FilePanel(Vertical):
 
     def show(self, receipt: "Receipt | None", system: str) -> None:
         """Show the climb and the facts of the only file of a receipt, in the units of a system, else neither."""
-        from fieldkit.tui.flights.log_view import draw_height, file_facts
-        from fieldkit.tui.widgets.plots import Plot
 
         files = receipt.files if receipt is not None else ()
         file = files[0] if len(files) == 1 else None

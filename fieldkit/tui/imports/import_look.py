@@ -174,7 +174,7 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     parts += [f"\n! {_unnamed(look, by_keys(in_system(note, system)))}" for note in receipt.notes[:MAX_NOTES]]
     if len(receipt.notes) > MAX_NOTES:
         parts.append(f"\n  and {counted(len(receipt.notes) - MAX_NOTES, 'more note')}")
-    if receipt.ids and look.owner:
+    if look.owner:
         parts.append(f"\n! already in the ledger as a flight of {printable(look.owner)}")
     if receipt.ids:
         lacking = ", ".join(
