@@ -98,8 +98,8 @@ def test_forecasts_follow_a_fleet_that_gets_heavier() -> None:
 
 @pytest.mark.thorough
 def test_the_variation_of_the_drift_among_fleets_is_learned() -> None:
-    steady, drifting = (
+    constant, drifting = (
         learn_hyperprior([fleet(rate), fleet(-rate)], learned(), rounds=1, steps=12).sd("mass", "drift")
         for rate in (0.0, 2 * RATE)
     )
-    assert steady < learned().sd("mass", "drift") < drifting
+    assert constant < learned().sd("mass", "drift") < drifting
