@@ -20,7 +20,7 @@ from fieldkit.forecast.evaluation.forward_in_time import FlownFlight, Forecast, 
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.fleet import merged, rocket_fit
-from fieldkit.model.drift import period_of
+from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import base_model

@@ -20,7 +20,7 @@ from fieldkit.inference.network.ensemble import Ensemble
 from fieldkit.inference.network.history import load_history, quick_answer
 from fieldkit.inference.validation.history import auc
 from fieldkit.ledger import Ledger
-from fieldkit.model.drift import period_of
+from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import observe

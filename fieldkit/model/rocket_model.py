@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.drift import Period, years, years_passed
+from fieldkit.model.fleet_drift import Period, years, years_passed
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
@@ -185,10 +185,13 @@ def base_model(
     """
     area = reference_area(flights, flown)
     past = len(flights) if flown is None else flown
-    time = years(flights, past, period or (shared.period if shared else None))
+    times = [flight.date_time for flight in flights]
+    passed = years_passed(years(times, past, period or (shared.period if shared else None)))
     kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
     grouped = cache(lambda per: groups(flights, found, per))
-    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past, time)]
+    terms = [
+        term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past, passed)
+    ]
     if not diameter_known(recorded(flights, "diameter"), flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
@@ -216,7 +219,7 @@ def _quantity_terms(
     grouped: Callable[[str], list[str]],
     hyperprior: Hyperprior,
     flown: int,
-    time: Float[Array, "flight"],
+    passed: Float[Array, "year flight"],
 ) -> Iterator[Term]:
     """The random effects of one quantity, widest group first; the widest holds the mean. `grouped` returns the group of
     each flight, as `groups`."""
@@ -234,8 +237,8 @@ def _quantity_terms(
         yield Term(fleet_term(quantity), quantity, mean, sd, every)
         mean = 0.0
     if sd := hyperprior.sd(quantity, "drift"):
-        for year, passed in enumerate(years_passed(time), start=1):
-            yield Term(drift_term(quantity, year), quantity, 0.0, sd, passed)
+        for year, part in enumerate(passed, start=1):
+            yield Term(drift_term(quantity, year), quantity, 0.0, sd, part)
     if sd := hyperprior.sd(quantity, "rocket"):
         yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
     if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), flights, quantity)).any():

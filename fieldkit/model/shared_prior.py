@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.model.drift import Period
+from fieldkit.model.fleet_drift import Period
 from fieldkit.shapes import Array, Float
 
 

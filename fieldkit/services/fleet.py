@@ -18,7 +18,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fleet import FlownFlights, RocketFit, rocket_fit, shared_prior
 from fieldkit.ledger import Ledger
-from fieldkit.model.drift import Period, period_of
+from fieldkit.model.fleet_drift import Period, period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import Message, SharedPrior
 from fieldkit.motors import Catalogue, Found

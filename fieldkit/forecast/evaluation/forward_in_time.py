@@ -15,7 +15,7 @@ from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
-from fieldkit.model.drift import period_of
+from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found

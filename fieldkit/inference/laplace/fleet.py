@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.model.drift import Period
+from fieldkit.model.fleet_drift import Period
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import Model, base_model, shared_names

@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.fleet import RocketFit as Alone
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights, standardized_squares
 from fieldkit.inference.laplace.posterior import Fit, solve
-from fieldkit.model.drift import Period, period_of
+from fieldkit.model.fleet_drift import Period, period_of
 from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, base_model, with_shared

@@ -6,7 +6,7 @@ repairs, paint and fittings, and the recorded mass stays.
 """
 
 from collections.abc import Iterable, Sequence
-from datetime import date
+from datetime import date, datetime
 
 import numpy as np
 
@@ -24,12 +24,16 @@ MAX_YEARS = 30
 
 def period_of(flights: Iterable[Flight]) -> Period | None:
     """The first and the last day of some flights; None without a dated one."""
-    days = [flight.date_time.date() for flight in flights if flight.date_time]
+    return _period([flight.date_time for flight in flights])
+
+
+def _period(times: Sequence[datetime | None]) -> Period | None:
+    days = [time.date() for time in times if time]
     return (min(days), max(days)) if days else None
 
 
-def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float[Array, "flight"]:
-    """Time of each flight since the first one of the fleet. [year]
+def years(times: Sequence[datetime | None], flown: int, period: Period | None) -> Float[Array, "flight"]:
+    """Time of each flight since the first one of the fleet, from the times of lift-off, None if unknown. [year]
 
     `period` is the fleet's, by default that of these flights. A flight without a date has that of the flight before it;
     a planned one, after the first `flown`, is at the end of the period at the earliest. Zero if no flight has a date;
@@ -37,12 +41,12 @@ def years(flights: Sequence[Flight], flown: int, period: Period | None) -> Float
 
     Derivation: days in years of the Gregorian calendar.
     """
-    first, last = period or period_of(flights[:flown]) or period_of(flights) or (date.min, date.min)
+    first, last = period or _period(times[:flown]) or _period(times) or (date.min, date.min)
     days, before = [], first
-    for flight in flights[:flown]:
-        before = flight.date_time.date() if flight.date_time else before
+    for time in times[:flown]:
+        before = time.date() if time else before
         days.append(before)
-    days += [flight.date_time.date() if flight.date_time else max(before, last) for flight in flights[flown:]]
+    days += [time.date() if time else max(before, last) for time in times[flown:]]
     return np.clip([(day - first).days / DAYS_PER_YEAR for day in days], 0.0, MAX_YEARS)
 
 

@@ -12,7 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.inference.laplace.learning import learn_hyperprior
-from fieldkit.model.drift import DAYS_PER_YEAR, MAX_YEARS, period_of, years, years_passed
+from fieldkit.model.fleet_drift import DAYS_PER_YEAR, MAX_YEARS, period_of, years, years_passed
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
@@ -29,6 +29,10 @@ MOTOR = catalogue().resolve("F39-6")
 def flight(name: str, year: float | None, rocket: str = "Comet") -> Flight:
     day = None if year is None else START + timedelta(days=year * DAYS_PER_YEAR)
     return Flight(name, rocket, "A", MOTOR.motor.designation, day, dry_mass=0.4, diameter=0.066)
+
+
+def times(flights: list[Flight]) -> list[datetime | None]:
+    return [one.date_time for one in flights]
 
 
 def flown(rocket: str, at: list[float], rate: float) -> list[tuple[Flight, Found]]:
@@ -52,7 +56,7 @@ def fleet(rate: float) -> list[list[tuple[Flight, Found]]]:
 @given(st.lists(st.none() | st.floats(0, 20), min_size=1, max_size=6), st.integers(0, 6))
 def test_years_are_never_negative_and_plans_without_a_date_come_last(at: list[float | None], count: int) -> None:
     flights, past = [flight(str(number), year) for number, year in enumerate(at)], min(count, len(at))
-    found = years(flights, past, period_of(flights))
+    found = years(times(flights), past, period_of(flights))
     assert (found >= 0).all()
     later = [row for row in range(past, len(at)) if at[row] is None]
     assert all(found[row] == found.max() for row in later)
@@ -61,7 +65,7 @@ def test_years_are_never_negative_and_plans_without_a_date_come_last(at: list[fl
 
 def test_a_flight_without_a_date_was_flown_with_the_one_before_it() -> None:
     flights = [flight("1", None), flight("2", 2), flight("3", None), flight("4", 5)]
-    np.testing.assert_allclose(years(flights, 4, (START.date(), START.date())), [0, 2, 2, 5], atol=0.003)
+    np.testing.assert_allclose(years(times(flights), 4, (START.date(), START.date())), [0, 2, 2, 5], atol=0.003)
 
 
 def test_a_wrong_date_adds_no_thousand_terms() -> None:
