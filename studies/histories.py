@@ -82,7 +82,7 @@ def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
     """The loop on these flights."""
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     used_in_fit = [flight.clean and flight.apogee is not None for flight in flights]
-    return diagnose(rocket_model(flights, found), observe(flights, used_in_fit))
+    return diagnose(rocket_model(flights, found), observe(flights, found, used_in_fit))
 
 
 def _forecast(

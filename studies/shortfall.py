@@ -173,7 +173,7 @@ def _apogee_slopes(
     """
     flights: list[Flight] = [flight for flight, _ in flown]
     model = replace(base_model(flights, [motor for _, motor in flown], hyperprior), coarse=True)
-    fit = fit_robustly(model, observe(flights, [one.clean for one in flights], hyperprior))
+    fit = fit_robustly(model, observe(model.flights, model.found, [one.clean for one in flights], hyperprior))
     rows = fit.data.seen[:, 0] & np.isfinite(fit.tangent.values[:, 0])
     slopes = np.zeros((np.count_nonzero(rows), len(names)))
     for place, name in enumerate(names):

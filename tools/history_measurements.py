@@ -175,7 +175,7 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
         if number < loops:
             began = time.process_time()
             model = rocket_model([flight for flight, _ in history], [motor for _, motor in history])
-            found = diagnose(model, observe([flight for flight, _ in history], used))
+            found = diagnose(model, observe(model.flights, model.found, used))
             entry |= {
                 "fit": {**found.posterior.inclusion, "none": found.posterior.nothing},
                 "fit_verdict": found.effect,

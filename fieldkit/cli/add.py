@@ -195,10 +195,10 @@ def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:
     """Print a new flight, its forecast, and remarks on it."""
     from fieldkit.presentation.after_flight_text import outcome_lines
     from fieldkit.services.after_flight import outcome
-    from fieldkit.services.plausible_flights import excluded_flights
+    from fieldkit.services.plausible_flights import exclusions
 
     print_card(flight, id)
-    ledger.remark(*excluded_flights([flight], MotorCheck().catalogue))  # before those of other flights
+    ledger.remark(*exclusions([flight], MotorCheck().catalogue))  # before those of other flights
     saved = prediction_of(ledger, flight)
     found = outcome(ledger, MotorCheck().catalogue, flight)
     if found is None:

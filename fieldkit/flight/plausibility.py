@@ -33,6 +33,9 @@ Mass, wind and motor lots change a readout by less; an extra digit, or feet ente
 SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts that can be around zero, which a ratio cannot check."""
 
+NO_COAST = "a coast of 0 s shows that the device did not detect burnout"
+"""Why a readout counted from burnout is not used."""
+
 IMPULSE_SCATTER = 0.067
 """Largest standard deviation of the total impulse of a certified motor, NFPA 1125. [1]"""
 MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
@@ -41,6 +44,8 @@ READ_TOO_HIGH = 1.2
 """Largest ratio of an altimeter's reading to the true value: the standard atmosphere in air at -35 °C. [1]"""
 MIN_BURN_FRACTION = 0.5
 """Smallest fraction of a motor's burn in which a rocket gains speed. [1]"""
+MAX_BURN_FRACTION = 2.0
+"""Largest burn time in a readout, as a multiple of the motor's: as far off as `MIN_BURN_FRACTION`. [1]"""
 MAX_LAUNCH_ANGLE = math.radians(45)
 """A rail is closer to vertical than this: the codes allow 20 and 30 degrees, and beyond 45 a rocket flies farther than
 it climbs. [rad]"""
@@ -88,7 +93,7 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
 
     A readout counts only if it exceeds the bound by more than two standard deviations. To an altimeter, a burn ends
     when thrust falls below drag plus weight: it may be much shorter than the motor's burn, but not less than half of
-    it.
+    it, and it is never twice as long.
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}
@@ -101,10 +106,33 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
         if value is not None and value - 2 * sd > READ_TOO_HIGH * bound:
             column = BY_NAME[name]
             found[name] = f"{figure(column, value)} is more than {figure(column, READ_TOO_HIGH * bound)}, {mass}"
-    burn, (first, last) = flight.number("burn_time"), motor.burning
-    if burn is not None and burn + 2 * flight.sd.get("burn_time", 0.0) < MIN_BURN_FRACTION * (last - first):
-        column = BY_NAME["burn_time"]
-        found["burn_time"] = f"{figure(column, burn)} is less than half of {figure(column, last - first)}, {mass}"
+    burn, (first, last), column = flight.number("burn_time"), motor.burning, BY_NAME["burn_time"]
+    if burn is not None:
+        margin, whole = 2 * flight.sd.get("burn_time", 0.0), last - first
+        if burn + margin < MIN_BURN_FRACTION * whole:
+            found["burn_time"] = f"{figure(column, burn)} is less than half of {figure(column, whole)}, {mass}"
+        elif burn - margin > MAX_BURN_FRACTION * whole:
+            found["burn_time"] = f"{figure(column, burn)} is more than twice {figure(column, whole)}, {mass}"
+    return found
+
+
+def not_measured(flight: Flight, motor: Burning) -> dict[str, str]:
+    """Readouts that cannot be measurements, each with the reason. They stay in the ledger but do not enter a fit.
+
+    They are those `beyond_motor`; a peak acceleration below the average one, and the average too if top speed and burn
+    time do not confirm it; and, if a device shows a coast of zero, what it counts from burnout or averages up to it: a
+    rocket still climbs at burnout, so the device has not told burnout from apogee.
+    """
+    found = beyond_motor(flight, motor)
+    if flight.avg_accel is not None and flight.peak_accel is not None and flight.avg_accel > flight.peak_accel * 1.001:
+        why = f"average acceleration is above {figure(BY_NAME['peak_accel'], flight.peak_accel)}, the peak"
+        ratio = identity(flight)
+        confirmed = ratio is not None and IDENTITY[0] <= ratio <= IDENTITY[1]
+        found |= dict.fromkeys(("peak_accel",) if confirmed else ("peak_accel", "avg_accel"), why)
+    if flight.coast_to_apogee == 0:
+        for name in ("coast_to_apogee", "avg_accel", "apogee_to_eject"):
+            if flight.number(name) is not None:
+                found.setdefault(name, NO_COAST)
     return found
 
 

@@ -152,7 +152,7 @@ def learn(
     past = slice(
         0, max(len(flown), 1)
     )  # without flown flights, the first plan is a placeholder that is not used in the fit
-    data = observe(flights[past], used_in_fit[past], model.hyperprior)
+    data = observe(flights[past], found[past], used_in_fit[past], model.hyperprior)
     rng = np.random.default_rng(seed)
     parts = []
     for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):

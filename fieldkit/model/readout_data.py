@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import not_measured
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
+from fieldkit.motors import Found
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
 
@@ -36,8 +38,15 @@ class Data:
     trust: Float[Array, "flight readout"]
 
 
-def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Data:
-    """The observed readouts of flights; those of flights marked in `used_in_fit` are seen."""
+def observe(
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    used_in_fit: Sequence[bool],
+    hyperprior: Hyperprior = CERTIFIED_PRIOR,
+) -> Data:
+    """The observed readouts of flights on their motors; those of flights marked in `used_in_fit` are seen, except those
+    that cannot be measurements (`not_measured`)."""
+    flights = [_measured(flight, one) for flight, one in zip(flights, found, strict=True)]
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         own = own_sd(flights, raw)
@@ -47,6 +56,12 @@ def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: 
         seen &= np.asarray(used_in_fit, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
     return Data(values, np.where(seen, sd, 1.0), seen, np.ones(seen.shape))
+
+
+def _measured(flight: Flight, found: Found) -> Flight:
+    """A flight without the readouts that cannot be measurements."""
+    gone = not_measured(flight, found.motor)
+    return flight.with_changes(**dict.fromkeys(gone)) if gone else flight
 
 
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:

@@ -19,7 +19,7 @@ from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_average, flown
-from fieldkit.services.plausible_flights import excluded_flights
+from fieldkit.services.plausible_flights import exclusions
 
 SAME_PROBABILITY = 0.01
 """Two averages are the same if their probabilities differ by less than this. [1]"""
@@ -51,7 +51,7 @@ def close_loop(
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history])
-    diagnosis = diagnose(model, observe(flights, used_in_fit), on_progress, given, declined)
+    diagnosis = diagnose(model, observe(model.flights, model.found, used_in_fit), on_progress, given, declined)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
@@ -82,7 +82,7 @@ def look(
     )
     logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
     found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
-    return replace(found, excluded=tuple(excluded_flights(ledger.flights(rocket), motors)))
+    return replace(found, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

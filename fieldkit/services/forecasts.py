@@ -25,7 +25,7 @@ from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, setup_answers
 from fieldkit.services.names import same_name
-from fieldkit.services.plausible_flights import excluded_flights, followed
+from fieldkit.services.plausible_flights import exclusions, followed
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[
     ledger's remarks name those without a mass or motor and the implausible ones.
     """
     flights = ledger.flights(rocket)
-    ledger.remark(*excluded_flights(flights, motors))
+    ledger.remark(*exclusions(flights, motors))
     return followed(flights, motors)
 
 
@@ -162,7 +162,7 @@ def predict_plans(
             shared=fleet_prior(ledger, motors, rocket, on_progress),
         )
         finished = earlier.corrected(made)
-        if names := excluded_flights(ledger.flights(rocket), motors):
+        if names := exclusions(ledger.flights(rocket), motors):
             finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
         if keep:
             _keep(ledger, finished, before, which, decided=decided)

@@ -21,7 +21,7 @@ from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, earlier_forecasts, flown, start_of
 from fieldkit.services.kits import kit_of_rocket
-from fieldkit.services.plausible_flights import excluded_flights, plausible
+from fieldkit.services.plausible_flights import exclusions, plausible
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 
@@ -40,7 +40,7 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
         earlier=earlier_forecasts(ledger, motors),
         starts=tuple(ledger.starts(name)),
         shared=fleet_prior(ledger, motors, name),
-        excluded=tuple(excluded_flights(ledger.flights(name), motors)),
+        excluded=tuple(exclusions(ledger.flights(name), motors)),
         mount=kit.mount if (kit := kit_of_rocket(name)) else None,
     )
 

@@ -4,8 +4,8 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 
 from fieldkit.errors import UnknownMotor
-from fieldkit.flight import Flight
-from fieldkit.flight.plausibility import far_from_usual, implausible, middles
+from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
+from fieldkit.flight.plausibility import far_from_usual, implausible, middles, not_measured
 from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Catalogue, Found, is_cluster
 from fieldkit.motors.names import tidy
@@ -46,10 +46,36 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
     ]
 
 
-def excluded_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
-    """Notes on the clean flights that are excluded from every fit: a line for each implausible one, and one for each
-    figure that flights of a rocket lack."""
-    return implausible_flights(flights, motors) + incomplete_flights(flights, motors)
+def exclusions(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
+    """Notes on what is excluded from every fit: a line for each implausible flight, one for each figure that flights of
+    a rocket lack, and one for each readout that cannot be a measurement. Only clean flights are considered."""
+    return [
+        *implausible_flights(flights, motors),
+        *incomplete_flights(flights, motors),
+        *excluded_readouts(flights, motors),
+    ]
+
+
+def excluded_readouts(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
+    """Lines on the readouts of clean flights that cannot be measurements and are therefore not used in a fit; none on
+    flights that are tagged `checked`."""
+    return [
+        f"{flight_label(flight.flight_id)} of {flight.rocket}: {line}"
+        for flight, found in _with_motors(flights, motors)
+        if flight.clean and CHECKED_TAG not in flight.tags and not implausible(flight, found.motor)
+        for line in readout_exclusions(flight, found)
+    ]
+
+
+def readout_exclusions(flight: Flight, found: Found) -> list[str]:
+    """A phrase for each reason to exclude readouts of a flight on its motor from every fit."""
+    titles: dict[str, list[str]] = {}
+    for name, reason in not_measured(flight, found.motor).items():
+        titles.setdefault(reason, []).append(BY_NAME[name].title.lower())
+    return [
+        f"{' and '.join(own)} {'is' if len(own) == 1 else 'are'} excluded from every fit: {reason}"
+        for reason, own in titles.items()
+    ]
 
 
 def incomplete_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
@@ -80,6 +106,12 @@ def exclusion(flight: Flight, motors: Catalogue) -> str:
         return "no dry mass"
     found = _resolved(flight.motor, motors)
     return implausible(flight, found.motor) or "" if found else "no known motor"
+
+
+def used_except(flight: Flight, motors: Catalogue) -> str:
+    """Which readouts of a flight that is used in fits are excluded, and why; empty if all are used."""
+    found = _resolved(flight.motor, motors)
+    return "; ".join(readout_exclusions(flight, found)) if found else ""
 
 
 def _named(ids: Sequence[str]) -> str:

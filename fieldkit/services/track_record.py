@@ -20,7 +20,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op
-from fieldkit.services.plausible_flights import excluded_flights, followed
+from fieldkit.services.plausible_flights import exclusions, followed
 from fieldkit.services.provenance import USED_IN_FIT, Parts
 from fieldkit.services.saved_forecasts import SavedForecast
 
@@ -39,7 +39,7 @@ def replayed(
     BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     known = ledger.flights()
-    ledger.remark(*excluded_flights(known, motors))
+    ledger.remark(*exclusions(known, motors))
     flights = followed(known, motors)
     return corrected_by_earlier(with_stacked(forward(flights, rocket, hyperprior=hyperprior, on_progress=on_progress)))
 

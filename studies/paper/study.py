@@ -96,7 +96,7 @@ def _loop(flights: tuple[Flight, ...]) -> Diagnosis:
     """The verdict of `fieldkit loop` on these flights."""
     found = [catalogue().resolve(flight.motor) for flight in flights]
     model = rocket_model(flights, found)
-    return diagnose(model, observe(flights, [flight.clean for flight in flights]))
+    return diagnose(model, observe(model.flights, model.found, [flight.clean for flight in flights]))
 
 
 def _ejection(flights: Reference) -> Ejection:

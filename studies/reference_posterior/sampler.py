@@ -67,8 +67,8 @@ class Sampled:
 def fitted(case: Case) -> Fit:
     """The fit used in forecasts."""
     model = replace(case.model().part(slice(0, len(case.flown))), coarse=True)
-    flights = [flight for flight, _ in case.flown]
-    return fit_robustly(model, observe(flights, [flight.clean for flight in flights], case.hyperprior))
+    used_in_fit = [flight.clean for flight, _ in case.flown]
+    return fit_robustly(model, observe(model.flights, model.found, used_in_fit, case.hyperprior))
 
 
 def target_of(case: Case, result: Fit, readouts: Readouts | None = None) -> Target:

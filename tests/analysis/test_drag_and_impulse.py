@@ -151,7 +151,7 @@ def flown_on(cd: float, thrust_factor: float, logger: Logger, seed: int) -> Flig
 
 def fitted(flight: Flight) -> Fit:
     model = base_model([flight], [catalogue().resolve(F24)], learned())
-    return fit_robustly(model, observe([flight], [True], learned()))
+    return fit_robustly(model, observe([flight], model.found, [True], learned()))
 
 
 def per_mass(result: Fit, *bends: str) -> tuple[float, float]:

@@ -39,9 +39,9 @@ def flown() -> list[tuple[Flight, Found]]:
 def test_the_quick_search(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     used = [True] * FLIGHTS
     seconds = measured(benchmark, lambda: quick_look("Test", flown, used))
-    flights = [flight for flight, _ in flown]
+    model = rocket_model([flight for flight, _ in flown], [found for _, found in flown])
     began = time.process_time()
-    diagnose(rocket_model(flights, [found for _, found in flown]), observe(flights, used))
+    diagnose(model, observe(model.flights, model.found, used))
     beside(benchmark, seconds, time.process_time() - began, "the search of the loop")
 
 

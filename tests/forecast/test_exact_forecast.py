@@ -67,7 +67,7 @@ def test_a_forecast_agrees_with_exactly_weighted_draws(recorded: tuple[str, ...]
     rng = np.random.default_rng(5)
     flights, found = map(list, zip(*season(rng, recorded), strict=True))
     model = replace(forecast_model(flights, found), coarse=True)
-    result = fit_robustly(model, observe(flights, [True] * len(flights), model.hyperprior))
+    result = fit_robustly(model, observe(model.flights, model.found, [True] * len(flights), model.hyperprior))
     drawn = weighed(result, rng)
     assert 1 / (drawn.weight**2).sum() > effective
     apogees = np.log(next_apogees(model, drawn.terms))

@@ -25,7 +25,7 @@ def unreliable(flights: int) -> Hypothesis:
     pairs = season(np.random.default_rng(1), ("apogee",), flights, None)
     some, found = [flight for flight, _ in pairs], [motor for _, motor in pairs]
     model = rocket_model(some, found)
-    plain = fit(model, observe(some, [True] * flights), outlier_flights=True)
+    plain = fit(model, observe(some, found, [True] * flights), outlier_flights=True)
     (one,) = checked(SetPosterior((Hypothesis((), plain),))).hypotheses
     assert one.sampled is not None
     return replace(one, sampled=replace(one.sampled, pareto_k_without=np.linspace(1, 2, flights)))

@@ -111,7 +111,7 @@ def test_a_pattern_in_a_users_own_column_is_found() -> None:
         for flight, own in zip(flights, spread, strict=True)
     ]
     model = base_model(low, [catalogue().resolve(flight.motor) for flight in low])
-    found = diagnose(model, observe(low, [True] * len(low)))
+    found = diagnose(model, observe(low, model.found, [True] * len(low)))
     assert found.effect == "unexplained"
     assert any("fin_spread_mm" in place.where for place in found.pattern)
     assert not any("sim_m" in place.where for one in found.posterior.hypotheses for place in one.places)

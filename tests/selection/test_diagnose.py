@@ -38,7 +38,7 @@ class Diagnoses(dict):
         (label,) = json.loads((folder / "labels.json").read_text())
         flights = _flights(folder / f"{label['set']}.csv")
         model = rocket_model([f for f, _ in flights], [m for _, m in flights])
-        diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
+        diagnosis = diagnose(model, observe(model.flights, model.found, [True] * len(flights)))
         later = [f for f, _ in _flights(folder / f"{label['set']}_future.csv")]
         self[scenario] = diagnosis, label, later
         return self[scenario]
@@ -143,7 +143,7 @@ def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.Mon
     make(tmp_path, ["three"], 1, SEED, "fast")
     flights = _flights(tmp_path / "set_001.csv")
     model = rocket_model([f for f, _ in flights], [m for _, m in flights])
-    diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
+    diagnosis = diagnose(model, observe(model.flights, model.found, [True] * len(flights)))
     assert set(diagnosis.effect.split("+")) == {part.effect for part in parts}
     assert diagnosis.confidence > 0.5
     assert diagnosis.after.mae < 0.5 * diagnosis.before.mae
@@ -155,6 +155,6 @@ def test_an_effect_not_confirmed_by_left_out_flights_is_reported_as_such(effect:
     flown = [pair for pair in _flights(table) if pair[0].clean]
     flights = [flight for flight, _ in flown]
     model = rocket_model(flights, [found for _, found in flown])
-    diagnosis = diagnose(model, observe(flights, [True] * len(flights)), given=[effect])
+    diagnosis = diagnose(model, observe(model.flights, model.found, [True] * len(flights)), given=[effect])
     assert (diagnosis.after.mae < diagnosis.before.mae) is shown
     assert ("held-out flights do not show it yet" in diagnosis.why) is not shown

@@ -82,7 +82,7 @@ def history(strong: Strong, count: int = 16) -> tuple[Diagnosis, list[Flight]]:
             name: float(readings[name][0, row] * (1 + sd * rng.standard_normal())) for name, sd in READ_TO.items()
         }
         noisy.append(flight.with_changes(**{name: value for name, value in readouts.items() if np.isfinite(value)}))
-    return diagnose(rocket_model(noisy, found), observe(noisy, [True] * count)), noisy
+    return diagnose(rocket_model(noisy, found), observe(noisy, found, [True] * count)), noisy
 
 
 @pytest.mark.slow

@@ -73,7 +73,7 @@ def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
     truth = with_lots()
     (term,) = effect_terms(WEAK_LOT, truth)
     flights = measured(truth.with_terms(replace(term, mean=-0.12))).flights
-    diagnosis = diagnose(base_model(flights, truth.found), observe(flights, [True] * 16))
+    diagnosis = diagnose(base_model(flights, truth.found), observe(flights, truth.found, [True] * 16))
     assert diagnosis.effect == "motor_thrust"
     assert diagnosis.posterior.inclusion["motor_thrust"] > 0.9
     lot = next(trial for one in diagnosis.ranking for trial in one.trials if trial.candidate.place == WEAK_LOT)

@@ -20,7 +20,7 @@ def test_an_option_has_the_same_evidence_at_every_position(monkeypatch: pytest.M
         flight.with_changes(apogee=250.0 * float(np.exp(-0.03 * row))) for row, flight in enumerate(model.flights)
     ]
     model = rocket_model(flights, model.found)
-    data = observe(flights, [True] * len(flights))
+    data = observe(model.flights, model.found, [True] * len(flights))
     worn = Explanation((Place("wear"),), fit(rocket_model(flights, model.found, (Place("wear"),)), data))
     plain = Explanation((), fit(model, data))
     one = next(options(model))

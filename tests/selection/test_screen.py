@@ -29,7 +29,7 @@ LINEAR = ("altimeter_scale", "mass_offset", "motor_thrust", "wear", "base_drag")
 
 def families() -> tuple[object, dict[str, list[Candidate]]]:
     model = measured(season())
-    plain = fit(model, observe(model.flights, [True] * 16), outlier_flights=True)
+    plain = fit(model, observe(model.flights, model.found, [True] * 16), outlier_flights=True)
     every = by_effect(list(effect_candidates(model, np.ones(16, bool))))
     return plain, {name: every[name] for name in LINEAR}
 
@@ -117,7 +117,7 @@ def test_every_place_of_an_effect_that_needs_a_blank_column_is_screened_on_its_o
         for row, flight in enumerate(base.flights)
     ]
     model = measured(rocket_model(flights, base.found))
-    plain = fit(model, observe(model.flights, [True] * 16), outlier_flights=True)
+    plain = fit(model, observe(model.flights, model.found, [True] * 16), outlier_flights=True)
     air = [one for one in effect_candidates(model, np.ones(16, bool)) if one.effect == "air_density"]
     assert {str(one.place) for one in air} >= {"blank_elevation of A", "blank_elevation of B", "weather of each day"}
     steps = screened({"air_density": air}, plain).steps

@@ -63,9 +63,9 @@ def test_a_set_of_three_keeps_the_weight_of_all_places_of_its_effects(monkeypatc
 def test_the_evidence_of_a_probable_set_does_not_depend_on_the_grid_of_its_fit() -> None:
     """Two grids of the scatter with values at and between those of the other, and the same ends."""
     pairs = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
-    flights = [flight for flight, _ in pairs]
-    data = observe(flights, [True] * len(flights))
-    usual = rocket_model(flights, [motor for _, motor in pairs])
+    flights, motors = [flight for flight, _ in pairs], [motor for _, motor in pairs]
+    data = observe(flights, motors, [True] * len(flights))
+    usual = rocket_model(flights, motors)
     linear, found = [], []
     for grid in ((0.5, 1.0, 2.0, 6.5), (0.5, 0.7, 1.4, 6.5)):
         own = replace(CERTIFIED_PRIOR, scatter=replace(CERTIFIED_PRIOR.scatter, grid=grid))
@@ -113,7 +113,7 @@ def test_two_effects_that_hide_each_other_are_found_without_all_places_of_long_h
     model, every = replace(rocket_model(flown.flights, flown.found), coarse=True), np.ones(16, bool)
     known = by_effect(list(effect_candidates(model, every)))
     tried = {name: known[name] for name in ("wear", "wind", "motor_thrust")}
-    found = explore(model, observe(flown.flights, every), tried)
+    found = explore(model, observe(flown.flights, flown.found, every), tried)
     assert found.sets[frozenset({"wear"})] < found.nothing > found.sets[frozenset({"wind"})]
     assert found.sets[frozenset({"wear", "wind"})] > 0.8
     assert max(places) <= MAX_PLACES < max(len(family) for family in tried.values())

@@ -137,7 +137,7 @@ def test_hot_and_cold_days_change_the_air_density_and_the_altimeter_together() -
     flown = measured(season(temperature=kelvin))
     forgotten = [flight.with_changes(temperature=None) for flight in flown.flights]
     model = base_model(forgotten, flown.found)
-    diagnosis = diagnose(model, observe(forgotten, [True] * 16))
+    diagnosis = diagnose(model, observe(forgotten, flown.found, [True] * 16))
     assert diagnosis.effect == "air_density"
     (trial,) = diagnosis.accepted
     assert trial.candidate.place == Place("weather", EACH_GROUP)
@@ -148,7 +148,7 @@ def test_hot_and_cold_days_change_the_air_density_and_the_altimeter_together() -
 
 def test_an_effect_given_by_the_flyer_is_accepted_whatever_the_evidence() -> None:
     model = measured(season())
-    data = observe(model.flights, [True] * 16)
+    data = observe(model.flights, model.found, [True] * 16)
     taken = diagnose(model, data, given=("wear", "mass_offset"))
     assert taken.effect == "wear+mass_offset"
     assert [trial.candidate.effect for trial in taken.accepted] == ["wear", "mass_offset"]
@@ -158,7 +158,7 @@ def test_an_effect_given_by_the_flyer_is_accepted_whatever_the_evidence() -> Non
 
 def test_the_probability_of_a_given_effect_is_counted_once() -> None:
     model = measured(season())
-    taken = diagnose(model, observe(model.flights, [True] * 16), given=("mass_offset",))
+    taken = diagnose(model, observe(model.flights, model.found, [True] * 16), given=("mass_offset",))
     assert taken.confidence == pytest.approx(taken.posterior.inclusion["mass_offset"], rel=0.3)
 
 
@@ -166,7 +166,7 @@ def test_the_probability_of_a_given_effect_is_counted_once() -> None:
 def test_an_unknown_effect_or_one_that_no_flight_could_show_is_an_error(name: str) -> None:
     model = measured(season())
     with pytest.raises(UnknownEffect, match="mass_offset"):
-        diagnose(model, observe(model.flights, [True] * 16), given=(name,))
+        diagnose(model, observe(model.flights, model.found, [True] * 16), given=(name,))
 
 
 def test_an_effect_of_each_day_has_a_strength_for_every_day_without_a_temperature() -> None:

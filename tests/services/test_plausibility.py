@@ -16,9 +16,10 @@ from fieldkit import units
 from fieldkit.flight import COLUMNS as FLIGHT_COLUMNS
 from fieldkit.flight import Flight
 from fieldkit.flight.limits import LIMITS
-from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
+from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible, not_measured
 from fieldkit.flight.recovery import IN_EVERY_FIT, RECOVERY_NAMES, recovery_header
 from fieldkit.ledger import Ledger
+from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
 from fieldkit.services.plausible_flights import followed, incomplete_flights, outlying, without_delay
@@ -103,7 +104,8 @@ def run_command(run: Run, tmp_path: Path) -> Run:
     def command(*words: str, rows: list[dict[str, object]] | None = None) -> Output:
         if rows is None:
             return run(*words, status=None)
-        table = [",".join(COLUMNS), *(",".join(str(row[name]) for name in COLUMNS) for row in rows)]
+        columns = dict.fromkeys([*COLUMNS, *rows[0]])
+        table = [",".join(columns), *(",".join(str(row[name]) for name in columns) for row in rows)]
         (tmp_path / "flights.csv").write_text("\n".join(table))
         return run("import", tmp_path / "flights.csv", status=None)
 
@@ -439,3 +441,53 @@ def test_a_recovery_column_that_cannot_be_read_stops_no_forecast(text: str, run_
             "rail_direction",
         }
         assert "is excluded" in messages
+
+
+BOOST = {"top_speed": 75.0, "burn_time": 2.0, "peak_accel": 80.0, "avg_accel": 37.5}
+"""Consistent readouts of a boost on an F24. [SI]"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "excluded"),
+    [
+        ({}, set()),
+        ({"peak_accel": 500.0}, {"peak_accel"}),
+        ({"burn_time": 0.5, "avg_accel": 78.0}, {"burn_time"}),
+        ({"burn_time": 2.0, "avg_accel": 300.0}, {"avg_accel", "peak_accel"}),
+        ({"burn_time": 6.0, "avg_accel": 12.5}, {"burn_time"}),
+        ({"burn_time": 3.0, "avg_accel": 25.0}, set()),
+        ({"peak_accel": 30.0}, {"peak_accel"}),
+        ({"peak_accel": 30.0, "top_speed": 40.0}, {"peak_accel", "avg_accel"}),
+        ({"coast_to_apogee": 0.0, "apogee_to_eject": 0.0}, {"coast_to_apogee", "avg_accel", "apogee_to_eject"}),
+        ({"coast_to_apogee": 5.0, "apogee_to_eject": 0.0}, set()),
+    ],
+)
+def test_readouts_that_cannot_be_measurements_are_excluded(changes: dict[str, float], excluded: set[str]) -> None:
+    flight = GOOD.with_changes(**BOOST, **{name: value for name, value in changes.items() if name not in BOOST})
+    flight = flight.with_changes(**changes)
+    assert set(not_measured(flight, F24)) == excluded
+    motors = [catalogue().resolve("F24-4W")]
+    seen = observe([flight], motors, [True]).seen[0]
+    expected = observe([flight.with_changes(**dict.fromkeys(excluded))], motors, [True]).seen[0]
+    assert (seen == expected).all()
+    assert seen[0]
+
+
+def test_an_excluded_readout_is_named_and_changes_no_forecast(run_command: Run) -> None:
+    run_command(rows=season(6, peak_accel_g=8.2, coast_to_apogee_s=5.5))
+    words = ["predict", "--motor", "F24-4W", "--config", "A", "--json"]
+
+    def apogee(peak: str) -> float:
+        assert run_command("edit", "6", f"peak_accel={peak}").status == 0
+        (made,) = run_command(*words).document["predictions"]
+        return float(made["apogee_m"]["p50"])
+
+    assert apogee("51g") == apogee("-") != apogee("9g")
+    assert run_command("edit", "6", "peak_accel=51g").status == 0
+    excluded = "peak acceleration is excluded from every fit: 51 g is more than"
+    assert f"flight 6 of Astra: {excluded}" in run_command(*words).err
+    assert f"flight 6 of Astra: {excluded}" in run_command("loop", "--look").out
+    run_command("tag", "6", "checked")
+    assert excluded not in run_command(*words).err
+    late = season(7)[-1] | {"peak_accel_g": 51.0}
+    assert f"row 2: flight 7 of Astra: {excluded}" in run_command(rows=[late]).err

@@ -54,7 +54,7 @@ def linear_target(student: bool) -> tuple[Model, Data, Target]:
     (history,) = ledger(np.random.default_rng(4), [Recipe(4, 2)], learned())
     flights, found = zip(*history.flown, strict=True)
     model = base_model(flights, found, plain())
-    data = observe(flights, [True] * len(flights), model.hyperprior)
+    data = observe(model.flights, model.found, [True] * len(flights), model.hyperprior)
     at = np.array([term.mean for term in model.terms])
     (near,) = tangents(model, [(tuple(range(len(at))), at)], launch_angle_slope(model, at))
     return model, data, target(model, data, at, linear(model, near), student=student)

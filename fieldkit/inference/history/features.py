@@ -102,10 +102,11 @@ def summarize(
 def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[str]) -> HistorySummary:
     """The features of a history with the current readouts of its flown flights."""
     history, response, candidates = ready.history, ready.response, ready.candidates
-    data = history_data(flown, history.used_in_fit, history.selection)
+    found = history.found[: len(flown)]
+    data = history_data(flown, found, history.used_in_fit, history.selection)
     selection = linear_fit(ready.selection, data, response)
     trials = weigh_placed(robust(selection), ready.placed)
-    forecast_data = history_data(flown, history.used_in_fit, history.forecast)
+    forecast_data = history_data(flown, found, history.used_in_fit, history.forecast)
     plain = linear_fit(ready.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
     beside_forecast = weigh_placed(plain, ready.placed)

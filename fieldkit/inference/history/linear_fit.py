@@ -123,9 +123,11 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
     ]
 
 
-def history_data(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
+def history_data(
+    flights: Sequence[Flight], found: Sequence[Found], used_in_fit: Sequence[bool], hyperprior: Hyperprior
+) -> Data:
     """The readouts that the history network uses: all except those from logs."""
-    data = observe(flights, used_in_fit, hyperprior)
+    data = observe(flights, found, used_in_fit, hyperprior)
     seen = data.seen & ~IN_LOG
     return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
 

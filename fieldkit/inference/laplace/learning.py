@@ -135,8 +135,8 @@ def _model(flown: FlownFlights, hyperprior: Hyperprior, period: Period | None) -
 
 
 def _data(flown: FlownFlights, hyperprior: Hyperprior) -> Data:
-    flights = [flight for flight, _ in flown]
-    return observe(flights, [flight.clean for flight in flights], hyperprior)
+    flights, found = [flight for flight, _ in flown], [found for _, found in flown]
+    return observe(flights, found, [flight.clean for flight in flights], hyperprior)
 
 
 def _fitted(fleet: Fleet, hyperprior: Hyperprior) -> list[Fit]:

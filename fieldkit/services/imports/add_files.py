@@ -16,7 +16,7 @@ from fieldkit.motors import Catalogue, catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
 from fieldkit.services.imports.view import FileView
-from fieldkit.services.plausible_flights import implausible_flights, incomplete_flights, outlying
+from fieldkit.services.plausible_flights import excluded_readouts, implausible_flights, incomplete_flights, outlying
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -67,6 +67,7 @@ def take_in(
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
     conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
     implausible = tuple(_implausible(sorting.new, motors)) if motors else ()
+    unused = tuple(_excluded_readouts(sorting.new, motors)) if motors else ()
     incomplete = incomplete_flights([one.flight for one in sorting.new], motors) if motors else []
     return Receipt(
         added.new,
@@ -76,6 +77,7 @@ def take_in(
             *gathered.notes,
             *sorting.notes,
             *implausible,
+            *unused,
             *incomplete,
             *_outlying(ledger, sorting.new, set(added.new), motors or catalogue()),
             *_corrected(ledger, sorting.new, set(added.new)),
@@ -92,6 +94,13 @@ def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str
     """A line for each new flight that is implausible."""
     for one in arrivals:
         for line in implausible_flights([one.flight], motors):
+            yield str(DamagedLog(line, row=one.row, source=one.source))
+
+
+def _excluded_readouts(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
+    """A line for each readout of a new flight that cannot be a measurement."""
+    for one in arrivals:
+        for line in excluded_readouts([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 

@@ -34,7 +34,7 @@ from fieldkit.services.manual_entry import (
     weighed,
 )
 from fieldkit.services.pickers import Names
-from fieldkit.services.plausible_flights import implausible_flights
+from fieldkit.services.plausible_flights import excluded_readouts, implausible_flights
 from fieldkit.tui.resources import Resources
 
 SETUP = ("rocket", "config", "motor", "site")
@@ -254,7 +254,8 @@ class Draft:
                 self.flight, self._dated = self.flight + 1, False
         except FieldkitError as error:
             return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
-        excluded = implausible_flights([flight], self._resources.motors) if added.new else []
+        motors = self._resources.motors
+        excluded = implausible_flights([flight], motors) + excluded_readouts([flight], motors) if added.new else []
         return Saved(
             added.new[0] if added.new else "",
             flight,

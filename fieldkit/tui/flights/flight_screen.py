@@ -16,7 +16,7 @@ from fieldkit.flight.event_names import event_title
 from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable
 from fieldkit.services.flight_facts import ForecastFacts, forecast_facts
-from fieldkit.services.plausible_flights import exclusion
+from fieldkit.services.plausible_flights import exclusion, used_except
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
@@ -158,29 +158,30 @@ class FlightScreen(PageScreen):
         """Read the flight; inferred values follow when they are computed."""
         self.ask(or_why(self._read), self._have)
 
-    def _read(self) -> tuple[str, Flight, str]:
-        """The flight with its id, which changes if another rocket has a flight with the same number, and why it is
-        excluded from every fit."""
-        ledger, shown = self.resources.ledger, self._flight
+    def _read(self) -> tuple[str, Flight, str, str]:
+        """The flight with its id, which changes if another rocket has a flight with the same number, why it is
+        excluded from every fit, and which of its readouts are."""
+        ledger, motors, shown = self.resources.ledger, self.resources.motors, self._flight
         try:
             flight = ledger.flight(self._flight_id if shown is None else f"{shown.rocket}/{shown.flight_id}")
         except LedgerError:
             flight = ledger.flight(self._flight_id)
             if shown is None or flight.readouts() != shown.readouts():
                 raise  # it is another rocket's; else the rocket was renamed
-        return ledger.ids([flight])[0], flight, exclusion(flight, self.resources.motors)
+        return ledger.ids([flight])[0], flight, exclusion(flight, motors), used_except(flight, motors)
 
-    def _have(self, read: tuple[str, Flight, str] | str) -> None:
+    def _have(self, read: tuple[str, Flight, str, str] | str) -> None:
         if isinstance(read, str):
             leave(self, self._flight_id)
             return
-        self._flight_id, flight, excluded = read
+        self._flight_id, flight, excluded, unused = read
         self._flight, system = flight, self.resources.settings.units
+        used = in_system(_use(excluded, unused), system)
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Setup and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging([_use(excluded)]),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging([used]),
         ]
         if flight.extra:
             blocks.append(cards.lines("Other data", logged.beside(flight.extra, system), 20))
@@ -281,6 +282,8 @@ class FlightScreen(PageScreen):
         return "\n\n".join(self._text)
 
 
-def _use(excluded: str) -> str:
-    """Whether a flight without tags is used in the model, and if not, why."""
-    return f"Not used in the model: {excluded}" if excluded else "Used in the model"
+def _use(excluded: str, unused: str) -> str:
+    """Whether a flight without tags is used in the model, and if not, why; and which of its readouts are not."""
+    if excluded:
+        return f"Not used in the model: {excluded}"
+    return f"Used in the model, but {unused}" if unused else "Used in the model"

@@ -50,7 +50,7 @@ def response() -> FlightResponse:
 @pytest.fixture(scope="module")
 def linear(response: FlightResponse) -> LinearFit:
     model = history_model(WORN.flights, WORN.found, COUNT, WORN.selection, declared=False)
-    data = history_data(WORN.flights[:COUNT], WORN.used_in_fit, WORN.selection)
+    data = history_data(WORN.flights[:COUNT], WORN.found[:COUNT], WORN.used_in_fit, WORN.selection)
     return linear_fit(prepared_fit(model, COUNT), data, response)
 
 

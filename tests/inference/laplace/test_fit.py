@@ -82,7 +82,7 @@ def seasons() -> tuple[Data, ...]:
     )
     noisy = compared(raw) + noise + launch_angle[..., None] * (compared(leaning) - compared(upright))
     seen = np.where(IS_LOGARITHMIC, np.exp(noisy), noisy)
-    return tuple(observe(flights(part), [True] * len(PLANS)) for part in seen)
+    return tuple(observe(flights(part), model().found, [True] * len(PLANS)) for part in seen)
 
 
 def flights(readouts: Readouts) -> list[Flight]:
@@ -128,7 +128,7 @@ def kinked(seed: int) -> tuple[Model, Data]:
     raw = np.stack([shows[name][0] for name in OBSERVED_READOUTS], axis=-1)
     named = (dict(zip(OBSERVED_READOUTS, map(float, row), strict=True)) for row in raw)
     flown = [plan.with_changes(**row) for plan, row in zip(plans, named, strict=True)]
-    return early, observe(flown, [True] * len(flown))
+    return early, observe(flown, early.found, [True] * len(flown))
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -31,8 +31,8 @@ def fitted(readouts: int = 6) -> Fit:
 
 def _season() -> tuple[Model, Data]:
     flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
-    flights = [flight for flight, _ in flown]
-    return base_model(flights, [motor for _, motor in flown]), observe(flights, [True] * len(flights))
+    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
+    return base_model(flights, found), observe(flights, found, [True] * len(flights))
 
 
 @cache

@@ -22,7 +22,7 @@ def fitted(readouts: int) -> Fit:
     flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:readouts])
     flights = [flight for flight, _ in flown]
     model = base_model(flights, [motor for _, motor in flown])
-    return fit(model, observe(flights, [True] * len(flights)), outlier_flights=True)
+    return fit(model, observe(model.flights, model.found, [True] * len(flights)), outlier_flights=True)
 
 
 def midpoints(low: float, high: float, count: int = 150) -> tuple[float, ...]:

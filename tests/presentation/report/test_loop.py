@@ -72,7 +72,7 @@ def windy() -> list[Flight]:
 def diagnosis() -> Diagnosis:
     flights = windy()
     model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
-    return diagnose(model, observe(flights, [True] * len(flights)))
+    return diagnose(model, observe(model.flights, model.found, [True] * len(flights)))
 
 
 @pytest.fixture(scope="module")
