@@ -37,7 +37,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
             for line in ledger.remarks[:REMARKS]:
                 remark(line)
             if more := len(ledger.remarks[REMARKS:]):
-                complain(f"note: {counted(more, 'more flight')} excluded from every fit")
+                complain(f"note: {counted(more, 'more note')} on what is excluded from every fit")
             if ledger.trouble:
                 complain(f"warning: {ledger.trouble}")
 
