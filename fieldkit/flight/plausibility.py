@@ -121,7 +121,7 @@ def not_measured(flight: Flight, motor: Burning) -> dict[str, str]:
 
     They are those `beyond_motor`; a peak acceleration below the average one, and the average too if top speed and burn
     time do not confirm it; and, if a device shows a coast of zero, what it counts from burnout or averages up to it: a
-    rocket still climbs at burnout, so the device has not told burnout from apogee.
+    rocket still climbs at burnout, so the device has taken apogee for burnout.
     """
     found = beyond_motor(flight, motor)
     if flight.avg_accel is not None and flight.peak_accel is not None and flight.avg_accel > flight.peak_accel * 1.001:
