@@ -99,6 +99,22 @@ def test_the_forecast_spread_scales_with_the_noise_of_rocket_and_device() -> Non
     assert [term.name for term in doubtful.terms if term.scaled_by == "scatter"] == ["apogee on AeroTech F24W"]
 
 
+def test_motors_that_burn_unevenly_do_not_widen_the_interval_of_steady_apogees() -> None:
+    """Speeds and burn times show that, and the apogees of the same flights that they do not depend on it."""
+
+    def width(uneven: float) -> float:
+        rng, flown = np.random.default_rng(8), []
+        for flight, found in season({}, 5):
+            longer = np.exp(uneven * rng.normal())
+            times = {"burn_time": longer, "peak_accel": 1 / longer, "coast_to_apogee": longer**-0.3}
+            changes = {name: float(getattr(flight, name) or 0.0) * factor for name, factor in times.items()}
+            flown.append((flight.with_changes(**changes), found))
+        low, _, high = next_on("F24", flown).apogee_quantiles()
+        return float(np.log(high / low))
+
+    assert width(0.12) < 1.15 * width(0.0)
+
+
 ALTERNATIVES = (
     {"motor": "G40W"},
     {"config": "B", "dry_mass": 0.448},
