@@ -38,6 +38,8 @@ class Result:
     after: Errors | None = None
     given: Errors | None = None
     """Errors with the true effect given to the product, whatever its verdict."""
+    without: Mapping[str, float] = field(default_factory=dict)
+    """Error with the other effects of a pair given to the product, by the effect that is withheld. [m]"""
     seconds: float = float("nan")
     error: str = ""
     level: int = 0
@@ -55,6 +57,20 @@ class Result:
     def decidable(self) -> bool:
         """Whether the effect matters: to the product's fit with it, or in truth if it is an unknown effect."""
         return (self.reach if self.label == "unexplained" else self.gain) >= WORTH_IT
+
+    @property
+    def needed(self) -> frozenset[str]:
+        """The effects of the label that matter although the others are known: the fit with all of them removes at least
+        `WORTH_IT` of the error of the fit without this one."""
+        if not self.given or not self.before:
+            return frozenset()
+        without = self.without or {self.label: self.before.mae}
+        return frozenset(name for name, error in without.items() if 1 - self.given.mae / error >= WORTH_IT)
+
+    @property
+    def found(self) -> frozenset[str]:
+        """The effects of the label in the verdict, or in a set that it lists as indistinguishable."""
+        return frozenset.union(*(effects(name) for name in (self.verdict, *self.also))) & effects(self.label)
 
     @property
     def named(self) -> bool:

@@ -72,11 +72,14 @@ def summary(results: Sequence[Result]) -> str:
     effect = [r for r in answered if r.label not in ("none", "unexplained")]
     decidable = [r for r in effect if r.decidable]
     nulls = [r for r in answered if r.label == "none"]
+    parts = [(name in r.found) for r in effect for name in r.needed]
     lines = [
         f"right verdicts if the fit with the true effect removes at least {WORTH_IT:.0%} of the error: "
         f"{sum(r.right for r in decidable)} of {len(decidable)}, "
         f"{sum(r.right for r in decidable if '+' not in r.label)} of {sum('+' not in r.label for r in decidable)} "
         "of them with one effect",
+        f"effects named if the fit with all of a history's effects removes as much of the error without this one: "
+        f"{sum(parts)} of {len(parts)}",
         f"false alarms on nulls: {sum(r.verdict != 'none' for r in nulls)} of {len(nulls)}, "
         f"{sum(r.verdict == 'unexplained' for r in nulls)} of them as unexplained",
         f"wrong effect named for an unknown one: "

@@ -76,8 +76,9 @@ off by 3% of the dynamic pressure, and more in real flights with an acceleromete
 tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
-its flights (log-normal with median 1 and learned standard deviation {card.scatter.log_sd:.2f}); another scales the
-noise of its readouts ({card.reading.log_sd:g}, a judgment, because the public flights come from one device). Single
+its {"apogees" if card.scattered == "apogee" else "flights"} (log-normal with median 1 and learned standard deviation
+{card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the
+public flights come from one device). Single
 flights and readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a
 readout replaces these figures.
 

@@ -40,6 +40,7 @@ CARD = "hyperprior.json"
 DESIGN_DRAG = 0.2
 """Start of `Hyperprior.design_drag`, an expert judgment: paint, lugs and gaps are rarely as drawn. [1]"""
 Kind = Literal["learned", "certified"]
+Scattered = Literal["everything", "apogee"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +52,9 @@ class Hyperprior:
     effect. `fixed` is the constant noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m, m/s), and `ratio` is
     the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
     diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
-    `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
+    `scatter` scales the random effects of single flights on `scattered`: on everything, or on the apogee alone. Then
+    thrust, drag, burn time and delay scatter alike in all rockets. `reading` scales the noise of every readout except
+    the apogee.
     `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
     standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the
     random effects of mass, thrust and apogee of such a rocket on high-power motors.
@@ -65,6 +68,7 @@ class Hyperprior:
     unknown_area: float
     scatter: Scale
     reading: Scale
+    scattered: Scattered = "everything"
     opening: tuple[float, float] = (0.6, 0.4)
     tail: float = 4.0
     mean_sds: Mapping[str, float] = field(default_factory=dict)
@@ -100,6 +104,11 @@ class Hyperprior:
         """The scatter scale, reading scale and log prior weight of every pair on the grid. [1], [1], [nat]"""
         return scale_pairs(self.scatter, self.reading)
 
+    def flight_scale(self, scatter: Float[Array, "*n"]) -> Float[Array, "*n"]:
+        """The factor on the scatter of thrust, drag, burn time and delay of single flights, at values of the scale
+        `scatter`. [1]"""
+        return scatter if self.scattered == "everything" else np.ones_like(scatter)
+
     def json(self) -> dict[str, Any]:
         """The card, in the form that `read_card` reads."""
         return {**self.about, **self.model_json()}
@@ -115,7 +124,7 @@ class Hyperprior:
                 for name, fixed, ratio in zip(READOUTS, self.fixed, self.ratio, strict=True)
             },
             "unknown_area": self.unknown_area,
-            "scatter": {"median": self.scatter.median, "log_sd": self.scatter.log_sd},
+            "scatter": {"of": self.scattered, "median": self.scatter.median, "log_sd": self.scatter.log_sd},
             "reading": {"median": self.reading.median, "log_sd": self.reading.log_sd},
             "opening_s": list(self.opening),
             "tail": self.tail,
@@ -124,7 +133,7 @@ class Hyperprior:
         }
 
 
-SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))
+SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.1, 4.0, 9), 4))
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
 """Grids used during a fit; the final posterior uses grids twice as fine."""
 
@@ -216,6 +225,7 @@ START = Hyperprior(
     unknown_area=0.2,
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
+    scattered="apogee",
 )
 """The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `CERTIFIED_PRIOR`. Motor
 types are within 5% of their certificates (certification tests differ by that much; single motors by 6.7%, NFPA 1125),
@@ -276,6 +286,7 @@ def read_card(text: str, name: str) -> Hyperprior:
             unknown_area=float(card["unknown_area"]),
             scatter=Scale(SCATTER_GRID, float(card["scatter"]["median"]), float(card["scatter"]["log_sd"])),
             reading=Scale(READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"])),
+            scattered=_scattered(card["scatter"]),
             opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
             tail=float(card["tail"]),
             design_drag=float(card.get("design_drag", DESIGN_DRAG)),
@@ -293,6 +304,14 @@ def read_card(text: str, name: str) -> Hyperprior:
         raise DamagedModel(f"{name}: found {wrong}, expected standard deviations of {', '.join(QUANTITIES)}")
     about = {key: value for key, value in card.items() if key not in found.json()}
     return replace(found, about=MappingProxyType(about))
+
+
+def _scattered(card: Mapping[str, Any]) -> Scattered:
+    """What the scale of a card scales. Cards of older versions lack it. Raises ValueError for anything unknown."""
+    found = card.get("of", "everything")
+    if found not in ("everything", "apogee"):
+        raise ValueError(f"scatter of {found!r}")
+    return "apogee" if found == "apogee" else "everything"
 
 
 def _known(key: str) -> bool:

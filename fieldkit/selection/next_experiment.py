@@ -182,7 +182,7 @@ def _forecast(
 
 def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
     """Covariance of the readouts of single flights around their expectation: scatter and reading."""
-    scatter = ahead.hyperprior.scales()[0][scale]
+    flight_scale = ahead.hyperprior.flight_scale(ahead.hyperprior.scales()[0])[scale]
     raw = np.where(
         np.arange(len(OBSERVED_READOUTS)) == OBSERVED_READOUTS.index("apogee_to_eject"), 1.0, np.exp(near.values)
     )
@@ -190,7 +190,7 @@ def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout 
     expected = Data(near.values, reading_sd(raw, ahead.hyperprior), every, np.ones(raw.shape))
     own = residual_variance(ahead, expected)[scale]
     return np.asarray(
-        scatter**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
+        flight_scale**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
         + own[..., None] * np.eye(len(OBSERVED_READOUTS))
     )
 

@@ -65,7 +65,7 @@ class Target:
             rows = self._shared_rows()
             values[:, rows] = self.model.shared.mean + at[:, rows] @ np.linalg.cholesky(self.model.shared.covariance).T
         sds = np.array([kind.sd for kind in self.model.scatter])
-        effects = at[:, terms:-2].reshape(-1, flights, kinds) * sds * scatter[:, None, None]
+        effects = at[:, terms:-2].reshape(-1, flights, kinds) * sds * self._flight_scale(scatter)
         return Point(values, effects, scatter, reading)
 
     def coordinates(
@@ -171,11 +171,13 @@ class Target:
         columns = [self.kinds.index(kind.bends) for kind in self.model.scatter]
         sds = np.array([kind.sd for kind in self.model.scatter])
         effects = by_kind[..., columns]
-        out[:, terms:-2] = (effects * sds * point.scatter_scale[:, None, None]).reshape(len(at), -1)
+        out[:, terms:-2] = (effects * sds * self._flight_scale(point.scatter_scale)).reshape(len(at), -1)
         moved = point.terms - np.array([term.mean for term in self.model.terms])
         scaled = {by: np.array([term.scaled_by == by for term in self.model.terms]) for by in ("scatter", "reading")}
         by_scale = {by: (by_term * moved)[:, which].sum(axis=1) for by, which in scaled.items()}
-        out[:, -2] = prior.scatter.log_sd * (by_scale["scatter"] + (effects * point.scatter).sum(axis=(1, 2)))
+        if prior.scattered == "everything":
+            by_scale["scatter"] = by_scale["scatter"] + (effects * point.scatter).sum(axis=(1, 2))
+        out[:, -2] = prior.scatter.log_sd * by_scale["scatter"]
         out[:, -1] = prior.reading.log_sd * by_scale["reading"]
         return out
 
@@ -183,6 +185,9 @@ class Target:
         if term.bends in OBSERVED_READOUTS:
             return np.asarray(score[..., OBSERVED_READOUTS.index(str(term.bends))] @ term.weight)
         return np.asarray(by_kind[..., self.kinds.index(str(term.bends))] @ term.weight)
+
+    def _flight_scale(self, scatter: Float[Array, "draw"]) -> Float[Array, "draw 1 1"]:
+        return np.asarray(self.model.hyperprior.flight_scale(scatter)[:, None, None])
 
     def _shared_rows(self) -> list[int]:
         assert self.model.shared

@@ -19,7 +19,7 @@ from bench.effects import EFFECTS
 from bench.fleet import Flown
 from bench.make import case, make
 from bench.motors import motors
-from bench.result import Result, effects
+from bench.result import Errors, Result, effects
 from bench.scenarios import SCENARIOS
 from bench.score import _planned, score
 from bench.tables import summary, table
@@ -277,6 +277,17 @@ def test_a_verdict_is_right_in_any_order_and_if_listed_as_indistinguishable() ->
     assert replace(base, verdict="wear+wind").named
     assert replace(base, verdict="wind", also=("wear+wind",)).right
     assert not replace(base, verdict="wind").right
+
+
+def test_an_effect_of_a_pair_matters_if_the_fit_without_it_is_much_worse() -> None:
+    before, given = (Errors(mae, 0.0, 9, 10, 5.0 * mae) for mae in (20.0, 10.0))
+    pair = Result("s", "x", "altimeter_scale+wear", 0.5, 5.0, "wear", before=before, after=given, given=given)
+    one = replace(pair, without={"altimeter_scale": 10.5, "wear": 19.0})
+    both = replace(pair, without={"altimeter_scale": 14.0, "wear": 19.0})
+    alone = replace(pair, label="wind", also=("base_drag+wind",))
+    assert (one.needed, both.needed, alone.needed) == ({"wear"}, {"altimeter_scale", "wear"}, {"wind"})
+    assert (one.found, both.found, alone.found) == ({"wear"}, {"wear"}, {"wind"})
+    assert "the error without this one: 3 of 4" in summary([one, both, alone])
 
 
 @pytest.mark.thorough

@@ -184,7 +184,7 @@ class _World:
                 self.scatter[bends][draw, rows] += shift
         for kind in one.model.scatter:
             tailed = rng.normal(size=(self.draws, width))
-            self.scatter[kind.bends][:, rows] += kind.sd * scales["scatter"][:, None] * tailed
+            self.scatter[kind.bends][:, rows] += kind.sd * prior.flight_scale(scales["scatter"])[:, None] * tailed
 
     def _add(self, term: Term, rows: slice, terms: list[Term]) -> None:
         weight = np.zeros(int(self.ends[-1]))

@@ -91,11 +91,12 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
 
 def own_variance(result: Fit) -> Float[Array, "scale flight"]:
     """Variance of a flight's compared apogee around its expectation: scatter and reading. [1]"""
-    scatter = result.model.hyperprior.scales()[0]
+    hyperprior = result.model.hyperprior
+    scale = hyperprior.flight_scale(hyperprior.scales()[0])
     spread = result.tangent.scatter_slope[:, 0]
     expected = replace(result.data, sd=_expected_sd(result))
     return np.asarray(
-        scatter[:, None] ** 2 * (spread**2).sum(axis=-1) + residual_variance(result.model, expected)[..., 0]
+        scale[:, None] ** 2 * (spread**2).sum(axis=-1) + residual_variance(result.model, expected)[..., 0]
     )
 
 
