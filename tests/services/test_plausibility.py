@@ -126,7 +126,7 @@ def test_an_impossible_flight_is_named_and_no_command_shows_an_invalid_number(wh
     for command, words in few.items():
         status, out, err = run_command(command, *words)
         last = rows[-1]["flight_id"]
-        assert re.search(rf"flight {last}\b|more flights?", err), f"{command}: {err}"
+        assert re.search(rf"flight {last}\b|more notes?", err), f"{command}: {err}"
         assert not re.search(r"\bnan\b|\binf\b|Traceback|Warning", out + err, re.IGNORECASE), command
         assert status == 0 or what.startswith("all"), err
 
