@@ -92,6 +92,10 @@ def _settings_path() -> Path:
     return user_config_path("fieldkit", appauthor=False)
 
 
+CAPTURE_SUFFIXES = (".raw", ".jsonl")
+"""Suffixes of the two files of a capture: its bytes, and its journal."""
+
+
 def capture_folder() -> Path:
     """The folder of captures from loggers, which may not exist."""
     return data_file("captures")

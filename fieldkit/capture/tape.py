@@ -18,13 +18,13 @@ from pathlib import Path
 from types import TracebackType
 
 from fieldkit.errors import CaptureTrouble
+from fieldkit.paths import CAPTURE_SUFFIXES
 
 SYNC = 0.25
 """Longest time from the arrival of bytes until they are on disk. [s]"""
 GRAIN = 0.02
 """Arrivals closer together than this share one line of the journal. [s]"""
-BYTES, JOURNAL = ".raw", ".jsonl"
-"""Suffixes of the two files of a capture."""
+BYTES, JOURNAL = CAPTURE_SUFFIXES
 
 
 @dataclass(slots=True)

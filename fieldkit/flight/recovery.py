@@ -66,6 +66,8 @@ RECOVERY_TEXTS = {
 RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)
 DIRECTIONS = {"into": 0.0, "away": 180.0, "across": 90.0}
 """Directions of a rail by name. [deg]"""
+DESCENT_SPEED = 5.0
+"""Default descent speed under a parachute. [m/s]"""
 OPENING_TIME = 0.5
 """Default time from the charge to an open parachute, an assumption. [s]"""
 

@@ -14,7 +14,14 @@ import numpy as np
 
 from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import OPENING_TIME, rail_direction, recovery_column, recovery_figure, stability
+from fieldkit.flight.recovery import (
+    DESCENT_SPEED,
+    OPENING_TIME,
+    rail_direction,
+    recovery_column,
+    recovery_figure,
+    stability,
+)
 from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import WIND_EXPONENT, altimeter_gain, pad_air, standard_temperature
@@ -29,8 +36,6 @@ USUAL_WIND = 3.5
 """Wind for the `wind` effect on a flight without a recorded one: the root mean square of a Rayleigh distribution with
 mean 3.1 m/s, the prior of the field ensemble, because the height lost by weathercocking grows with the square of the
 wind. [m/s]"""
-DESCENT_SPEED = 5.0
-"""Default descent speed under a parachute. [m/s]"""
 WIND_ALOFT_HEIGHT = 300.0
 """Default height of a wind aloft that was given as a speed only. [m]"""
 USUAL_STABILITY = 2.0

@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import Device, Recovery, can_be_read, recovery_of
+from fieldkit.flight.recovery import DESCENT_SPEED, Device, Recovery, can_be_read, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.descent import PARACHUTE_CD
-from fieldkit.physics.setups import DESCENT_SPEED
 from fieldkit.planning.flown_descent import DROGUE_SPEED, air_at_pads, landing_mass, shown_speeds
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY

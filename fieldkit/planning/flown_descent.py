@@ -10,12 +10,12 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import TWO_DEVICES, Flight
-from fieldkit.flight.recovery import Recovery, measured_sd, recovery_of
+from fieldkit.flight.recovery import DESCENT_SPEED, Recovery, measured_sd, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
 from fieldkit.physics.descent import Devices, fall_time, filling, lag, opening_time, sink
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
+from fieldkit.physics.setups import field_setup, recorded
 from fieldkit.planning.contest_flight import judged_duration
 from fieldkit.shapes import Array
 from fieldkit.units import STANDARD_GRAVITY

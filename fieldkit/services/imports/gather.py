@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from fieldkit import files
-from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import FIELDS, MEASURED, Flight
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
@@ -15,6 +14,7 @@ from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import OpenedFile, intakes, open_file, read
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.parallel import processes
+from fieldkit.paths import CAPTURE_SUFFIXES
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports.view import FileView, file_view
 from fieldkit.services.imports.within_motor import within_motor
@@ -170,8 +170,11 @@ def _without_name(one: _Refused) -> str:
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
     """The named readings of a file, or of the logs in it if it is a capture."""
-    if is_capture(path):
-        return [(log.name, log.content) for log in logs_in(path)]
+    if path.suffix in CAPTURE_SUFFIXES:
+        from fieldkit.capture import is_capture, logs_in  # takes 20 ms to import
+
+        if is_capture(path):
+            return [(log.name, log.content) for log in logs_in(path)]
     return [(_name(path), read_file(path))]
 
 
