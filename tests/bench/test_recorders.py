@@ -10,7 +10,7 @@ from bench.recorders.__main__ import main
 from bench.recorders.flights import draw
 from bench.recorders.judge import Miss, cells, judged, read, table
 from bench.recorders.models import RECORDERS
-from bench.recorders.record import receiver_drift, written
+from bench.recorders.record import WANDER, receiver_drift, wander, written
 
 SOME = (
     "5 Hz feet",
@@ -82,3 +82,21 @@ def test_a_receiver_drifts_as_much_on_the_pad_as_in_flight() -> None:
     drifts = np.array([receiver_drift(when, RECORDERS["satellites 5 Hz"], random) for _ in range(300)])
     early, late = drifts[:, :5].std(), drifts[:, -5:].std()
     assert early == pytest.approx(late, rel=0.15)
+
+
+def test_the_wind_moves_the_heights_of_every_barometer_by_as_much_as_it_should() -> None:
+    random = np.random.default_rng(6)
+    ends = np.array([wander(2001, random)[[0, 100, 2000]] for _ in range(400)])
+    assert ends.std(axis=0) == pytest.approx(WANDER, rel=0.15)
+    assert np.corrcoef(ends.T)[0, 1] > 0.7 > 0.3 > np.corrcoef(ends.T)[0, 2]
+
+
+def test_an_accelerometer_feels_a_charge_after_it_fired() -> None:
+    random = np.random.default_rng(7)
+    path = next(one for one in draw(random, 5) if one.ejection is not None)
+    rows = [line.split(",") for line in written(path, RECORDERS["accel 400 Hz"], random).decode().splitlines()[1:]]
+    time, felt = np.array([[float(row[0]), float(row[2])] for row in rows if row[2]]).T
+    wait = RECORDERS["accel 400 Hz"].wait
+    near = np.abs(time - wait - path.ejection) < 0.15
+    strongest = time[near][np.argmax(felt[near])] - wait - path.ejection
+    assert 0.0 < strongest < 0.06
