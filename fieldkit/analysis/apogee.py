@@ -8,10 +8,10 @@ import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights
-from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.phases import WANDER, Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """How long a curve must continue after its top [s] and how far it must clearly fall [m] to count as coming down."""
@@ -23,8 +23,6 @@ _MAX_HEARD_GAP = 2.0
 """Longest gap between samples in which an apogee can still be located. [s]"""
 _REST, _MAX_REST_MOVEMENT = 10.0, 20.0
 """Length of the end of a log that is searched for a rest [s], and the largest movement of heights in a rest [m]."""
-_MIN_APOGEE_ERROR = 0.15
-"""Smallest error of any apogee: variation of the air and sensor drift within a flight. [m]"""
 
 
 def falls(ascent: Ascent) -> bool:
@@ -43,20 +41,28 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
         return None
     drawn = np.where(has_samples, ascent.heights, -np.inf)
     tops = drawn.max(axis=1)
-    moments = ascent.time[np.argmax(drawn, axis=1)]
+    moment = float(_vertices(ascent.time, ascent.speed[None], np.array([place]))[0])
+    moments = _vertices(ascent.time, ascent.speeds, np.argmax(drawn, axis=1))
     near = np.abs(track.time - ascent.time[place]) < 1.0
     residual = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     fit_error = mad_sd(residual) / 2 if mad_sd(residual) > 3 * track.noise else 0.0
-    satellites = track.source == CHANNEL_TITLES["gps_altitude_msl"]
-    least = max(_LEAST_GPS, drift_of_receiver(track, seen)) if satellites else _MIN_APOGEE_ERROR
-    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + fit_error**2 + least**2))
-    spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
-    event = Event(
-        float(ascent.time[place]),
-        float(np.linalg.norm([spread, 0.04 if ascent.fused else 0.06, track.lag / 2])),
-        track.source,
-    )
+    sd = float(np.linalg.norm([tops.std(), seen.pad_sd, fit_error, wander_of(track, seen)]))
+    spread = 1.4826 * np.median(np.abs(moments - moment))
+    event = Event(moment, float(np.hypot(spread, track.lag / 2)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
+
+
+def _vertices(
+    time: Float[Array, "knot"], speeds: Float[Array, "draw knot"], places: Int[Integers, "draw"]
+) -> Float[Array, "draw"]:
+    """When curves turn around, each near its highest knot: where the line through the speeds before and after it is
+    zero. [s]"""
+    places = np.clip(places, 1, time.size - 2)
+    draws = np.arange(places.size)
+    before, after = speeds[draws, places - 1], speeds[draws, places + 1]
+    width = time[places + 1] - time[places - 1]
+    falls = np.maximum(before - after, 1e-9)
+    return np.asarray(time[places - 1] + width * np.clip(before / falls, 0, 1))
 
 
 def _has_samples(time: Float[Array, "knot"], track: Heights, top: float) -> Flags:
@@ -72,7 +78,14 @@ def _has_samples(time: Float[Array, "knot"], track: Heights, top: float) -> Flag
     return has_samples if has_samples.any() else np.ones(time.size, bool)
 
 
-def drift_of_receiver(track: Heights, seen: Outline) -> float:
+def wander_of(track: Heights, seen: Outline) -> float:
+    """Standard deviation between the heights that a sensor shows at one height a while apart, besides noise. [m]"""
+    if track.source != CHANNEL_TITLES["gps_altitude_msl"]:
+        return WANDER
+    return max(_LEAST_GPS, _drift_of_receiver(track, seen))
+
+
+def _drift_of_receiver(track: Heights, seen: Outline) -> float:
     """Drift of a receiver's height on the ground, before lift-off or after landing [m].
 
     The difference of two such heights, at the pad and at apogee, is larger.

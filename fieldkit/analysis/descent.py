@@ -1,19 +1,21 @@
 """The descent: ejection, landing, and the speed between them.
 
-Source: robust slopes by the median of slopes of pairs (Theil, 1950; Sen, 1968).
+Derivation: a rocket lands where the line through the end of its descent meets the level that follows it, and its mean
+speed is a height divided by a time.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
 
+from fieldkit.analysis.apogee import wander_of
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.descent_stages import SLOWEST_DESCENT
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
-from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, typical_line
-from fieldkit.physics.setups import DESCENT_SPEED
+from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, student_line
+from fieldkit.flight.recovery import DESCENT_SPEED
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -29,14 +31,20 @@ are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fa
 speed plus this slack does not reveal when it was braked."""
 _FREE_FALL = 0.55
 """Least mean acceleration of a fall that nothing brakes but the air around the rocket, as a fraction of gravity. [1]"""
-_STRAIGHT, _MIN_LINE_SAMPLES = 0.2, 6
-"""Largest change of the speed in the last part of a descent that counts as straight, and its fewest samples. [1]"""
+_FALL_WINDOW = 0.8
+"""Time over which the speed of a fall is taken. The slope of a parabola is a mean of the speeds there whose weights are
+a parabola too, with a standard deviation of half of this over sqrt(5): within it lies the highest speed. [s]"""
+_MIN_LINE_SAMPLES, _MAX_LINE_SAMPLES, _LINES, _BENT = 6, 200, 2, 0.4
+"""Fewest and most samples of the last line of a descent, the number of lines, each up to the landing that the one
+before it shows [1], and how long before that a filter or small vents may bend the descent [s]."""
 _LONG_REST, _REST_HEIGHT, _REST_MARGIN = 2.5, 0.5, 0.5
 """A rest of this length shows in a difference of heights two seconds apart [s]; how much above a shorter one smoothed
 heights may be [m]; uncertainty of the beginning of a rest from smoothed heights [s]."""
 _MIN_REST_SAMPLES, _REST_SDS = 3, 3.0
 """Fewest samples of a rest, so that one outlier does not determine its level, and number of standard deviations by
 which it excludes a descent. [1]"""
+_GUST_WALK = 2 * 0.5**2 / 3.0
+"""Variance that the speed of a descent gains per second in gusts of 0.5 m/s that last for 3 s, 2 u²/T. [m^2/s^3]"""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 
@@ -53,7 +61,8 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     shocks = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
     if shocks.size == 0:
         return None
-    return Event(float(time[shocks[0]]), float(np.hypot(median_step(time) / 2, _RISE)), push.source)
+    begin, end = time[max(int(shocks[0]) - 1, 0)], time[shocks[0]]
+    return Event(float((begin + end) / 2), float(np.hypot((end - begin) / np.sqrt(12), _RISE)), push.source)
 
 
 def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
@@ -88,7 +97,7 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
         return None
     step = median_step(time)
     even = np.arange(time[0], time[-1], max(step, 0.05))
-    width = max(5, round(0.8 / (even[1] - even[0]))) | 1
+    width = max(5, round(_FALL_WINDOW / (even[1] - even[0]))) | 1
     if even.size < 2 * width:
         return None
     speed = local_slopes(np.interp(even, time, height), width, even[1] - even[0])
@@ -107,13 +116,14 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
         or (fall[:fastest] < freely[:fastest] - max(2.0, blur) - GRAVITY * apogee.sd).any()
     ):
         return None
-    return Event(float(when[fastest]), 0.4, track.source)
+    half = width * (even[1] - even[0]) / 2
+    return Event(float(when[fastest]), float(half / np.sqrt(5)), track.source)
 
 
 def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None, float | None]:
     """Time of landing [s] and the ground's height in this channel [m]; (None, None) if it is not in the log.
 
-    The last line of the descent, by the Theil-Sen estimator, is intersected with the level that follows it.
+    The last line of the descent is intersected with the level that follows it. Gusts change both.
     """
     time, calm, height = track.time, seen.calm, track.height
     fall = np.flatnonzero(time > apogee)
@@ -141,14 +151,22 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     if not _is_at_rest(time[rest], height[rest], track.noise):
         return None, None
     level = float(np.median(height[rest]))
-    last = (time > max(apogee, about - 8)) & (time < about - 0.5) & (height > level + 4 * track.noise)
-    if last.sum() < 4:
-        return Event(about, 1.0, track.source), level
-    every = max(1, last.sum() // 200)
-    slope, middle = _final_line(time[last][::every], height[last][::every])
-    moment = (level - middle) / slope if slope < -0.3 else about
-    moment = float(np.clip(moment, about - 2, about + 1))
-    return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
+    wander = wander_of(track, seen)
+    level_sd = float(np.hypot(wander, track.noise / np.sqrt(rest.sum())))
+    found, end = Event(about, 1.0, track.source), about
+    high = calm > level + 4 * np.hypot(track.noise, wander)
+    for _ in range(_LINES):
+        falls = (time > max(apogee, about - 8)) & (time < end - _BENT) & high
+        if falls.sum() < 4:
+            break
+        line = _final_line(time[falls], track.noise)
+        when = time[falls][line]
+        slope, middle = student_line(when, height[falls][line], track.noise)
+        end = (level - middle) / slope if slope < -0.3 else about
+        end = float(np.clip(end, about - 2, about + 1))
+        sd = float(np.hypot(_line_error(when, track.noise, end), level_sd)) / max(-slope, 0.5)
+        found, high = Event(end, sd, track.source), np.full(time.size, True)
+    return found, level
 
 
 def _touchdown(time: Float[Array, "_"], height: Float[Array, "_"], noise: float) -> float:
@@ -175,19 +193,28 @@ def _is_at_rest(time: Float[Array, "_"], height: Float[Array, "_"], noise: float
     return -slope + _REST_SDS * sd < SLOWEST_DESCENT
 
 
-def _final_line(time: Float[Array, "time"], height: Float[Array, "time"]) -> tuple[float, float]:
-    """Slope and intercept of the last part of a descent that is straight: a fall without a parachute accelerates."""
-    slope, middle = typical_line(time, height)
-    while time.size >= 2 * _MIN_LINE_SAMPLES:
-        late = time > (time[0] + time[-1]) / 2
-        if late.sum() < _MIN_LINE_SAMPLES:
-            break
-        time, height = time[late], height[late]
-        later = typical_line(time, height)
-        if abs(later[0] - slope) < _STRAIGHT * abs(later[0]):
-            break
-        slope, middle = later
-    return slope, middle
+def _final_line(time: Float[Array, "time"], noise: float) -> slice:
+    """Which samples of a descent, each with a noise [m], to fit its last line to: all of a length, thinned if many.
+
+    A long line averages the noise, but gusts bend it, and a fall without a parachute accelerates: the length is that
+    for which `_line_error` is smallest, L⁴ = 140 s² d / q for samples d apart.
+    """
+    step = median_step(time)
+    length = float((140 * noise**2 * step / _GUST_WALK) ** 0.25)
+    first = min(int(np.searchsorted(time, time[-1] - length)), max(time.size - _MIN_LINE_SAMPLES, 0))
+    return slice(first, None, max(1, (time.size - first) // _MAX_LINE_SAMPLES))
+
+
+def _line_error(time: Float[Array, "time"], noise: float, moment: float) -> float:
+    """Standard deviation of a line through a descent at a moment after its samples [s], each with a noise [m]. [m]
+
+    Derivation: least squares for n samples over a length L with independent errors s, and for a speed that is a random
+    walk of variance q t; at the end of the line their variances are 4 s² / n and q L³ / 105.
+    """
+    length, after = float(np.ptp(time)), max(moment - float(time[-1]), 0.0)
+    independent = noise**2 / time.size * (1 + 12 * (0.5 + after / length) ** 2)
+    bends = length**3 / 105 + 11 / 105 * length**2 * after + 13 / 35 * length * after**2 + after**3 / 3
+    return float(np.sqrt(independent + _GUST_WALK * bends))
 
 
 def _last_fall(going: Int[Integers, "_"], speed: Float[Array, "_"], typical: float) -> int:
@@ -271,5 +298,5 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
         _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
         left = where - np.polyval(np.polyfit(when, where, 2), when)
         spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
-    sd = np.sqrt(spread**2 + seen.pad_sd**2 + (slope * moment.sd) ** 2)
+    sd = np.sqrt(spread**2 + seen.pad_sd**2 + wander_of(track, seen) ** 2 + (slope * moment.sd) ** 2)
     return Figure(value, float(sd), track.source)

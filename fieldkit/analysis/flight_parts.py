@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fieldkit.analysis.apogee import apogee_of, drift_of_receiver, falls
+from fieldkit.analysis.apogee import apogee_of, falls
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, MIN_SAMPLES, Heights, Push
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
@@ -218,9 +218,6 @@ def _down(
     """Results from the descent; `resumed` is when samples resume if the top fell in a gap. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
-    if landed and level is not None and track.source == CHANNEL_TITLES["gps_altitude_msl"]:
-        sink_rate = max(float(np.interp(apogee.time, track.time, seen.calm) - level) / (landed.time - apogee.time), 0.5)
-        landed = replace(landed, sd=float(np.hypot(landed.sd, drift_of_receiver(track, seen) / sink_rate)))
     ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
     events: dict[str, Event] = {}
     figures: dict[str, Figure] = {}

@@ -144,7 +144,11 @@ def boost_event(
         late, spread = (
             float(
                 np.linalg.norm(
-                    [late, max(0.02, median_step(push.time) / 2), _moved_by_noise(push, ascent, time[place])]
+                    [
+                        late,
+                        max(median_step(push.time), median_step(time)) / np.sqrt(12),
+                        _moved_by_noise(push, ascent, time[place]),
+                    ]
                 )
             ),
             float(

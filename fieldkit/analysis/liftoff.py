@@ -16,6 +16,9 @@ from fieldkit.shapes import Array, Float, Int, Integers
 _THRUST = 2 * GRAVITY
 """Specific force that a rocket does not feel before lift-off. [m/s^2]"""
 
+_IGNITION = 0.02
+"""Time in which thrust rises to a fifth of its mean. [s]"""
+
 _STEP, _QUICK_STEP = 0.01, 0.03
 """Steps between the lift-off times to try: for lift-off, and for how a lag shifts it. [s]"""
 _RIDGE, _TINY = 1e-10, 1e-30
@@ -71,7 +74,8 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     first = crossing[_on_pad(_sustained(crossing, felt, bar), time[crossing], track, seen)]
     fraction, hole = (bar - felt[first]) / (felt[first + 1] - felt[first]), float(time[first + 1] - time[first])
     blind = hole if hole > 1.5 * step else step
-    return Event(float(time[first] + fraction * hole), float(np.hypot(blind / 2, 0.02)), "acceleration")
+    sd = float(np.hypot(blind / np.sqrt(12), _IGNITION))
+    return Event(float(time[first] + fraction * hole), sd, "acceleration")
 
 
 def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float) -> int:

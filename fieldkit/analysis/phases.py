@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.analysis.channels import Heights
-from fieldkit.analysis.robust_statistics import median_step, running_median_over, stretches
+from fieldkit.analysis.robust_statistics import lag_one, median_step, running_median_over, stretches
 from fieldkit.shapes import Array, Float
 
 LEAST_GAIN = 5.0
@@ -20,6 +20,9 @@ _MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
 _ZERO, _GROUND = 1.0, 20.0
 """Drift of a logger's own zero while it waits, and the largest difference of the landing from it that is attributed to
 the zero instead of the terrain. [m]"""
+WANDER = 0.15
+"""Standard deviation of heights from the pressure of gusts, U u / g by Bernoulli's equation: gusts u of 0.5 m/s in a
+wind U of 3 m/s. A few seconds later it is another. [m]"""
 _PARTS = 5
 """Number of parts into which the time on the pad is divided to detect gusts and drift. [1]"""
 _WINDOW, _TRANSONIC_SPEED, _TRANSONIC_WINDOW = 0.25, 270.0, 1.0
@@ -176,7 +179,10 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
         return (min(level, 0.0), _own_zero(track)) if track.zeroed else (level, 3.0)
     least = _PAD_UNCERTAINTY if float(np.ptp(track.time[before])) < _MIN_PAD_TIME else 0.0
     gusts = [float(np.median(part)) for part in np.array_split(height, _PARTS)] if height.size >= 4 * _PARTS else []
-    scatter = max(track.noise / np.sqrt(min(height.size, 10)), float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1))
+    lag1 = lag_one(height)
+    independent = max(height.size * (1 - lag1) / (1 + lag1), 1.0)
+    wanders = max(float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1), WANDER)
+    scatter = float(np.hypot(track.noise / np.sqrt(independent), wanders))
     return level, float(np.linalg.norm([scatter, least, _drift(track, lift) * (top - lift + 5)]))
 
 

@@ -45,6 +45,8 @@ _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
 _FOLLOWED = 5.0
 """Time constants after which a first-order lag has followed a step to 1%. [1]"""
+_FELT_LATER = 2.0
+"""How long after a parachute may be out a shock is still that of the first one [s]."""
 _SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
 """Speed at which a typical parachute decelerates the rocket by one g (by four at twice that) [m/s], and the largest
 deceleration that an airframe survives [m/s^2]."""
@@ -53,12 +55,17 @@ _OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
 
 
 def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
-    """Phase of each interval: 0 on the pad, 1 thrust, 2 coast, 3 parachute may be out, 4 ejected parachute opening."""
+    """Phase of each interval: 0 on the pad, 1 thrust, 2 coast, 3 parachute may be out, 4 ejected parachute opening.
+
+    Until the first felt shock nothing brakes a rocket, if that is soon after its top.
+    """
     middle = grid.middles
     thrust = middle < marks.burnout + max(0.15, 2 * grid.step)
     pad = middle < (marks.lift - max(0.05, grid.step) if marks.lift is not None else -np.inf)
+    felt_soon = marks.charge < marks.released + _FELT_LATER
+    free = max(marks.released, marks.charge - 2 * grid.step) if felt_soon else marks.released
     opens = (middle > marks.charge - 2 * grid.step) & (middle < marks.charge + _OPENING_TIME)
-    return np.select([pad, thrust, opens, middle < marks.released], [0, 1, 4, 2], 3)
+    return np.select([pad, thrust, opens, middle < free], [0, 1, 4, 2], 3)
 
 
 def lags(grid: Grid, marks: Marks, lag: float) -> Float[Array, "interval"]:

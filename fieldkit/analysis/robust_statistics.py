@@ -16,6 +16,8 @@ _LONG_FILTER = 500_000
 """Samples times window above which scipy's filter is used. [1]"""
 _STUDENT_DOF = 4.0
 """Degrees of freedom of the errors of samples. [1]"""
+_LINE_ROUNDS = 4
+"""Rounds of a robust fit of a line. [1]"""
 _RATE_WINDOW, _MOST_STRETCHES = 25, 20
 """Number of samples that show a sampling rate, and largest number of changes of it; beyond that it is irregular. [1]"""
 
@@ -91,14 +93,17 @@ def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Ar
     return np.correlate(values, place / (step * (place**2).sum()), mode="valid")
 
 
-def typical_line(x: Float[Array, "_"], y: Float[Array, "_"]) -> tuple[float, float]:
-    """Slope and intercept of a line robust to outliers: the median slope of all pairs (Theil-Sen estimator; Sen,
-    Journal of the American Statistical Association 63, 1968), through the medians, in the units of `y` and `x`."""
-    first, second = np.triu_indices(x.size, 1)
-    separation = x[second] - x[first]
-    distinct = separation != 0
-    slope = float(np.median((y[second] - y[first])[distinct] / separation[distinct]))
-    return slope, float(np.median(y) - slope * np.median(x))
+def student_line(x: Float[Array, "_"], y: Float[Array, "_"], smallest: float) -> tuple[float, float]:
+    """Slope and intercept of a line through samples whose errors have a Student t distribution and a scale of at least
+    `smallest`, in the units of `y` and `x`."""
+    middle, weight = x.mean(), np.ones(x.size)
+    design = np.stack([x - middle, np.ones(x.size)], axis=1)
+    slope, level = 0.0, 0.0
+    for _ in range(_LINE_ROUNDS):
+        counted = design.T * weight
+        slope, level = np.linalg.solve(counted @ design, counted @ y).tolist()
+        weight = student_weights(y - design @ np.array([slope, level]), 2, smallest)
+    return slope, level - slope * float(middle)
 
 
 def median_step(time: Float[Array, "_"]) -> float:

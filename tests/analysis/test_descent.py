@@ -6,9 +6,19 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis import measure
-from fieldkit.analysis.channels import Heights
-from fieldkit.analysis.descent import _braked, _from_unseen_ejection
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.descent import (
+    _GUST_WALK,
+    _braked,
+    _final_line,
+    _from_unseen_ejection,
+    _line_error,
+    landing,
+    shock,
+)
+from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
+from fieldkit.analysis.robust_statistics import running_median
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from tests.analysis.recordings import SMALL, Logger, fly, log
@@ -71,4 +81,57 @@ def test_a_rocket_that_swings_under_a_parachute_is_not_braked_again() -> None:
     assert _braked(swings, apogee, np.inf) is None
     braked = _braked(falls, apogee, np.inf)
     assert braked is not None
-    assert abs(braked.time - 4.0) < 2 * braked.sd
+    assert abs(braked.time - 4.0) < 3 * braked.sd  # no parachute opens as suddenly
+
+
+@pytest.mark.parametrize(("noise", "after"), [(0.05, 0.0), (0.4, 0.4), (2.0, 0.4)])
+def test_the_error_of_the_last_line_of_a_descent_is_that_of_noise_and_gusts(noise: float, after: float) -> None:
+    """The end of lines through many descents, and that no other length is much better."""
+    step, rng = 0.05, np.random.default_rng(4)
+    time = np.arange(0.0, 10.0, step)
+    gusts = rng.normal(0, np.sqrt(_GUST_WALK * step), (2000, time.size + round(after / step))).cumsum(axis=1)
+    path = gusts.cumsum(axis=1) * step
+    shown = path[:, : time.size] + rng.normal(0, noise, (2000, time.size))
+
+    def error(first: int) -> float:
+        values = np.polyfit(time[first:], shown[:, first:].T, 1)
+        return float(np.std(values[0] * (time[-1] + after) + values[1] - path[:, -1]))
+
+    line = _final_line(time, noise)
+    found = error(line.start)
+    assert _line_error(time[line], noise, time[-1] + after) == pytest.approx(found, rel=0.15)
+    for length in (0.5, 2.0):
+        assert found < 1.1 * error(time.size - round(length * (time.size - line.start)))
+
+
+def test_landings_are_off_by_as_much_as_their_standard_deviations_say() -> None:
+    """In gusts, with a barometer of 20 samples a second."""
+    rng, step, off = np.random.default_rng(5), 0.05, []
+    for _ in range(60):
+        time = np.arange(0.0, 60.0, step)
+        gusts = np.zeros(time.size)
+        for place, kick in enumerate(rng.normal(0, 0.5 * np.sqrt(2 * step / 3.0), time.size - 1)):
+            gusts[place + 1] = gusts[place] * (1 - step / 3.0) + kick
+        fall = 200.0 - np.cumsum((5.0 + gusts) * step)
+        truth = float(time[int(np.argmax(fall < 0))])
+        height = np.where(time < truth, fall, 0.0) + rng.normal(0, 0.4, time.size)
+        track = Heights(time, height, True, 0.4, "barometric altitude")
+        seen = Outline(0.0, 0.0, 0.0, True, 0.0, 0.1, 200.0, running_median(height, 11), False, 50.0)
+        landed, _ = landing(track, seen, 0.0)
+        assert landed is not None
+        off.append((landed.time - truth) / landed.sd)
+    assert abs(np.mean(off)) < 0.5
+    assert 0.6 < np.std(off) < 1.3
+
+
+def test_a_shock_between_two_samples_was_in_their_middle() -> None:
+    """The first sample that shows it is late by half a step on average."""
+    step, rng, off = 0.04, np.random.default_rng(6), []
+    for fired in rng.uniform(10.0, 11.0, 200):
+        time = np.arange(0.0, 20.0, step)
+        felt = np.where((time > fired) & (time < fired + 0.1), 20 * GRAVITY, 0.0) + rng.normal(0, 0.5, time.size)
+        found = shock(Push(time, felt, False, "acceleration"), 2.0, 10.0)
+        assert found is not None
+        off.append(found.time - fired)
+    assert np.mean(off) == pytest.approx(0.0, abs=0.003)
+    assert np.std(off) < found.sd < 2.5 * np.std(off)

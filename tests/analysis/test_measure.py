@@ -26,7 +26,7 @@ from fieldkit.analysis.notes import (
     NO_PAD,
 )
 from fieldkit.analysis.records import MeasuredClimb
-from fieldkit.analysis.robust_statistics import local_slopes, typical_line
+from fieldkit.analysis.robust_statistics import local_slopes
 from fieldkit.flight import READOUTS, Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, pressure_height
 from tests.analysis.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
@@ -565,15 +565,10 @@ def test_a_spike_at_either_end_of_a_log_is_a_spike(place: int) -> None:
 
 
 @pytest.mark.parametrize("size", [9, 40])
-def test_slopes_and_lines_agree_with_scipy(size: int) -> None:
+def test_slopes_agree_with_scipy(size: int) -> None:
     from scipy.signal import savgol_filter
-    from scipy.stats import theilslopes
 
-    rng = np.random.default_rng(size)
-    x, y = np.sort(rng.uniform(0, 9, size)), rng.normal(size=size).cumsum()
-    x[3] = x[4]
-    slope, intercept, *_ = theilslopes(y, x)
-    assert typical_line(x, y) == pytest.approx((slope, intercept))
+    y = np.random.default_rng(size).normal(size=size).cumsum()
     whole = savgol_filter(y, 5, 2, deriv=1, delta=0.2)
     np.testing.assert_allclose(local_slopes(y, 5, 0.2), whole[2:-2], atol=1e-12)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.analysis.robust_statistics import running_median, running_median_over, stretches
+from fieldkit.analysis.robust_statistics import running_median, running_median_over, stretches, student_line
 
 FAST, SLOW = np.arange(0.0, 10.0, 0.01), np.arange(10.0, 200.0, 0.1)
 
@@ -27,3 +27,14 @@ def test_each_stretch_has_the_median_over_the_same_time() -> None:
     assert not found.any()
     uniform = np.random.default_rng(1).standard_normal(SLOW.size)
     assert running_median_over(SLOW, uniform, 1.05, 3, 201) == pytest.approx(running_median(uniform, 11))
+
+
+def test_a_robust_line_is_that_of_least_squares_without_outliers_and_ignores_one() -> None:
+    rng = np.random.default_rng(3)
+    x = np.sort(rng.uniform(5.0, 9.0, 40))
+    y = 12.0 - 3.0 * x + 0.1 * rng.standard_normal(40)
+    exact = np.polyfit(x, y, 1)
+    assert student_line(x, y, 0.1) == pytest.approx(exact, rel=0.02)
+    y[7] += 40.0
+    assert student_line(x, y, 0.1) == pytest.approx(exact, rel=0.02)
+    assert np.polyfit(x, y, 1) != pytest.approx(exact, rel=0.02)
