@@ -206,6 +206,7 @@ CHANGES = (
 )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_row_that_differs_from_what_was_written_is_damage(change: str, tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
