@@ -46,6 +46,7 @@ LINES: dict[str, Line] = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("line", LINES.values(), ids=list(LINES))
 def test_labeled_values_are_read_like_a_table(line: Line) -> None:
     time, height, _ = samples()
