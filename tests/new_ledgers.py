@@ -8,9 +8,11 @@ from tempfile import TemporaryDirectory
 
 from sqlalchemy import Connection, create_engine
 
-from fieldkit.ledger import schema
+from fieldkit.ledger import opening, schema
 
 UPGRADE = schema.upgrade
+SYNCHRONOUS = opening.SYNCHRONOUS
+"""What a command uses; ledgers of tests do not survive a power failure."""
 
 
 def upgrade(connection: Connection, step: str = "head") -> None:

@@ -216,6 +216,7 @@ def test_the_first_page_links_to_all_others_like_the_site() -> None:
     assert re.findall(r"- ([\w-]+)\.md$", (ROOT / "mkdocs.yml").read_text(), flags=re.MULTILINE) == ["index", *linked]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("page", ["", "phys", *PAGES])
 def test_the_manual_can_be_read_in_the_terminal(page: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["docs", *([page] if page else [])]) == 0

@@ -7,7 +7,7 @@ import pytest
 from tools import flight_path
 from tools.flight_path import stops
 
-MAX_STOPS = 33
+MAX_STOPS = 30
 MAX_FILES = 12
 passes = cache(flight_path.passes)
 

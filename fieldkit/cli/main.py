@@ -4,7 +4,7 @@ Commands live in modules of this package that bind `app`. A module is imported o
 nothing heavy is imported before a command runs.
 """
 
-import atexit
+import gc
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -194,20 +194,18 @@ def _status(arguments: Sequence[str] | None) -> int:
 
 
 def run() -> NoReturn:
-    """Run the command line of the process, and exit without freeing its memory; the system does that faster.
+    """Run the command line of the process, and exit.
 
-    Freeing it takes the interpreter 0.1 to 0.2 s of processor time: `flights` would take 1.3 times and `predict` 1.8
-    times as long as a bare import of the same libraries, instead of 1.0 and 1.4 times.
+    Without `gc.freeze` the interpreter searches everything for garbage before it ends: `flights` takes 0.37 s of
+    processor time instead of 0.31 s, `predict` 1.16 s instead of 0.97 s.
     """
-    status = 1  # if an exception is not caught
-
-    def leave() -> None:
-        with suppress(OSError):
-            sys.stderr.flush()
-        os._exit(status)
-
-    atexit.register(leave)  # runs after handlers that are registered later, when threads have ended
     status = main()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:  # its reader is gone, and the interpreter would complain that it cannot flush it either
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    gc.freeze()
     sys.exit(status)
 
 

@@ -14,9 +14,10 @@ from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.network.history import QuickAnswer, answers, load_history, response_of, trained_prior
 from fieldkit.model.hyperprior import certified, learned
-from fieldkit.model.rocket_model import groups, reference_area
+from fieldkit.model.rocket_model import groups
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
+from fieldkit.physics.setups import reference_area
 from fieldkit.selection.quick_candidates import quick_candidates
 
 if TYPE_CHECKING:

@@ -26,6 +26,8 @@ from fieldkit.quantities import counted
 MIN_DATABASE_SIZE = 512
 """Minimum size of a SQLite database with content; SQLite treats a smaller file as empty. [byte]"""
 
+SYNCHRONOUS = "EXTRA"
+"""SQLite's setting with which a finished command survives a power failure."""
 _LOCK = 0x666B  # any number that no other program on the server is likely to use
 
 
@@ -48,7 +50,7 @@ def connect(url: URL) -> Engine:
 
 def _prepare_sqlite(connection: object, _entry: ConnectionPoolEntry) -> None:
     connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are started below
-    for setting in ("foreign_keys = ON", "synchronous = EXTRA"):
+    for setting in ("foreign_keys = ON", f"synchronous = {SYNCHRONOUS}"):
         connection.execute(f"PRAGMA {setting}")  # type: ignore[attr-defined]
 
 

@@ -53,7 +53,7 @@ class Hyperprior:
     the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
     diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
     `scatter` scales the random effects of single flights on `scattered`: on everything, or on the apogee alone. Then
-    thrust, drag, burn time and delay scatter alike in all rockets. `reading` scales the noise of every readout except
+    thrust, drag, burn time and delay scatter equally in all rockets. `reading` scales the noise of every readout except
     the apogee.
     `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
     standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the

@@ -21,7 +21,7 @@ from fieldkit.model.term_names import config_term, drift_term, fleet_term, is_dr
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.effect import Effect
-from fieldkit.physics.setups import recorded, typical_diameters
+from fieldkit.physics.setups import diameter_known, recorded, reference_area
 from fieldkit.shapes import Array, Float
 
 OPENING = "opening of the parachute"
@@ -129,35 +129,6 @@ class Model:
         return replace(self, **kept, terms=terms)
 
 
-def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float[Array, "flight"]:
-    """Frontal area of the body, to which drag is relative. [m^2]
-
-    A flight without a diameter has the mean diameter of its configuration over the first `flown` flights, by default
-    over all, or else that of the rocket. If none of them has one, every flight, planned ones too, has the mean of the
-    typical diameters for their dry masses: another area for a plan would change its drag, which the flights determine.
-    For a rocket never flown, each plan has its own diameter, or else its typical one. Derivation: the area of a circle.
-
-    Raises ImpossibleFlight for a flight without a dry mass.
-    """
-    typical, diameter = typical_diameters(flights), recorded(flights, "diameter")
-    if flown == 0:
-        return np.asarray(np.pi / 4 * np.where(np.isnan(diameter), typical, diameter) ** 2)
-    if not diameter_known(diameter, flown):
-        return np.full(len(flights), np.pi / 4 * typical[:flown].mean() ** 2)
-    config, known = np.array([flight.config for flight in flights]), np.isfinite(diameter)[:flown]
-    for row in np.flatnonzero(np.isnan(diameter)):
-        own = known & (config[:flown] == config[row])
-        diameter[row] = diameter[:flown][own if own.any() else known].mean()
-    return np.asarray(np.pi / 4 * diameter**2)
-
-
-def diameter_known(diameter: Float[Array, "flight"], flown: int | None = None) -> bool:
-    """Whether any of the first `flown` flights, by default of all, has a diameter [m], nan for none; for a rocket never
-    flown, whether every plan has one."""
-    known = np.isfinite(diameter)
-    return bool(known.all() if flown == 0 else known[:flown].any())
-
-
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
     """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
     if per in ("motor", "lot"):
@@ -192,7 +163,7 @@ def base_model(
     terms = [
         term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past, passed)
     ]
-    if not diameter_known(recorded(flights, "diameter"), flown):
+    if not diameter_known(flights, flown):
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
     order = tuple(flight_index or range(len(flights)))

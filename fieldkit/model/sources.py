@@ -7,13 +7,12 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.flight.readout import SENSORS
 from fieldkit.model.hyperprior import FROM_LOGS
-from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
 
 def has_logs(flights: Sequence[Flight]) -> bool:
     """Whether any flight has a readout that only the samples of a log provide."""
-    return any(np.isfinite(recorded(flights, name)).any() for name in FROM_LOGS)
+    return any(flight.number(name) is not None for flight in flights for name in FROM_LOGS)
 
 
 def measured_in_samples(flights: Sequence[Flight], readout: str) -> Float[Array, "flight"]:

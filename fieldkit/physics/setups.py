@@ -219,6 +219,35 @@ def typical_diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     return 0.060 * (dry_masses(flights) / 0.4) ** 0.2
 
 
+def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float[Array, "flight"]:
+    """Frontal area of the body, to which drag is relative. [m^2]
+
+    A flight without a diameter has the mean diameter of its configuration over the first `flown` flights, by default
+    over all, or else that of the rocket. If none of them has one, every flight, planned ones too, has the mean of the
+    typical diameters for their dry masses: another area for a plan would change its drag, which the flights determine.
+    For a rocket never flown, each plan has its own diameter, or else its typical one. Derivation: the area of a circle.
+
+    Raises ImpossibleFlight for a flight without a dry mass.
+    """
+    typical, diameter = typical_diameters(flights), recorded(flights, "diameter")
+    if flown == 0:
+        return np.asarray(np.pi / 4 * np.where(np.isnan(diameter), typical, diameter) ** 2)
+    if not diameter_known(flights, flown):
+        return np.full(len(flights), np.pi / 4 * typical[:flown].mean() ** 2)
+    config, known = np.array([flight.config for flight in flights]), np.isfinite(diameter)[:flown]
+    for row in np.flatnonzero(np.isnan(diameter)):
+        own = known & (config[:flown] == config[row])
+        diameter[row] = diameter[:flown][own if own.any() else known].mean()
+    return np.asarray(np.pi / 4 * diameter**2)
+
+
+def diameter_known(flights: Sequence[Flight], flown: int | None = None) -> bool:
+    """Whether any of the first `flown` flights, by default of all, has a diameter; for a rocket never flown, whether
+    every plan has one."""
+    known = np.isfinite(recorded(flights, "diameter"))
+    return bool(known.all() if flown == 0 else known[:flown].any())
+
+
 def _stability(flight: Flight) -> float:
     """Static margin in body diameters; the default if no positive one is recorded."""
     try:

@@ -203,7 +203,7 @@ def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> lis
     ways = [("into", 0.0)]
     ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
     plans = [plan.with_changes(rail_angle=angle, extra={**plan.extra, "rail_direction": name}) for name, angle in ways]
-    predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
+    predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
     fall = fall_of(rocket.history, plan, found)
     choices = [
         RailChoice(name, angle, three(landing(one, fall).away), one)
@@ -221,7 +221,7 @@ def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> 
     `landing`.
     """
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
-    predictions = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
+    predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
     fall = fall_of(rocket.history, plan, found)
     beyond = np.array([three(landing(one, fall).away)[2] for one in predictions]) - size / 2
     off = np.flatnonzero(~(beyond <= 0))

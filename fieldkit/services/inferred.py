@@ -16,8 +16,8 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.forecast.at_once import each_at_once
 from fieldkit.inference.network.flights import Inferences, Inferred, infer
 from fieldkit.ledger import Ledger
-from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Catalogue
+from fieldkit.physics.setups import reference_area
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.services.fleet import fleet_priors
 from fieldkit.shapes import Array, Float

@@ -35,6 +35,7 @@ def test_an_unseen_ejection_up_to_one_and_a_half_seconds_early_is_within_the_unc
     assert sd < 0.08 * mean
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rate", [5.0, 20.0])
 @pytest.mark.parametrize("part", [0.4, 0.6])
 def test_a_fall_without_a_parachute_lands_when_it_hits_the_ground(part: float, rate: float) -> None:
@@ -45,6 +46,7 @@ def test_a_fall_without_a_parachute_lands_when_it_hits_the_ground(part: float, r
     assert abs(duration.value - truth.readouts()["duration"]) < 2 * duration.sd
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("fraction", [0.5, 1.3])
 @pytest.mark.parametrize("wait", [20.0, 120.0, 900.0])
 def test_only_the_higher_of_two_flights_on_one_clock_is_measured(fraction: float, wait: float) -> None:

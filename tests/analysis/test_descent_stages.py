@@ -31,6 +31,7 @@ def assert_two(recorded: Recorded, drogue: float, main: float, height: float) ->
         assert figure.sd < 0.15 * right, name
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "logger",
     [
@@ -81,6 +82,7 @@ def test_a_gap_while_the_main_opens_widens_the_uncertainty_of_its_height() -> No
     assert recorded.figures["descent_speed"].value == pytest.approx(4.9, rel=0.1)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE, replace(SMALL, sink=12.0), replace(LARGE, sink=25.0)])
 @pytest.mark.parametrize("late", [-1.0, 0.0, 3.0])
 def test_one_device_has_one_speed_even_after_a_late_charge(rocket: object, late: float) -> None:
@@ -107,6 +109,7 @@ def test_only_a_slower_second_device_of_at_least_twice_the_area_counts(speeds: t
     assert ("drogue_speed" in recorded.figures) == two
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rest", [0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
 @pytest.mark.parametrize("speed", [5.0, 9.0, 15.0])
 def test_a_short_rest_after_landing_is_not_a_descent_on_a_main(speed: float, rest: float) -> None:
@@ -118,6 +121,7 @@ def test_a_short_rest_after_landing_is_not_a_descent_on_a_main(speed: float, res
     assert recorded.figures["descent_speed"].value == pytest.approx(speed, rel=0.15)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(4))
 def test_gusts_and_thermals_do_not_make_two_devices_of_one(seed: int) -> None:
     recorded = measure((with_descent(5.0, 5.0, np.random.default_rng(seed)),))

@@ -99,6 +99,7 @@ def test_gas_of_a_charge_before_apogee_is_not_taken_for_the_apogee(early: float)
     assert recorded.events["apogee"].time == pytest.approx(Logger().start + truth.apogee_time, abs=0.25)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [TINY, SMALL, LARGE], ids=["tiny", "small", "large"])
 def test_heights_alone_give_speed_and_burn_time(rocket: Rocket) -> None:
     recorded, truth = measured(rocket, Logger(resolution=0.3048))
@@ -149,6 +150,7 @@ def test_an_ejection_at_high_speed_changes_only_the_curve_after_it(rate: int) ->
     assert abs(off(recorded, truth, "apogee_to_eject")) < 0.25
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("range_end", [6.0, 8.0])
 def test_a_clipped_accelerometer_still_measures_the_rest(range_end: float) -> None:
     truth = flown(LARGE)
@@ -275,6 +277,7 @@ def test_repeated_fixes_of_a_receiver_are_not_measurements(rate: float) -> None:
     assert duration is None or abs(off(recorded, truth, "duration")) < 2 * duration.sd
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rest", [2.5, 3.0, 4.0])
 def test_a_log_that_ends_a_few_seconds_after_landing_has_a_landing(rest: float) -> None:
     truth = flown(SMALL)
@@ -300,6 +303,7 @@ def test_a_rest_shows_once_it_excludes_the_slowest_descent(rate: float, noise: f
         assert abs(off(recorded, truth, "duration")) < 2 * recorded.figures["duration"].sd
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("early", [0.5, 1.0, 2.0])
 def test_a_log_that_ends_before_landing_has_no_landing(early: float) -> None:
     for rate, noise in ((2.0, 0.1), (20.0, 0.05), (20.0, 1.5)):
@@ -346,6 +350,7 @@ def test_a_log_that_ends_soon_after_its_top_has_an_apogee() -> None:
     assert "descent_speed" not in recorded.figures
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
 @pytest.mark.parametrize("early", [0.97, 1.0, 1.03])
 def test_an_apogee_close_to_the_end_of_a_log_has_an_interval(rocket: Rocket, early: float) -> None:

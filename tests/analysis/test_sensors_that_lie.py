@@ -122,6 +122,7 @@ def test_a_step_near_the_end_of_a_log_leaves_the_flight_complete() -> None:
     assert "apogee" in recorded.events
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("moved", [-70.0, 40.0])
 def test_a_zero_that_a_logger_moves_in_flight_changes_no_figure(moved: float) -> None:
     """Its pressures show the same flight."""
@@ -240,6 +241,7 @@ def test_the_interval_of_an_apogee_in_a_gap_allows_for_static_ports(static: floa
     assert high > float(np.interp(truth.apogee_time - 7, truth.time, truth.height)) + free
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE, HARD], ids=["small", "large", "hard"])
 @pytest.mark.parametrize("before", [0.6, 1.2])
 def test_a_radio_gap_that_ends_while_the_rocket_still_rises_leaves_the_apogee(rocket: Rocket, before: float) -> None:
@@ -340,6 +342,7 @@ def delayed(values: np.ndarray, step: float, over: float) -> np.ndarray:
     return out
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
 def test_accelerations_derived_from_pressure_are_not_an_accelerometer(rocket: Rocket) -> None:
     truth = flown(rocket)
@@ -455,6 +458,7 @@ def test_zeros_between_samples_of_a_slow_sensor_are_not_heights() -> None:
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("late", [0.15, 0.25])
 def test_a_computed_acceleration_with_a_delay_is_left_out(late: float) -> None:
     truth = flown(SMALL)
@@ -467,6 +471,7 @@ def test_a_computed_acceleration_with_a_delay_is_left_out(late: float) -> None:
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "avg_accel")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("wait", [0.1, 0.3, 2.0])
 def test_a_computed_acceleration_that_is_smoothed_without_delay_is_left_out(wait: float) -> None:
     truth = flown(SMALL)
@@ -537,6 +542,7 @@ def test_a_complete_flight_is_plotted_from_lift_off_to_landing() -> None:
     assert sinks.mean() == pytest.approx(-recorded.figures["descent_speed"].value, rel=0.2)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rocket", [HARD, FAST], ids=["hard", "fast"])
 @pytest.mark.parametrize("late", [0.02, 0.05, 0.1])
 def test_a_filtered_vertical_acceleration_is_used_if_the_boost_is_much_longer_than_its_delay(

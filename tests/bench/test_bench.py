@@ -62,6 +62,7 @@ def shown() -> dict[str, dict[str, float]]:
 Shown = dict[str, dict[str, float]]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", ["calm", "calm F24", "calm, high"])
 def test_in_calm_air_on_a_vertical_rail_the_rigid_rocket_flies_like_a_point_mass(shown: Shown, name: str) -> None:
     straight = climb(LAUNCHES[name])

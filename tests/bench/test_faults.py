@@ -195,6 +195,7 @@ def test_laptops_lose_nothing_when_a_standby_takes_over(server: servers.Server) 
     assert outcome.counts["acknowledged"] > 10
 
 
+@pytest.mark.sampled
 @pytest.mark.postgres
 @pytest.mark.parametrize("of_the_server", [False, True])
 def test_a_ledger_of_the_first_schema_on_a_server_that_dies_is_as_before(

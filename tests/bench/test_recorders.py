@@ -28,6 +28,7 @@ def test_there_are_at_least_sixty_kinds_of_recorders() -> None:
     assert len(RECORDERS) >= 60
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("sonic", [False, True])
 def test_the_flights_of_the_bench_are_valid(sonic: bool) -> None:
     for path in draw(np.random.default_rng(5), 3, sonic=sonic):

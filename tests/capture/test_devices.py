@@ -485,6 +485,7 @@ FLOOD = devices.noise(500_000).translate(None, b"0123456789") + b"\r\n" * 125_00
 BABBLING = [*STREAMED, ("blue_raven", lambda low: devices.blue_raven(low, HIGH), LOW)]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("place", [0, 1], ids=["before", "within"])
 @pytest.mark.parametrize(("device", "unit", "after"), REMEMBERED[:-1], ids=[one for one, *_ in REMEMBERED[:-1]])
 def test_a_megabyte_of_noise_in_the_answers_does_not_change_the_memory_read(
@@ -501,6 +502,7 @@ def test_a_megabyte_of_noise_in_the_answers_does_not_change_the_memory_read(
         assert [line for line in log.content.splitlines() if line in lines] == lines
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("device", "unit", "lines"), BABBLING, ids=[one for one, *_ in BABBLING])
 def test_a_megabyte_of_noise_in_a_stream_loses_only_the_interrupted_line(
     tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]

@@ -76,8 +76,8 @@ def test_each_sample_is_read_once_if_a_mawd_was_asked_again_too_early(
 
 
 def test_noise_longer_than_the_silence_does_not_end_a_download_of_a_blue_raven(tmp_path: Path) -> None:
-    device = interrupted(devices.blue_raven(LOW, HIGH), LOW[0], BABBLE * 70, 20, 0.03)
-    end = heard(device, "blue_raven", tmp_path, replace(QUICK, silence=2.0))
+    device = interrupted(devices.blue_raven(LOW, HIGH), LOW[0], BABBLE * 70, 20, 0.015)
+    end = heard(device, "blue_raven", tmp_path, replace(QUICK, silence=1.0))
     assert (end.whole, end.samples) == (True, len(LOW) + len(HIGH))
     (log,) = logs_in(end.file)
     assert [line for line in log.content.splitlines() if b"LOG_LOW" in line] == [line.strip() for line in LOW]
@@ -85,7 +85,7 @@ def test_noise_longer_than_the_silence_does_not_end_a_download_of_a_blue_raven(t
 
 def test_the_model_of_a_mawd_is_read_through_noise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mawd, "ANSWER", 0.2)
-    device = interrupted(devices.mawd(HEIGHTS), b"PerfectFlite", BABBLE * 100, 2, 0.05)
+    device = interrupted(devices.mawd(HEIGHTS), b"PerfectFlite", BABBLE * 100, 2, 0.02)
     (log,) = logs_in(heard(device, "mawd", tmp_path, QUICK).file)
     for line in (b"PerfectFlite", b"miniAlt/WD", b"Version 1.4", b"Sample interval is  50 ms"):
         assert line in log.content

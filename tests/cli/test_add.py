@@ -289,6 +289,7 @@ EDITS: list[tuple[str, object]] = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("column", "value"), EDITS)
 @pytest.mark.parametrize("by_answers", [False, True])
 def test_a_repeated_entry_is_recognized_after_the_flight_was_edited(

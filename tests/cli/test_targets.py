@@ -128,6 +128,7 @@ def test_the_command_tree_is_walked() -> None:
     assert {"export", "report", "loop", "score", "study reference", "study rockets", "train", "import"} <= found
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
 def test_no_command_overwrites_fieldkits_own_files(
     home: Path, names: tuple[str, ...], parameter: Any, command: Any
@@ -348,6 +349,7 @@ def test_every_shared_file_is_replaced_under_its_lock() -> None:
     assert set(REPLACED_WHOLE) < found
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
 def test_a_minus_is_standard_output_and_not_a_file(
     home: Path,

@@ -104,6 +104,7 @@ def ledger(filled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
     return tmp_path
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("command", "name", "is_option"), list(named()))
 def test_an_unknown_name_is_reported_first_with_the_nearest(
     command: str, name: str, is_option: bool, ledger: Path, capsys: pytest.CaptureFixture[str]

@@ -99,6 +99,7 @@ def mutated(content: bytes) -> Iterator[tuple[str, bytes]]:
             yield f"without {cells[place].decode('latin-1')!r}", separator.join(other) + b"\n" + rest
 
 
+@pytest.mark.sampled
 @every_sample
 def test_a_mutated_header_is_read_the_same_or_refused_and_never_read_wrong(sample: Path) -> None:
     content = sample.read_bytes()

@@ -200,6 +200,7 @@ CHANGES = (
 )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("change", "message"), CHANGES)
 def test_damage_that_sqlite_does_not_detect_never_replaces_a_good_backup(
     change: str, message: str, tmp_path: Path

@@ -13,13 +13,14 @@ from pathlib import Path
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlalchemy import create_engine, event
+from sqlalchemy import create_engine, event, make_url
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger, backups, opening, schema, soundness, whereabouts
 from fieldkit.ledger.tables import metadata
+from tests.new_ledgers import SYNCHRONOUS
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
 
@@ -57,6 +58,13 @@ def test_a_killed_process_loses_at_most_the_command_in_flight(tmp_path: Path) ->
             assert raw.execute("PRAGMA integrity_check").fetchone() == ("ok",)
             assert raw.execute("PRAGMA foreign_key_check").fetchall() == []
         raw.close()
+
+
+def test_a_finished_change_is_on_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(opening, "SYNCHRONOUS", SYNCHRONOUS)
+    extra = 3  # also the folder, which names the rollback journal
+    with opening.connect(make_url(f"sqlite:///{tmp_path / 'ledger.db'}")).connect() as connection:
+        assert connection.exec_driver_sql("PRAGMA synchronous").scalar() == extra
 
 
 def test_two_simultaneous_writers_both_succeed(tmp_path: Path) -> None:
@@ -206,6 +214,7 @@ CHANGES = (
 )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_row_that_differs_from_what_was_written_is_damage(change: str, tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"

@@ -20,6 +20,7 @@ def plain() -> Truth:
     return simulate(np.random.default_rng(1), MOTORS, 60)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", effects())
 def test_every_effect_can_act_in_simulated_flights(name: str, plain: Truth) -> None:
     bent = simulate(np.random.default_rng(1), MOTORS, 60, [name])

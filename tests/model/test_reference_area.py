@@ -8,8 +8,9 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.rocket_model import base_model, reference_area
+from fieldkit.model.rocket_model import base_model
 from fieldkit.motors import catalogue
+from fieldkit.physics.setups import reference_area
 
 MOTOR = catalogue().resolve("C6-5")
 PLAN = Flight("next", "Law", "A", "C6-5", dry_mass=0.08, diameter=0.034)

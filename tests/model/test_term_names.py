@@ -21,6 +21,7 @@ def rocket(config: str, apogee: float) -> list[tuple[Flight, Found]]:
     return [(replace(ONE, flight_id=f"{i}", config=config, apogee=apogee + i), MOTOR) for i in range(2)]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", ["Estes C6", "the fleet", "fins on tape", "A of Estes C6"])
 def test_no_configuration_is_mistaken_for_a_motor_or_the_fleet(name: str) -> None:
     def forecast(config: str) -> list[float]:

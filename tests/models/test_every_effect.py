@@ -63,6 +63,7 @@ def some(effect: Effect) -> float:
     return float(effect.strength(np.asarray(fitted)))
 
 
+@pytest.mark.sampled
 @every_effect
 def test_an_effect_vanishes_at_zero_strength_with_a_rail_tilted_either_way(name: str) -> None:
     leaning = tuple(
@@ -108,6 +109,7 @@ def test_an_effect_does_something_at_an_ordinary_strength(name: str) -> None:
     assert change > 0.005 or shown > 0.3
 
 
+@pytest.mark.sampled
 @every_effect
 def test_draws_do_not_influence_each_other(name: str) -> None:
     strengths = some(EFFECTS[name]) * np.array([[0.0], [0.3], [1.0]])
@@ -119,6 +121,7 @@ def test_draws_do_not_influence_each_other(name: str) -> None:
             np.testing.assert_allclose(figures[draw], value, rtol=1e-9, atol=1e-9, err_msg=figure)
 
 
+@pytest.mark.sampled
 @every_effect
 def test_flights_do_not_influence_each_other(name: str) -> None:
     together = flown(name, some(EFFECTS[name]))

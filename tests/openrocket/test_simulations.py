@@ -206,6 +206,7 @@ def test_unsupported_simulations_are_listed_with_the_reason() -> None:
     assert all(name.split(" (")[0] in page for name in outside)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "place"), FLOWN)
 def test_a_simulation_reaches_its_apogee(name: str, place: int) -> None:
     """Even if the charge fires in a fast climb, as with every C6-3 here: the parachute then stops the rocket at
@@ -214,6 +215,7 @@ def test_a_simulation_reaches_its_apogee(name: str, place: int) -> None:
     assert float(simulated(name, place).apogee[0]) == pytest.approx(float(row["apogee_m"]), rel=APOGEE_GATE)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "place"), [*FLOWN, *FASTER])
 def test_the_best_delay_agrees_with_the_simulation(name: str, place: int) -> None:
     """OpenRocket counts it from the end of the thrust curve."""

@@ -133,6 +133,7 @@ def whole_flights(sample: Path) -> int:
         return len(read(sample.read_bytes(), sample.name, any_motor).flights)
 
 
+@pytest.mark.sampled
 @every_sample
 @examples(6)
 @given(data=st.data())
@@ -147,6 +148,7 @@ def test_a_truncated_log_is_damaged_and_not_a_crash(sample: Path, data: st.DataO
     assert len(intake.flights) <= whole_flights(sample) + 1
 
 
+@pytest.mark.sampled
 @every_sample
 @examples(8)
 @given(

@@ -255,6 +255,7 @@ def alone(setup: Setup, row: int, flat: tuple[int, ...]) -> FlightResult:
     return fly(setup.flat(flat).part(np.array([row])))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("chunk", [5, 8192])
 @pytest.mark.parametrize("forces", [(), ((nothing, np.asarray(1.0)),)], ids=["plain", "forces"])
 def test_a_batch_equals_its_members_simulated_alone(monkeypatch: pytest.MonkeyPatch, chunk: int, forces: Any) -> None:

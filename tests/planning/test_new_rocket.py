@@ -36,6 +36,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
 def test_mass_and_diameter_alone_make_a_plan(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]

@@ -403,6 +403,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
 def test_every_plan_prints_its_air_and_all_safety_lines(
     path: str, capsys: pytest.CaptureFixture[str], command: list[str]

@@ -33,6 +33,7 @@ SAVED: dict[str, tuple[str, Callable[[Ledger, str], object]]] = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("what", SAVED)
 def test_changes_by_simultaneous_writers_are_all_kept(what: str, tmp_path: Path) -> None:
     name, save = SAVED[what]

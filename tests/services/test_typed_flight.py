@@ -87,6 +87,7 @@ def test_the_next_apogee_is_that_of_the_quick_forecast_once_it_is_saved(ledger: 
     assert figures(now)[7] == pytest.approx(after.answer.apogee_at(0.5), rel=0.005)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("apogee", [0.0, -5.0, 1.0, 9e4, 1e9, math.nan, math.inf])
 @pytest.mark.parametrize("speed", [None, 0.0, 1e6])
 def test_every_figure_is_finite(ledger: Ledger, apogee: float, speed: float | None) -> None:

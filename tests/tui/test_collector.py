@@ -20,7 +20,6 @@ DEFAULT = (700, 10, 10)
 
 @pytest.fixture(autouse=True)
 def as_it_was() -> Iterator[None]:
-    gc.unfreeze()  # what was frozen when the tests were collected
     before = gc.get_threshold()
     gc.set_threshold(*DEFAULT)
     yield
@@ -34,6 +33,7 @@ async def test_the_collector_skips_modules_and_pages_of_the_running_app(
     frozen(monkeypatch)
     season(tmp_path / "ledger.db")
     monkeypatch.setattr("fieldkit.tui.app.PAUSE", 0.0)
+    gc.unfreeze()  # what was frozen when the tests were collected
     async with opened(tmp_path / "ledger.db", stays=True) as pilot:
         await calm(pilot)
         assert gc.get_freeze_count() > len(gc.get_objects())

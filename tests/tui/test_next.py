@@ -557,6 +557,7 @@ async def test_every_pages_help_has_text_keys_and_an_existing_command(file: Path
             await press(pilot, "escape")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("keys", ["1", "4", "4 _ c", "5", "6", "6 right", "6 right right", "6 left", "7", "1 enter"])
 async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path, keys: str) -> None:
     async with opened(file, (160, 50)) as pilot:

@@ -190,6 +190,7 @@ async def test_saved_forecasts_are_listed_and_stale_ones_have_a_reason(
         assert "stale now: flight 13 added since" in screen_text(pilot)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("keys", [(), ("enter", "_")], ids=["day", "flight"])
 async def test_a_report_is_written_to_the_flyers_file(
     file: Path, keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch

@@ -36,6 +36,7 @@ def flown(file: Path) -> list[str]:
         return [flight.flight_id for flight in ledger.flights()]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("save", [("ctrl+s", "ctrl+s"), ("ctrl+s", "ctrl+s", "ctrl+s", "8")])
 async def test_pressing_save_twice_quickly_saves_one_flight_and_shows_its_card(
     file: Path, save: tuple[str, ...]
@@ -120,6 +121,7 @@ async def test_the_screen_of_a_flight_closes_when_the_flight_is_gone(file: Path)
         assert "error" not in words(pilot)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("key", ["question_mark", "e", "ctrl+p"])
 async def test_a_dialog_above_a_removed_flight_stays_open(file: Path, key: str) -> None:
     async with opened(file) as pilot:

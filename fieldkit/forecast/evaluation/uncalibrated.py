@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Found
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.setups import field_setup, reference_area
 from fieldkit.shapes import Array, Float
 
 NOMINAL_CD = 0.6

@@ -20,10 +20,10 @@ from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, Si
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.random_effects import priors
-from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import Motor
 from fieldkit.motors.motor import digest
 from fieldkit.physics.effect import effects
+from fieldkit.physics.setups import reference_area
 from fieldkit.shapes import Array, Float
 
 ROCKETS_PER_SHARD = 100

@@ -24,7 +24,7 @@ from fieldkit.inference.network.history_parts import (
 )
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS
-from fieldkit.model.rocket_model import reference_area
+from fieldkit.physics.setups import reference_area
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:

@@ -11,10 +11,9 @@ from fieldkit.forecast.evaluation.fleet_ratio import FLIGHT_SD, MEAN, MEAN_SD, R
 from fieldkit.forecast.evaluation.rivals import RIVALS, flight_before, last_on_motor, rival_draws, scalar
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.rocket_model import reference_area
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.setups import field_setup, reference_area
 
 F24, F39 = (catalogue().resolve(name) for name in ("F24-4W", "F39-6T"))
 

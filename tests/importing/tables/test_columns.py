@@ -94,6 +94,7 @@ def test_cells_may_be_separated_by_spaces() -> None:
     assert table.values["altitude"] == pytest.approx([3.048, 6.096, np.nan], nan_ok=True)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("line", ['"a"b,1\n', '"a,1\n', 'a","x\n'])
 def test_unmatched_quotation_marks_take_time_in_proportion_to_the_table(line: str) -> None:
     def seconds(lines: int) -> float:

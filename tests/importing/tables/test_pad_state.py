@@ -23,6 +23,7 @@ def felt_on(direction: tuple[float, float, float], late: float = 0.0) -> tuple[n
     return felt.time, along[:, None] * felt.felt + across - along[:, None] * (along @ across), felt.felt
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("direction", MOUNTED)
 @pytest.mark.parametrize("late", [0.0, 0.5])
 def test_the_axis_is_found_however_it_is_mounted(direction: tuple[float, float, float], late: float) -> None:

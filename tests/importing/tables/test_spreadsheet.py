@@ -156,6 +156,7 @@ def test_a_table_that_starts_in_another_column_keeps_the_empty_ones() -> None:
     assert found == ("log", b",,\n,a,b\n,1.5,2\n")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_large_spreadsheet_is_read_row_by_row(kind: str) -> None:
     """Only its text is in memory: a cell as an object would take 30 bytes, and its place in a list 8."""

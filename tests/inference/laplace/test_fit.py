@@ -131,6 +131,7 @@ def kinked(seed: int) -> tuple[Model, Data]:
     return early, observe(flown, early.found, [True] * len(flown))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_fit_converges_if_ejection_is_near_apogee(seed: int) -> None:
     early, data = kinked(seed)

@@ -40,6 +40,7 @@ def drawn(readouts: int = 6) -> Sampled:
     return sampled(fitted(readouts), np.random.default_rng(1))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("readouts", [6, 2, 1])
 def test_few_draws_agree_with_many(readouts: int) -> None:
     few, many = drawn(readouts), sampled(fitted(readouts), np.random.default_rng(2), 12_000)

@@ -52,6 +52,7 @@ def test_the_stored_references_are_consistent(one: Reference) -> None:
     assert one.effective > 500
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
 def test_the_fit_is_as_close_to_the_exact_posterior_as_measured(one: Reference, forecasts: dict[str, Array]) -> None:
     most = np.array([FARTHEST[figure] for figure in FIGURES]).T

@@ -126,6 +126,7 @@ def test_for_a_log_without_a_climb_the_reason_is_given() -> None:
     assert flight_force("F1", Recorded(forces=few), SLOW) == TOO_SHORT
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("verdict", "says"),
     [
