@@ -29,11 +29,11 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
     card = learned().json()
     del card["mean_sds"]
     card["sds"] = {name: sd for name, sd in card["sds"].items() if not name.endswith(".logged")}
-    del card["scatter"]["of"]
+    card.pop("motors", None)
     found = read_card(json.dumps(card), "old.json")
     assert found.fleet_sd("drag") == found.sd("drag", "fleet")
     assert found.sd("top_speed", "logged") == START.sd("top_speed", "logged")
-    assert found.flight_scale(np.array([0.5, 2.0])).tolist() == [0.5, 2.0], "one scale for everything"
+    assert found.motor_scales().tolist() == found.scales()[0].tolist(), "one scale for motors and apogees"
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,8 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
         ({"tail": "many"}, "expected a hyperprior"),
         ({"tail": 0.0}, "zero"),
         ({"scatter": {"median": 1.0, "log_sd": 0.0}}, "zero"),
-        ({"scatter": {"of": "speeds", "median": 1.0, "log_sd": 0.6}}, "scatter of 'speeds'"),
+        ({"motors": {"median": 1.0, "log_sd": 0.0}}, "zero"),
+        ({"motors": {"median": 1.0}}, "expected a hyperprior"),
         ({"reading": {"median": -1.0, "log_sd": 0.5}}, "negative"),
         ({"opening_s": [float("nan"), 0.4]}, "not finite"),
         ({"opening_s": [0.6, 0.0]}, "zero"),

@@ -155,7 +155,8 @@ class _World:
         rng, prior, width = self.rng, one.model.hyperprior, rows.stop - rows.start
         scales = {
             name: scale.median * np.exp(scale.log_sd * np.clip(rng.normal(size=self.draws), -2.2, 2.2))
-            for name, scale in (("scatter", prior.scatter), ("reading", prior.reading))
+            for name, scale in (("scatter", prior.scatter), ("reading", prior.reading), ("motors", prior.motors))
+            if scale
         }
         self.scatter_scale[:, rows], self.reading_scale[:, rows] = (
             scales["scatter"][:, None],
@@ -184,7 +185,7 @@ class _World:
                 self.scatter[bends][draw, rows] += shift
         for kind in one.model.scatter:
             tailed = rng.normal(size=(self.draws, width))
-            self.scatter[kind.bends][:, rows] += kind.sd * prior.flight_scale(scales["scatter"])[:, None] * tailed
+            self.scatter[kind.bends][:, rows] += kind.sd * scales.get("motors", scales["scatter"])[:, None] * tailed
 
     def _add(self, term: Term, rows: slice, terms: list[Term]) -> None:
         weight = np.zeros(int(self.ends[-1]))

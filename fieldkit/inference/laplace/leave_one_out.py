@@ -91,8 +91,7 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
 
 def own_variance(result: Fit) -> Float[Array, "scale flight"]:
     """Variance of a flight's compared apogee around its expectation: scatter and reading. [1]"""
-    hyperprior = result.model.hyperprior
-    scale = hyperprior.flight_scale(hyperprior.scales()[0])
+    scale = result.model.hyperprior.motor_scales()
     spread = result.tangent.scatter_slope[:, 0]
     expected = replace(result.data, sd=_expected_sd(result))
     return np.asarray(
