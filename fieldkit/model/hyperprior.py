@@ -300,7 +300,7 @@ def read_card(text: str, name: str) -> Hyperprior:
             unknown_area=float(card["unknown_area"]),
             scatter=Scale(SCATTER_GRID, float(card["scatter"]["median"]), float(card["scatter"]["log_sd"])),
             reading=Scale(READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"])),
-            motors=_motors(*(float(card["motors"][key]) for key in ("median", "log_sd"))) if "motors" in card else None,
+            motors=_motors_of(card),
             opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
             tail=float(card["tail"]),
             design_drag=float(card.get("design_drag", DESIGN_DRAG)),
@@ -318,6 +318,14 @@ def read_card(text: str, name: str) -> Hyperprior:
         raise DamagedModel(f"{name}: found {wrong}, expected standard deviations of {', '.join(QUANTITIES)}")
     about = {key: value for key, value in card.items() if key not in found.json()}
     return replace(found, about=MappingProxyType(about))
+
+
+def _motors_of(card: Mapping[str, Any]) -> Scale | None:
+    """The scale of the scatter of motors, which cards of older versions lack, or leave to judgment with a scale `of`
+    the scatter of the apogee alone."""
+    if "motors" in card:
+        return _motors(float(card["motors"]["median"]), float(card["motors"]["log_sd"]))
+    return START.motors if card["scatter"].get("of") == "apogee" else None
 
 
 def _known(key: str) -> bool:

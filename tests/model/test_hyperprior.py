@@ -30,10 +30,13 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
     del card["mean_sds"]
     card["sds"] = {name: sd for name, sd in card["sds"].items() if not name.endswith(".logged")}
     card.pop("motors", None)
+    card["scatter"].pop("of", None)
     found = read_card(json.dumps(card), "old.json")
     assert found.fleet_sd("drag") == found.sd("drag", "fleet")
     assert found.sd("top_speed", "logged") == START.sd("top_speed", "logged")
     assert found.motor_scales().tolist() == found.scales()[0].tolist(), "one scale for motors and apogees"
+    card["scatter"]["of"] = "apogee"
+    assert read_card(json.dumps(card), "older.json").motors == START.motors
 
 
 @pytest.mark.parametrize(

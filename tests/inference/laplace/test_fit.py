@@ -325,7 +325,7 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
         spread = near.scatter_slope[flight]
-        noise[block, block] = model.hyperprior.flight_scale(scatter) ** 2 * spread @ spread.T + np.diag(
+        noise[block, block] = model.hyperprior.motor_scales()[scale] ** 2 * spread @ spread.T + np.diag(
             ((every * data.sd[flight]) ** 2 + own**2) / data.trust[flight]
         )
     mean = near.values.ravel() + slope @ (prior - near.at)
