@@ -32,12 +32,16 @@ def around_mode(result: Fit) -> Fit:
         weight = result.log_weight.reshape([len(one.grid) for one in scales])
         axes = range(len(scales))
         alone = [np.logaddexp.reduce(weight, axis=tuple(other for other in axes if other != own)) for own in axes]
-        moved = hyperprior.with_scales(
-            *(one.between(*_interval(one, own)) for one, own in zip(scales, alone, strict=True))
-        )
+        moved = hyperprior.with_scales(*(_moved(one, own) for one, own in zip(scales, alone, strict=True)))
         outliers = None if result.flight_weight is None else flight_weights(result)
         result = solve(replace(result.model, hyperprior=moved), result.data, result.tangent, outliers)
     return result
+
+
+def _moved(scale: Scale, log_weight: Float[Array, "value"]) -> Scale:
+    """The scale on a grid around its mode; a known scale keeps its only value."""
+    known = scale.range[0] == scale.range[1]
+    return scale if known else scale.between(*_interval(scale, log_weight))
 
 
 def _interval(scale: Scale, log_weight: Float[Array, "value"]) -> tuple[float, float]:
