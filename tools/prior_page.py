@@ -76,11 +76,10 @@ off by 3% of the dynamic pressure, and more in real flights with an acceleromete
 tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
-its {"apogees" if card.motors else "flights"} (log-normal with median 1 and learned standard deviation
-{card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the
-public flights come from one device).{_of_motors(card)} Single
-flights and readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a
-readout replaces these figures.
+its {"apogees" if card.motors else "flights"} (log-normal with median 1, learned standard deviation
+{card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the public flights
+come from one device). {_of_motors(card)}Single flights and readouts
+follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a readout replaces these figures.
 
 | readout | learned | search |
 |---|---|---|
@@ -115,8 +114,8 @@ def _of_motors(card: Hyperprior) -> str:
     if not card.motors:
         return ""
     return (
-        " A third scales the scatter of thrust, drag, burn time\nand delay"
-        f" ({card.motors.log_sd:g}, a judgment, because the public flights do not determine it)."
+        "A third scales the scatter of thrust, drag, burn time and delay"
+        f" ({card.motors.log_sd:g}, a judgment, because the public flights do not determine it). "
     )
 
 
