@@ -77,9 +77,10 @@ tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
 its {"apogees" if card.motors else "flights"} (log-normal with median 1, learned standard deviation
-{card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the public flights
-come from one device). {_of_motors(card)}Single flights and readouts
-follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a readout replaces these figures.
+{card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the
+public flights come from one device).
+{_of_motors(card)}Single flights and readouts follow a Student t with
+{card.tail:g} degrees of freedom. A recorded standard deviation of a readout replaces these figures.
 
 | readout | learned | search |
 |---|---|---|
