@@ -5,7 +5,8 @@ from typing import Any
 
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, learned
 from tools.markdown import WRITTEN_BY
 
 SOURCES = {

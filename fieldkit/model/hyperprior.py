@@ -4,7 +4,7 @@ Every quantity of the model (drag, thrust, mass, burn, delay, and a discrepancy 
 effects for the flyer's fleet, the rocket, its configuration, the motor type and its lot, the rocket on that motor, the
 day and the single flight: log ratios [1] or times to ejection [s]. Their deviations are stated here and nowhere else.
 
-`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified` is
+`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified_prior` is
 the same model if motors, masses and devices match their documents. The search for effects uses it, so that an effect,
 and not the plain model, explains a motor that differs from its certificate.
 """
@@ -146,42 +146,6 @@ MOTOR_RANGE = (0.25, 4.0)
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
 """Grids used during a fit; the final posterior uses grids around their mode."""
 
-CERTIFIED_PRIOR = Hyperprior(
-    kind="certified",
-    means=MappingProxyType({"drag": float(np.log(0.6))}),
-    sds=MappingProxyType(
-        {
-            "drag.rocket": 0.35,
-            "drag.config": 0.0105,
-            "drag.flight": 0.03,
-            "thrust.rocket": 0.007,
-            "thrust.motor": 0.007,
-            "thrust.flight": 0.025,
-            "mass.rocket": 0.02,
-            "stretch.motor": 0.014,
-            "stretch.flight": 0.02,
-            "delay.motor": 0.08,
-            "delay.flight": 0.08,
-            "tilt.flight": 1.0,
-            "top_speed.rocket": 0.01,
-            "burn_time.rocket": 0.05,
-            "peak_accel.rocket": 0.06,
-            "coast_to_apogee.rocket": 0.01,
-            "apogee_to_eject.rocket": 0.1,
-            "coast_drag.rocket": 0.02,
-            "coast_drag.ports": 0.21,
-            "burn_impulse.rocket": 0.01,
-        }
-    ),
-    fixed=(1.5, 0.7, 0.07, 0.5, 0.08, 0.15, 0.0, 0.0),
-    ratio=(0.005, 0.015, 0.02, 0.04, 0.01, 0.0, 0.05, 0.03),
-    unknown_area=0.45,
-    scatter=Scale((0.5, 1.0, 1.6, 2.5, 4.0, 6.5), 2.0, 0.7),
-    reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
-)
-"""Motors match their certificates (2 to 3% within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
-masses are as weighed, devices meet their specifications. `tilt` is the squared launch angle in (5 degrees)^2."""
-
 
 def _motors(median: float, log_sd: float) -> Scale:
     """The scale of the scatter of motors. One value during a fit, because a third grid would multiply its time."""
@@ -241,7 +205,7 @@ START = Hyperprior(
     reading=Scale(READING_GRID, 1.0, 0.7),
     motors=_motors(1.0, 0.7),
 )
-"""The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `CERTIFIED_PRIOR`. Motor
+"""The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `certified_prior`. Motor
 types are within 5% of their certificates (certification tests differ by that much; single motors by 6.7%, NFPA 1125),
 their lots within 2.5% of the type if flights record them, burn times within 5% and delays within 10%. Masses are within
 5%, because altimeter, recovery and wadding are not always weighed, which adds mass: the mean is learned. Recorded once,
@@ -255,11 +219,6 @@ on one open flight differ by 13% in drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""
-
-
-def certified() -> Hyperprior:
-    """The hyperprior for motors, masses and devices that match their documents."""
-    return CERTIFIED_PRIOR
 
 
 @cache

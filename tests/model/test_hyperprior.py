@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedModel
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, START, learned, read_card
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import START, learned, read_card
 from fieldkit.model.scale import Scale
 
 pytestmark = pytest.mark.fast

@@ -19,7 +19,8 @@ from fieldkit.inference.history.modeled_rockets import ModeledRocket, modeled_ro
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter
