@@ -4,9 +4,9 @@ Every quantity of the model (drag, thrust, mass, burn, delay, and a discrepancy 
 effects for the flyer's fleet, the rocket, its configuration, the motor type and its lot, the rocket on that motor, the
 day and the single flight: log ratios [1] or times to ejection [s]. Their deviations are stated here and nowhere else.
 
-`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified_prior` is
-the same model if motors, masses and devices match their documents. The search for effects uses it, so that an effect,
-and not the plain model, explains a motor that differs from its certificate.
+`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights.
+`certified_prior` is the same model if motors, masses and devices match their documents. The search for effects uses it,
+so that an effect, and not the plain model, explains a motor that differs from its certificate.
 """
 
 import json
