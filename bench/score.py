@@ -58,16 +58,16 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
             def forecast(model: str) -> Errors:
                 return _errors(ask("predict", "--flights", str(planned), "--model", model)["predictions"], later)
 
-            def with_effect(name: str) -> Errors:
+            def with_given(name: str) -> Errors:
                 ask("loop", "--rocket", label["rocket"], "--effect", name)
                 return forecast("after")
 
             before, after, given, without = forecast("before"), forecast("after"), None, {}
             if label["label"] not in ("none", "unexplained") and _could_be(answer, label["label"]):
-                given = with_effect(label["label"])
+                given = with_given(label["label"])
                 parts = sorted(effects(label["label"]))
                 if len(parts) == 2:
-                    without = {part: with_effect(other).mae for part, other in zip(parts, reversed(parts), strict=True)}
+                    without = {part: with_given(other).mae for part, other in zip(parts, reversed(parts), strict=True)}
         except (OSError, ValueError, KeyError, TypeError, subprocess.SubprocessError, CommandFailed) as trouble:
             return Result(**known, error=f"{type(trouble).__name__}: {trouble}"[:400])
     verdict = answer["verdict"]

@@ -168,9 +168,9 @@ def _flown(
     model = base_model(flights, found, hyperprior, flown=len(both) - 1)
     drawn = dict(common)
     scatter_scale, reading_scale = _scale(rng, hyperprior.scatter), _scale(rng, hyperprior.reading)
-    own_scale = float(hyperprior.flight_scale(np.array(scatter_scale)))
+    motor_scale = _scale(rng, hyperprior.motors) if hyperprior.motors else scatter_scale
     values = _terms(rng, model, drawn, scatter_scale, reading_scale)
-    scatter = {str(kind.bends): rng.normal(size=(1, len(both))) * kind.sd * own_scale for kind in model.scatter}
+    scatter = {str(kind.bends): rng.normal(size=(1, len(both))) * kind.sd * motor_scale for kind in model.scatter}
     readings = shown(model, values, scatter)
     tail = hyperprior.tail
     higher = rng.standard_t(tail, len(both)) * apogee_scatter(model) * scatter_scale

@@ -5,7 +5,8 @@ from typing import Any
 
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, learned
 from tools.markdown import WRITTEN_BY
 
 SOURCES = {
@@ -76,11 +77,11 @@ off by 3% of the dynamic pressure, and more in real flights with an acceleromete
 tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
-its {"apogees" if card.scattered == "apogee" else "flights"} (log-normal with median 1 and learned standard deviation
+its {"apogees" if card.motors else "flights"} (log-normal with median 1, learned standard deviation
 {card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the
-public flights come from one device). Single
-flights and readouts follow a Student t with {card.tail:g} degrees of freedom. A recorded standard deviation of a
-readout replaces these figures.
+public flights come from one device).
+{_of_motors(card)}Single flights and readouts follow a Student t with
+{card.tail:g} degrees of freedom. A recorded standard deviation of a readout replaces these figures.
 
 | readout | learned | search |
 |---|---|---|
@@ -109,6 +110,15 @@ which warns about unusual flights, has a separate prior.
 {chr(10).join(_high_power(card.about.get("high_power_flights", {})))}
 {chr(10).join(_left_out_tables(card.about.get("scores", {})))}
 {chr(10).join(_step_tables(card.about.get("scores_by_readouts", {})))}"""
+
+
+def _of_motors(card: Hyperprior) -> str:
+    if not card.motors:
+        return ""
+    return (
+        "A third scales the scatter of thrust, drag, burn time and delay"
+        f" ({card.motors.log_sd:g}, a judgment, because the public flights do not determine it). "
+    )
 
 
 def _high_power(record: Mapping[str, Any]) -> Iterator[str]:

@@ -13,7 +13,8 @@ from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.network.history import QuickAnswer, answers, load_history, response_of, trained_prior
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import groups
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found

@@ -70,7 +70,7 @@ class FittedForecast:
     model: Model
     at: Float[Array, "term"]
     values: Float[Array, "draw term"]
-    scales: Float[Array, "draw 2"]
+    scales: Float[Array, "draw 3"]
     rests_on: int
     name: str
     rng: np.random.Generator
@@ -188,7 +188,7 @@ def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
 
 def _drawn_with(
     model: Model, terms: Sequence[int], data: Data, flown: int, draws: int, rng: np.random.Generator
-) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 2"], tuple[str, ...]]:
+) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 3"], tuple[str, ...]]:
     """The final point of a fit of some of a model's terms, draws of every term (zero for terms it lacks) and of the
     scales, and a line for each outlier."""
     part = model.only(terms)
@@ -238,8 +238,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
-    scatter_scale = fitted.scales[:, :1]
-    flight_scale = part.hyperprior.flight_scale(scatter_scale)
+    scatter_scale, motor_scale = fitted.scales[:, :1], fitted.scales[:, 2:]
     shape = (len(values), len(part.flights))
 
     def draw() -> Array:
@@ -254,7 +253,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
 
     kinds = {kind.bends: kind.sd for kind in part.scatter}
     normal = {name: draw() for name in (*kinds, *({"delay"} - set(kinds)))}
-    scatter: dict[str, Array] = {name: normal[name] * sd * flight_scale for name, sd in kinds.items()}
+    scatter: dict[str, Array] = {name: normal[name] * sd * motor_scale for name, sd in kinds.items()}
     scatter["delay"] = log_delay_ratio(delays(part.flights, part.found), normal["delay"])
     readings = shown(part, values, scatter)
     # for an apogee of about a meter the relative reading error is unbounded

@@ -23,7 +23,7 @@ _GROUPED = re.compile("( of | on )")
 
 def term_draws(
     model: Model, fitted: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
-) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
+) -> tuple[Float[Array, "draw term"], Float[Array, "draw 3"]]:
     """Draws of every term: terms that act on flown flights from their posterior, the others from their prior.
 
     Terms of a motor never flown are independent of the flights, so hundreds of motors do not slow down the fit. Terms
@@ -80,7 +80,8 @@ def _sampled(
     return np.clip(values, lows, highs), which
 
 
-def _scales(result: Fit, which: Int[Integers, "draw"]) -> Float[Array, "draw 2"]:
-    """Scales of the scatter and the readings of a future flight."""
-    scatter, reading, _ = result.model.hyperprior.scales()
-    return np.stack([scatter[which], reading[which]], axis=-1)
+def _scales(result: Fit, which: Int[Integers, "draw"]) -> Float[Array, "draw 3"]:
+    """Scales of the scatter, the readings and the motor of a future flight."""
+    hyperprior = result.model.hyperprior
+    scatter, reading, _ = hyperprior.scales()
+    return np.stack([scatter[which], reading[which], hyperprior.motor_scales()[which]], axis=-1)

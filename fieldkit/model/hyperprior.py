@@ -4,9 +4,9 @@ Every quantity of the model (drag, thrust, mass, burn, delay, and a discrepancy 
 effects for the flyer's fleet, the rocket, its configuration, the motor type and its lot, the rocket on that motor, the
 day and the single flight: log ratios [1] or times to ejection [s]. Their deviations are stated here and nowhere else.
 
-`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights. `certified` is
-the same model if motors, masses and devices match their documents. The search for effects uses it, so that an effect,
-and not the plain model, explains a motor that differs from its certificate.
+`learned` is the card that `fieldkit learn` wrote by maximizing the marginal likelihood of real flights.
+`certified_prior` is the same model if motors, masses and devices match their documents. The search for effects uses it,
+so that an effect, and not the plain model, explains a motor that differs from its certificate.
 """
 
 import json
@@ -21,7 +21,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedModel
 from fieldkit.files import read_own
-from fieldkit.model.scale import Scale, scale_pairs
+from fieldkit.model.scale import Scale, scale_grid
 from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
 
@@ -40,7 +40,6 @@ CARD = "hyperprior.json"
 DESIGN_DRAG = 0.2
 """Start of `Hyperprior.design_drag`, an expert judgment: paint, lugs and gaps are rarely as drawn. [1]"""
 Kind = Literal["learned", "certified"]
-Scattered = Literal["everything", "apogee"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,9 +51,8 @@ class Hyperprior:
     effect. `fixed` is the constant noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m, m/s), and `ratio` is
     the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
     diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
-    `scatter` scales the random effects of single flights on `scattered`: on everything, or on the apogee alone. Then
-    thrust, drag, burn time and delay scatter equally in all rockets. `reading` scales the noise of every readout except
-    the apogee.
+    `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
+    With `motors`, `scatter` scales only the apogee's own, and `motors` those in thrust, drag, burn time and delay.
     `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
     standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the
     random effects of mass, thrust and apogee of such a rocket on high-power motors.
@@ -68,7 +66,7 @@ class Hyperprior:
     unknown_area: float
     scatter: Scale
     reading: Scale
-    scattered: Scattered = "everything"
+    motors: Scale | None = None
     opening: tuple[float, float] = (0.6, 0.4)
     tail: float = 4.0
     mean_sds: Mapping[str, float] = field(default_factory=dict)
@@ -97,17 +95,26 @@ class Hyperprior:
         return replace(self, sds={**self.sds, **{name.replace("__", "."): sd for name, sd in sds.items()}})
 
     def refined(self) -> "Hyperprior":
-        """A copy with finer grids for both scales, used to report a posterior once a fit has converged."""
+        """A copy with finer grids of `scatter` and `reading`, used to report a posterior once a fit has converged."""
         return replace(self, scatter=self.scatter.refined(), reading=self.reading.refined())
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-        """The scatter scale, reading scale and log prior weight of every pair on the grid. [1], [1], [nat]"""
-        return scale_pairs(self.scatter, self.reading)
+        """The scatter scale, reading scale and log prior weight of every point of the grid. [1], [1], [nat]"""
+        scatter, reading, *_, log_prior = scale_grid(self.unknown_scales)
+        return scatter, reading, log_prior
 
-    def flight_scale(self, scatter: Float[Array, "*n"]) -> Float[Array, "*n"]:
-        """The factor on the scatter of thrust, drag, burn time and delay of single flights, at values of the scale
-        `scatter`. [1]"""
-        return scatter if self.scattered == "everything" else np.ones_like(scatter)
+    def motor_scales(self) -> Float[Array, "scale"]:
+        """The scale of the scatter in thrust, drag, burn time and delay, for every point of the grid. [1]"""
+        return scale_grid(self.unknown_scales)[2 if self.motors else 0]
+
+    @property
+    def unknown_scales(self) -> tuple[Scale, ...]:
+        """The scales that the grid runs over: `scatter`, `reading`, and `motors` if it is separate."""
+        return (self.scatter, self.reading, *([self.motors] if self.motors else []))
+
+    def with_scales(self, scatter: Scale, reading: Scale, motors: Scale | None = None) -> "Hyperprior":
+        """A copy with other grids."""
+        return replace(self, scatter=scatter, reading=reading, motors=motors)
 
     def json(self) -> dict[str, Any]:
         """The card, in the form that `read_card` reads."""
@@ -124,7 +131,8 @@ class Hyperprior:
                 for name, fixed, ratio in zip(READOUTS, self.fixed, self.ratio, strict=True)
             },
             "unknown_area": self.unknown_area,
-            "scatter": {"of": self.scattered, "median": self.scatter.median, "log_sd": self.scatter.log_sd},
+            "scatter": {"median": self.scatter.median, "log_sd": self.scatter.log_sd},
+            **({"motors": {"median": self.motors.median, "log_sd": self.motors.log_sd}} if self.motors else {}),
             "reading": {"median": self.reading.median, "log_sd": self.reading.log_sd},
             "opening_s": list(self.opening),
             "tail": self.tail,
@@ -134,44 +142,14 @@ class Hyperprior:
 
 
 SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.1, 4.0, 9), 4))
+MOTOR_RANGE = (0.25, 4.0)
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
-"""Grids used during a fit; the final posterior uses grids twice as fine."""
+"""Grids used during a fit; the final posterior uses grids around their mode."""
 
-CERTIFIED_PRIOR = Hyperprior(
-    kind="certified",
-    means=MappingProxyType({"drag": float(np.log(0.6))}),
-    sds=MappingProxyType(
-        {
-            "drag.rocket": 0.35,
-            "drag.config": 0.0105,
-            "drag.flight": 0.03,
-            "thrust.rocket": 0.007,
-            "thrust.motor": 0.007,
-            "thrust.flight": 0.025,
-            "mass.rocket": 0.02,
-            "stretch.motor": 0.014,
-            "stretch.flight": 0.02,
-            "delay.motor": 0.08,
-            "delay.flight": 0.08,
-            "tilt.flight": 1.0,
-            "top_speed.rocket": 0.01,
-            "burn_time.rocket": 0.05,
-            "peak_accel.rocket": 0.06,
-            "coast_to_apogee.rocket": 0.01,
-            "apogee_to_eject.rocket": 0.1,
-            "coast_drag.rocket": 0.02,
-            "coast_drag.ports": 0.21,
-            "burn_impulse.rocket": 0.01,
-        }
-    ),
-    fixed=(1.5, 0.7, 0.07, 0.5, 0.08, 0.15, 0.0, 0.0),
-    ratio=(0.005, 0.015, 0.02, 0.04, 0.01, 0.0, 0.05, 0.03),
-    unknown_area=0.45,
-    scatter=Scale((0.5, 1.0, 1.6, 2.5, 4.0, 6.5), 2.0, 0.7),
-    reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
-)
-"""Motors match their certificates (2 to 3% within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
-masses are as weighed, devices meet their specifications. `tilt` is the squared launch angle in (5 degrees)^2."""
+
+def _motors(median: float, log_sd: float) -> Scale:
+    """The scale of the scatter of motors. One value during a fit, because a third grid would multiply its time."""
+    return Scale((median,), median, log_sd, ends=MOTOR_RANGE)
 
 
 START = Hyperprior(
@@ -225,9 +203,9 @@ START = Hyperprior(
     unknown_area=0.2,
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
-    scattered="apogee",
+    motors=_motors(1.0, 0.7),
 )
-"""The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `CERTIFIED_PRIOR`. Motor
+"""The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `certified_prior`. Motor
 types are within 5% of their certificates (certification tests differ by that much; single motors by 6.7%, NFPA 1125),
 their lots within 2.5% of the type if flights record them, burn times within 5% and delays within 10%. Masses are within
 5%, because altimeter, recovery and wadding are not always weighed, which adds mass: the mean is learned. Recorded once,
@@ -241,11 +219,6 @@ on one open flight differ by 13% in drag and 9% in impulse."""
 
 _JUDGED_SDS = {key: sd for key, sd in START.sds.items() if key.endswith((".logged", ".lot", ".ports"))}
 """Values that cards of older versions lack: judgments, because no open flight has a readout of both kinds or a lot."""
-
-
-def certified() -> Hyperprior:
-    """The hyperprior for motors, masses and devices that match their documents."""
-    return CERTIFIED_PRIOR
 
 
 @cache
@@ -286,7 +259,7 @@ def read_card(text: str, name: str) -> Hyperprior:
             unknown_area=float(card["unknown_area"]),
             scatter=Scale(SCATTER_GRID, float(card["scatter"]["median"]), float(card["scatter"]["log_sd"])),
             reading=Scale(READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"])),
-            scattered=_scattered(card["scatter"]),
+            motors=_motors_of(card),
             opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
             tail=float(card["tail"]),
             design_drag=float(card.get("design_drag", DESIGN_DRAG)),
@@ -296,7 +269,7 @@ def read_card(text: str, name: str) -> Hyperprior:
         raise DamagedModel(f"{name}: found {error!r}, expected a hyperprior as `fieldkit learn` writes it") from error
     positive = [*found.sds.values(), *found.mean_sds.values(), *found.fixed, *found.ratio, found.unknown_area]
     never_zero = [found.tail, found.opening[1], found.design_drag, found.high_power]
-    never_zero += [end for scale in (found.scatter, found.reading) for end in (scale.median, scale.log_sd)]
+    never_zero += [end for scale in found.unknown_scales for end in (scale.median, scale.log_sd)]
     values = [*found.means.values(), found.opening[0], *positive, *never_zero]
     unknown = [key for key in found.sds if not _known(key)]
     if unknown or not np.isfinite(values).all() or min(positive) < 0 or min(never_zero) <= 0:
@@ -306,12 +279,12 @@ def read_card(text: str, name: str) -> Hyperprior:
     return replace(found, about=MappingProxyType(about))
 
 
-def _scattered(card: Mapping[str, Any]) -> Scattered:
-    """What the scale of a card scales. Cards of older versions lack it. Raises ValueError for anything unknown."""
-    found = card.get("of", "everything")
-    if found not in ("everything", "apogee"):
-        raise ValueError(f"scatter of {found!r}")
-    return "apogee" if found == "apogee" else "everything"
+def _motors_of(card: Mapping[str, Any]) -> Scale | None:
+    """The scale of the scatter of motors, which cards of older versions lack, or leave to judgment with a scale `of`
+    the scatter of the apogee alone."""
+    if "motors" in card:
+        return _motors(float(card["motors"]["median"]), float(card["motors"]["log_sd"]))
+    return START.motors if card["scatter"].get("of") == "apogee" else None
 
 
 def _known(key: str) -> bool:

@@ -11,7 +11,8 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import not_measured
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import READOUTS, Hyperprior
 from fieldkit.motors import Found
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float

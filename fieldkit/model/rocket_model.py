@@ -13,8 +13,9 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.fleet_drift import Period, years, years_passed
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
+from fieldkit.model.hyperprior import FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
 from fieldkit.model.term_names import config_term, drift_term, fleet_term, is_drift

@@ -1,4 +1,4 @@
-"""Factors on standard deviations that vary from rocket to rocket: one for its flights, one for its readings."""
+"""Factors on standard deviations that vary from rocket to rocket: of its flights, their motors, and its readings."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -16,8 +16,8 @@ POINTS = 5
 class Scale:
     """A log-normal factor between the ends of a grid, on which it is integrated. [1]
 
-    A grid around a posterior is even in the logarithm with a `step`, and its weights are prior density times step;
-    `ends` are those of the grid from which it was made. Without them, the weights of the grid add to one.
+    A grid around a posterior is even in the logarithm with a `step`, and its weights are prior density times step.
+    Without a step, the weights of the grid add to one. `ends` are those of the prior, by default those of the grid.
     """
 
     grid: tuple[float, ...]
@@ -49,24 +49,26 @@ class Scale:
 
     @property
     def log_prior(self) -> Float[Array, "scale"]:
-        """Log prior weight of each value of the grid, not normalized without `ends`. [nat]"""
+        """Log prior weight of each value of the grid, not normalized without a step. [nat]"""
         log_density = -0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2
-        if not self.ends:
+        if not self.step:
             return np.asarray(log_density)
-        low, high = np.log(np.array(self.ends) / self.median) / (self.log_sd * sqrt(2))
+        low, high = np.log(np.array(self.range) / self.median) / (self.log_sd * sqrt(2))
         inside = self.log_sd * sqrt(pi / 2) * (erf(high) - erf(low))
         return np.asarray(log_density + log(self.step / inside))
 
 
 @cache
-def scale_pairs(
-    scatter: Scale, reading: Scale
-) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """The scatter scale, reading scale and log prior weight of every pair on two grids; the arrays are read-only. [1],
-    [1], [nat] Derivation: the scales are independent a priori, so the log prior of a pair is the sum of both."""
-    values = np.meshgrid(scatter.values, reading.values, indexing="ij")
-    own = [one.log_prior - (0.0 if one.ends else np.logaddexp.reduce(one.log_prior)) for one in (scatter, reading)]
-    found = values[0].ravel(), values[1].ravel(), (own[0][:, None] + own[1]).ravel()
+def scale_grid(scales: tuple[Scale, ...]) -> tuple[Float[Array, "scale"], ...]:
+    """The value of each scale [1] for every combination of their grids, and the log prior weights [nat]; the arrays are
+    read-only.
+
+    Derivation: the scales are independent a priori, so the log prior of a combination is their sum.
+    """
+    values = np.meshgrid(*(one.values for one in scales), indexing="ij")
+    own = [one.log_prior - (0.0 if one.step else np.logaddexp.reduce(one.log_prior)) for one in scales]
+    log_prior = sum(np.meshgrid(*own, indexing="ij"))
+    found = tuple(np.ravel(one) for one in (*values, log_prior))
     for one in found:
         one.flags.writeable = False
     return found

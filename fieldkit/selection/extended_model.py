@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.usual_effects import usual_terms

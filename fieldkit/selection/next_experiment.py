@@ -182,7 +182,7 @@ def _forecast(
 
 def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
     """Covariance of the readouts of single flights around their expectation: scatter and reading."""
-    flight_scale = ahead.hyperprior.flight_scale(ahead.hyperprior.scales()[0])[scale]
+    motor_scale = ahead.hyperprior.motor_scales()[scale]
     raw = np.where(
         np.arange(len(OBSERVED_READOUTS)) == OBSERVED_READOUTS.index("apogee_to_eject"), 1.0, np.exp(near.values)
     )
@@ -190,7 +190,7 @@ def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout 
     expected = Data(near.values, reading_sd(raw, ahead.hyperprior), every, np.ones(raw.shape))
     own = residual_variance(ahead, expected)[scale]
     return np.asarray(
-        flight_scale**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
+        motor_scale**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
         + own[..., None] * np.eye(len(OBSERVED_READOUTS))
     )
 

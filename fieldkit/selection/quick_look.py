@@ -21,7 +21,7 @@ from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
 from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, trained_prior, untrained_effects
-from fieldkit.model.hyperprior import certified
+from fieldkit.model.certified_prior import certified
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.quantities import with_sd

@@ -58,7 +58,7 @@ class Sampled:
     """
 
     terms: Float[Array, "draw term"]
-    scales: Float[Array, "draw 2"]
+    scales: Float[Array, "draw 3"]
     r_hat: float
     effective: float
     acceptance: float
@@ -83,7 +83,8 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
     continue with the exact force from their last positions, and their earlier draws are dropped.
     """
     scatter, reading, _ = result.model.hyperprior.scales()
-    scales = (float(np.exp(result.weights @ np.log(each))) for each in (scatter, reading))
+    every = scatter, reading, result.model.hyperprior.motor_scales()
+    scales = (float(np.exp(result.weights @ np.log(each))) for each in every)
     middle = density.coordinates(_middle(result), *scales)
     root = np.linalg.inv(np.linalg.cholesky(density.curvature(middle)))
 
@@ -103,7 +104,7 @@ def _sampled(
     case: Case, density: Target, chains: hamiltonian.Chains, at: Float[Array, "iteration chain dimension"]
 ) -> Sampled:
     point = density.point(at.reshape(-1, density.dimension))
-    scales = np.stack([point.scatter_scale, point.reading_scale], axis=-1)
+    scales = np.stack([point.scatter_scale, point.reading_scale, point.motor_scale], axis=-1)
     watched = np.concatenate([_shared_figures(case, point.terms), np.log(scales)], axis=1).reshape(*at.shape[:2], -1)
     figures = [watched[..., i] for i in range(watched.shape[-1])]
     return Sampled(
@@ -116,7 +117,7 @@ def _sampled(
 
 
 def next_flight(
-    case: Case, terms: Float[Array, "draw term"], scales: Float[Array, "draw 2"], seed: int
+    case: Case, terms: Float[Array, "draw term"], scales: Float[Array, "draw 3"], seed: int
 ) -> Float[Array, "draw figure"]:
     """`FIGURES` of the next flight, simulated with posterior draws; its scatter depends only on the seed."""
     plan = case.model().part(slice(len(case.flown), None))

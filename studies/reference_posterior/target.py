@@ -11,6 +11,7 @@ from scipy.special import ndtr, ndtri
 
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter
+from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import bent
 from fieldkit.shapes import Array, Flags, Float
 from studies.reference_posterior.readouts import EJECTION, STEP_SIZES, Readouts, side_slopes, simulated
@@ -21,25 +22,26 @@ EXACT_STEP = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """The parameters at given coordinates: values of the terms, scaled random effects of each flight, and the two
+    """The parameters at given coordinates: values of the terms, scaled random effects of each flight, and the
     scales."""
 
     terms: Float[Array, "draw term"]
     scatter: Float[Array, "draw flight kind"]
     scatter_scale: Float[Array, "draw"]
     reading_scale: Float[Array, "draw"]
+    motor_scale: Float[Array, "draw"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Target:
     """The posterior density of a model's coordinates given data.
 
-    Coordinates are the terms in order, the random effects flight by flight, and the logarithms of the scatter and the
-    reading scale, each transformed to a standard normal prior. `slopes` are the force's derivatives of the readouts
-    with respect to every property (`kinds`), for ejection after apogee and before it, because readouts have a kink
-    there. A readout that is not `seen` and usable is not compared. Unless `student`, residuals are normal, with the
-    fit's outlier weights (`trust` of the data). An `exact_force` computes derivatives at every point instead, with
-    seven times as many simulations.
+    Coordinates are the terms in order, the random effects flight by flight, and the logarithms of the scales of motors
+    (if it is separate), scatter and readings, each transformed to a standard normal prior. `slopes` are the force's
+    derivatives of the readouts with respect to every property (`kinds`), for ejection after apogee and before it,
+    because readouts have a kink there. A readout that is not `seen` and usable is not compared. Unless `student`,
+    residuals are normal, with the fit's outlier weights (`trust` of the data). An `exact_force` computes derivatives at
+    every point instead, with seven times as many simulations.
     """
 
     model: Model
@@ -54,29 +56,29 @@ class Target:
     @property
     def dimension(self) -> int:
         """Number of coordinates."""
-        return len(self.model.terms) + len(self.model.flights) * len(self.model.scatter) + 2
+        return len(self.model.terms) + len(self.model.flights) * len(self.model.scatter) + len(self._unknown)
 
     def point(self, at: Float[Array, "draw dimension"]) -> Point:
         """The parameters at these coordinates."""
         flights, kinds, terms = len(self.model.flights), len(self.model.scatter), len(self.model.terms)
-        scatter, reading = self._scales(at)
+        scatter, reading, motors = self._scales(at)
         values = np.stack([_value(term, at[:, i], scatter, reading) for i, term in enumerate(self.model.terms)], -1)
         if self.model.shared:
             rows = self._shared_rows()
             values[:, rows] = self.model.shared.mean + at[:, rows] @ np.linalg.cholesky(self.model.shared.covariance).T
         sds = np.array([kind.sd for kind in self.model.scatter])
-        effects = at[:, terms:-2].reshape(-1, flights, kinds) * sds * self._flight_scale(scatter)
-        return Point(values, effects, scatter, reading)
+        effects = at[:, terms : -len(self._unknown)].reshape(-1, flights, kinds) * sds * motors[:, None, None]
+        return Point(values, effects, scatter, reading, motors)
 
     def coordinates(
-        self, values: Float[Array, "term"], scatter: float = 1.0, reading: float = 1.0
+        self, values: Float[Array, "term"], scatter: float = 1.0, reading: float = 1.0, motors: float = 1.0
     ) -> Float[Array, "dimension"]:
-        """Coordinates of values of the terms and of the two scales, without random effects of flights."""
-        prior, at = self.model.hyperprior, np.zeros(self.dimension)
+        """Coordinates of values of the terms and of the scales, without random effects of flights."""
+        at = np.zeros(self.dimension)
         for i, term in enumerate(self.model.terms):
             at[i] = _coordinate(term, float(values[i]), scatter, reading)
-        at[-2] = np.log(scatter / prior.scatter.median) / prior.scatter.log_sd
-        at[-1] = np.log(reading / prior.reading.median) / prior.reading.log_sd
+        for i, scale, value in zip((-2, -1, -3), self._unknown, (scatter, reading, motors), strict=False):
+            at[i] = np.log(value / scale.median) / scale.log_sd
         if self.model.shared:
             rows = self._shared_rows()
             root = np.linalg.cholesky(self.model.shared.covariance)
@@ -103,10 +105,16 @@ class Target:
         force[:, -1] += prior.reading.log_sd * by_width[..., 1:].sum(axis=(1, 2))
         return np.where(possible, log_density, -np.inf), np.nan_to_num(force)
 
-    def _scales(self, at: Array) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-        prior = self.model.hyperprior
-        scatter = prior.scatter.median * np.exp(prior.scatter.log_sd * at[:, -2])
-        return scatter, prior.reading.median * np.exp(prior.reading.log_sd * at[:, -1])
+    @property
+    def _unknown(self) -> tuple[Scale, ...]:
+        return self.model.hyperprior.unknown_scales
+
+    def _scales(self, at: Array) -> tuple[Float[Array, "draw"], Float[Array, "draw"], Float[Array, "draw"]]:
+        scatter, reading, *motors = (
+            scale.median * np.exp(scale.log_sd * at[:, i])
+            for i, scale in zip((-2, -1, -3), self._unknown, strict=False)
+        )
+        return scatter, reading, motors[0] if motors else scatter
 
     def variance(self, point: Point) -> Float[Array, "draw flight readout"]:
         """Squared scale of every residual."""
@@ -171,12 +179,15 @@ class Target:
         columns = [self.kinds.index(kind.bends) for kind in self.model.scatter]
         sds = np.array([kind.sd for kind in self.model.scatter])
         effects = by_kind[..., columns]
-        out[:, terms:-2] = (effects * sds * self._flight_scale(point.scatter_scale)).reshape(len(at), -1)
+        out[:, terms : -len(self._unknown)] = (effects * sds * point.motor_scale[:, None, None]).reshape(len(at), -1)
         moved = point.terms - np.array([term.mean for term in self.model.terms])
         scaled = {by: np.array([term.scaled_by == by for term in self.model.terms]) for by in ("scatter", "reading")}
         by_scale = {by: (by_term * moved)[:, which].sum(axis=1) for by, which in scaled.items()}
-        if prior.scattered == "everything":
-            by_scale["scatter"] = by_scale["scatter"] + (effects * point.scatter).sum(axis=(1, 2))
+        by_motors = (effects * point.scatter).sum(axis=(1, 2))
+        if prior.motors:
+            out[:, -3] = prior.motors.log_sd * by_motors
+        else:
+            by_scale["scatter"] = by_scale["scatter"] + by_motors
         out[:, -2] = prior.scatter.log_sd * by_scale["scatter"]
         out[:, -1] = prior.reading.log_sd * by_scale["reading"]
         return out
@@ -185,9 +196,6 @@ class Target:
         if term.bends in OBSERVED_READOUTS:
             return np.asarray(score[..., OBSERVED_READOUTS.index(str(term.bends))] @ term.weight)
         return np.asarray(by_kind[..., self.kinds.index(str(term.bends))] @ term.weight)
-
-    def _flight_scale(self, scatter: Float[Array, "draw"]) -> Float[Array, "draw 1 1"]:
-        return np.asarray(self.model.hyperprior.flight_scale(scatter)[:, None, None])
 
     def _shared_rows(self) -> list[int]:
         assert self.model.shared

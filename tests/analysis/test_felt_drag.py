@@ -12,7 +12,8 @@ from fieldkit.analysis.channels import Push
 from fieldkit.analysis.drag_and_impulse import PORT_ERROR, PORTS_SD
 from fieldkit.analysis.felt_drag import felt_drag
 from fieldkit.analysis.process_noise import STATIC_SD
-from fieldkit.model.hyperprior import START, certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import START, learned
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedModel
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, START, learned, read_card
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import START, learned, read_card
 from fieldkit.model.scale import Scale
 
 pytestmark = pytest.mark.fast
@@ -29,11 +30,14 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
     card = learned().json()
     del card["mean_sds"]
     card["sds"] = {name: sd for name, sd in card["sds"].items() if not name.endswith(".logged")}
-    del card["scatter"]["of"]
+    card.pop("motors", None)
+    card["scatter"].pop("of", None)
     found = read_card(json.dumps(card), "old.json")
     assert found.fleet_sd("drag") == found.sd("drag", "fleet")
     assert found.sd("top_speed", "logged") == START.sd("top_speed", "logged")
-    assert found.flight_scale(np.array([0.5, 2.0])).tolist() == [0.5, 2.0], "one scale for everything"
+    assert found.motor_scales().tolist() == found.scales()[0].tolist(), "one scale for motors and apogees"
+    card["scatter"]["of"] = "apogee"
+    assert read_card(json.dumps(card), "older.json").motors == START.motors
 
 
 @pytest.mark.parametrize(
@@ -47,7 +51,8 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
         ({"tail": "many"}, "expected a hyperprior"),
         ({"tail": 0.0}, "zero"),
         ({"scatter": {"median": 1.0, "log_sd": 0.0}}, "zero"),
-        ({"scatter": {"of": "speeds", "median": 1.0, "log_sd": 0.6}}, "scatter of 'speeds'"),
+        ({"motors": {"median": 1.0, "log_sd": 0.0}}, "zero"),
+        ({"motors": {"median": 1.0}}, "expected a hyperprior"),
         ({"reading": {"median": -1.0, "log_sd": 0.5}}, "negative"),
         ({"opening_s": [float("nan"), 0.4]}, "not finite"),
         ({"opening_s": [0.6, 0.0]}, "zero"),

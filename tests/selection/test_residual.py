@@ -10,7 +10,7 @@ from fieldkit.flight import Flight
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import solve
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.motors import catalogue

@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import truncnorm
 
 from fieldkit.inference.laplace.fit import fit
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import effects

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.laplace.linearization import launch_angle_slope, tangents
-from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model
 from fieldkit.model.scale import Scale
@@ -44,16 +44,16 @@ def test_a_start_without_a_density_is_reported() -> None:
         sample(lambda at: (np.full(len(at), -np.inf), at), np.zeros((2, 1)), 1, 1, np.random.default_rng(0))
 
 
-def plain() -> Hyperprior:
+def plain(motors: Scale | None = None) -> Hyperprior:
     """Known scales and an opening time far from its bound: with normal residuals, the posterior is normal."""
     known = Scale((1.0,), 1.0, 1e-9)
-    return replace(learned(), scatter=known, reading=known, opening=(4.0, 0.3))
+    return replace(learned(), scatter=known, reading=known, motors=motors, opening=(4.0, 0.3))
 
 
-def linear_target(student: bool) -> tuple[Model, Data, Target]:
+def linear_target(student: bool, motors: Scale | None = None) -> tuple[Model, Data, Target]:
     (history,) = ledger(np.random.default_rng(4), [Recipe(4, 2)], learned())
     flights, found = zip(*history.flown, strict=True)
-    model = base_model(flights, found, plain())
+    model = base_model(flights, found, plain(motors))
     data = observe(model.flights, model.found, [True] * len(flights), model.hyperprior)
     at = np.array([term.mean for term in model.terms])
     (near,) = tangents(model, [(tuple(range(len(at))), at)], launch_angle_slope(model, at))
@@ -97,9 +97,9 @@ def test_the_sampler_agrees_with_the_closed_form_of_a_linear_model() -> None:
     np.testing.assert_allclose(np.cov(terms.T) / np.outer(own, own), covariance / np.outer(own, own), atol=0.12)
 
 
-@pytest.mark.parametrize("student", [True, False])
-def test_the_force_of_a_linear_model_is_the_gradient(student: bool) -> None:
-    model, _, density = linear_target(student)
+@pytest.mark.parametrize(("student", "motors"), [(True, START.motors), (False, None)])
+def test_the_force_of_a_linear_model_is_the_gradient(student: bool, motors: Scale | None) -> None:
+    model, _, density = linear_target(student, motors)
     rows = {str(kind.bends): np.ones((1, len(model.flights))) for kind in model.scatter}
     means = np.array([[term.mean for term in model.terms]])
     at = density.readouts(means, {})

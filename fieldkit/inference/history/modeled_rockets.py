@@ -13,7 +13,8 @@ from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_ro
 from fieldkit.inference.history.linear_fit import declared_terms
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import Model, Term, base_model, shared_names
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.usual_effects import usual_terms

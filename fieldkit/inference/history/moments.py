@@ -139,16 +139,14 @@ def readout_moments(linear: LinearFit) -> ReadoutMoments:
 
 def _scatter_of_readouts(linear: LinearFit, columns: Sequence[int]) -> Float[Array, "scale plan readout"]:
     """Variance of single flights given the terms."""
-    hyperprior, plans = linear.model.hyperprior, slice(linear.flown, None)
-    scale = hyperprior.flight_scale(hyperprior.scales()[0])[:, None, None]
+    scale, plans = linear.model.hyperprior.motor_scales()[:, None, None], slice(linear.flown, None)
     return np.asarray(scale**2 * (linear.near.scatter_slope[plans][:, columns] ** 2).sum(axis=-1))
 
 
 def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:
     """Variance of each plan's log apogee given the terms: scatter and reading. [1]"""
     model, near, plans = linear.model, linear.near, slice(linear.flown, None)
-    scatter = model.hyperprior.scales()[0][:, None]
-    scale = model.hyperprior.flight_scale(scatter)
+    scatter, scale = model.hyperprior.scales()[0][:, None], model.hyperprior.motor_scales()[:, None]
     reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
     spread = (near.scatter_slope[plans, 0] ** 2).sum(axis=-1)
     return np.asarray(scale**2 * spread + (scatter * apogee_scatter(model)[plans]) ** 2 + reading**2)

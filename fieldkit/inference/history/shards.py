@@ -17,7 +17,8 @@ from fieldkit.inference.history.features import HistorySummary, effect_names, fe
 from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.random_effects import priors
 from fieldkit.motors import Motor

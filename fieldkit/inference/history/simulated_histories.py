@@ -19,7 +19,8 @@ from fieldkit.inference.history.modeled_rockets import ModeledRocket, modeled_ro
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter
@@ -155,7 +156,8 @@ class _World:
         rng, prior, width = self.rng, one.model.hyperprior, rows.stop - rows.start
         scales = {
             name: scale.median * np.exp(scale.log_sd * np.clip(rng.normal(size=self.draws), -2.2, 2.2))
-            for name, scale in (("scatter", prior.scatter), ("reading", prior.reading))
+            for name, scale in (("scatter", prior.scatter), ("reading", prior.reading), ("motors", prior.motors))
+            if scale
         }
         self.scatter_scale[:, rows], self.reading_scale[:, rows] = (
             scales["scatter"][:, None],
@@ -184,7 +186,7 @@ class _World:
                 self.scatter[bends][draw, rows] += shift
         for kind in one.model.scatter:
             tailed = rng.normal(size=(self.draws, width))
-            self.scatter[kind.bends][:, rows] += kind.sd * prior.flight_scale(scales["scatter"])[:, None] * tailed
+            self.scatter[kind.bends][:, rows] += kind.sd * scales.get("motors", scales["scatter"])[:, None] * tailed
 
     def _add(self, term: Term, rows: slice, terms: list[Term]) -> None:
         weight = np.zeros(int(self.ends[-1]))

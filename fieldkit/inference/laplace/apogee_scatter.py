@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.shapes import Array, Flags, Float
 
 TAIL = CERTIFIED_PRIOR.tail

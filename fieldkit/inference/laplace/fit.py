@@ -13,6 +13,7 @@ from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope,
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.inference.laplace.scale_grids import around_mode
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -235,7 +236,7 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     each residual separately from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] /
     variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is the part of a readout that
     terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The log evidence
-    is a lower bound. The result has the finer grids of scales of `Hyperprior.refined`. Raises ImpossibleFlight for a
+    is a lower bound. The result has finer grids of scales than the fit. Raises ImpossibleFlight for a
     flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     result = fit(model, data, near=True)
@@ -243,6 +244,8 @@ def fit_robustly(model: Model, data: Data) -> Fit:
         for _ in range(TRUST_ROUNDS):
             result = solve(model, replace(data, trust=outlier_weights(result)), result.tangent)
         result = _followed(result)
+    if model.hyperprior.motors:
+        return _bounded(around_mode(result))
     return _bounded(solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent))
 
 

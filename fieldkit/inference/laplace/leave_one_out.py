@@ -11,7 +11,8 @@ from fieldkit.inference.laplace.apogee_scatter import ScatterWeights, apogee_spr
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.inference.laplace.posterior import Fit, density_constant, residual_variance
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS, reading_sd
 from fieldkit.shapes import Array, Float
 
@@ -91,8 +92,7 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
 
 def own_variance(result: Fit) -> Float[Array, "scale flight"]:
     """Variance of a flight's compared apogee around its expectation: scatter and reading. [1]"""
-    hyperprior = result.model.hyperprior
-    scale = hyperprior.flight_scale(hyperprior.scales()[0])
+    scale = result.model.hyperprior.motor_scales()
     spread = result.tangent.scatter_slope[:, 0]
     expected = replace(result.data, sd=_expected_sd(result))
     return np.asarray(

@@ -217,9 +217,9 @@ def _noise(
 ) -> Float[Array, "scale flight used used"]:
     """Covariance of each flight's used readouts for every pair of scales."""
     rows = slice(None) if which is None else which
-    flight_scale = model.hyperprior.flight_scale(model.hyperprior.scales()[0][rows])
+    motor_scale = model.hyperprior.motor_scales()[rows]
     spread = np.where(usable[..., None], near.scatter_slope[:, readouts], 0.0)
-    noise = flight_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
+    noise = motor_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
     diagonal = np.arange(len(readouts))
     variance = residual_variance(model, data)[rows][..., readouts]
     noise[..., diagonal, diagonal] += np.where(usable, variance / data.trust[:, readouts], UNOBSERVED_SD**2)

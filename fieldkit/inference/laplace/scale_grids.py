@@ -7,6 +7,7 @@ from the mode. Derivation: the midpoint rule on an even grid, whose error falls 
 """
 
 from dataclasses import replace
+from statistics import NormalDist
 
 import numpy as np
 
@@ -24,24 +25,30 @@ LATTICE = 1000
 
 
 def around_mode(result: Fit) -> Fit:
-    """A fit with both scales integrated on grids around their mode, at the same point of linearization."""
+    """A fit with all scales integrated on grids around their mode, at the same point of linearization."""
     for _ in range(ROUNDS):
         hyperprior = result.model.hyperprior
-        scatter, reading = hyperprior.scatter, hyperprior.reading
-        weight = result.log_weight.reshape(len(scatter.grid), len(reading.grid))
-        moved = replace(
-            hyperprior,
-            scatter=scatter.between(*_interval(scatter, np.logaddexp.reduce(weight, axis=1))),
-            reading=reading.between(*_interval(reading, np.logaddexp.reduce(weight, axis=0))),
-        )
+        scales = hyperprior.unknown_scales
+        weight = result.log_weight.reshape([len(one.grid) for one in scales])
+        axes = range(len(scales))
+        alone = [np.logaddexp.reduce(weight, axis=tuple(other for other in axes if other != own)) for own in axes]
+        moved = hyperprior.with_scales(*(_moved(one, own) for one, own in zip(scales, alone, strict=True)))
         outliers = None if result.flight_weight is None else flight_weights(result)
         result = solve(replace(result.model, hyperprior=moved), result.data, result.tangent, outliers)
     return result
 
 
+def _moved(scale: Scale, log_weight: Float[Array, "value"]) -> Scale:
+    """The scale on a grid around its mode; a known scale keeps its only value."""
+    known = scale.range[0] == scale.range[1]
+    return scale if known else scale.between(*_interval(scale, log_weight))
+
+
 def _interval(scale: Scale, log_weight: Float[Array, "value"]) -> tuple[float, float]:
     """The quantiles of a scale at `TAIL` and 1 - `TAIL`, with its log density linear between the values of the grid and
     beyond them."""
+    if len(log_weight) == 1:
+        return _prior_interval(scale)
     if not np.isfinite(log_weight).all():  # a flight cannot be simulated at this point
         return scale.range
     x, slope = np.log(scale.values), np.diff(log_weight) / np.diff(np.log(scale.values))
@@ -52,3 +59,9 @@ def _interval(scale: Scale, log_weight: Float[Array, "value"]) -> tuple[float, f
     below = np.cumsum(np.exp(log_density - log_density.max()))
     low, high = np.interp([TAIL, 1 - TAIL], below / below[-1], at)
     return float(np.exp(low)), float(np.exp(high))
+
+
+def _prior_interval(scale: Scale) -> tuple[float, float]:
+    """The quantiles of a scale at `TAIL` and 1 - `TAIL` before any flight, within its range."""
+    low, high = scale.median * np.exp(scale.log_sd * NormalDist().inv_cdf(1 - TAIL) * np.array([-1.0, 1.0]))
+    return max(float(low), scale.range[0]), min(float(high), scale.range[1])

@@ -32,7 +32,8 @@ from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.inference.training.stopwatch import Stopwatch
 from fieldkit.inference.training.unfinished import load_state, save_state
 from fieldkit.inference.validation.history import judge
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import priors
 from fieldkit.parallel import workers
 from fieldkit.physics.effect import effects

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.hyperprior import certified
+from fieldkit.model.certified_prior import certified
 from fieldkit.physics.effect import ClimbForces, LoggedForce, effects
 from fieldkit.physics.state import Force, State
 from fieldkit.selection.force.climb import Missing

@@ -6,7 +6,8 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.inference.history.records import History
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue

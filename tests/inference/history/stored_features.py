@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fieldkit.inference.history.features import effect_names, feature_names, summarize
 from fieldkit.inference.network.history import response_of
-from fieldkit.model.hyperprior import certified
+from fieldkit.model.certified_prior import certified
 from fieldkit.model.rocket_model import Model
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates

@@ -16,7 +16,8 @@ from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.linear_fit import declared_terms, history_model
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.simulated_histories import simulated_histories
-from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model, groups

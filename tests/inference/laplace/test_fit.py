@@ -18,7 +18,8 @@ from fieldkit.inference.laplace.fit import Lane, fit, fit_lanes, refits_without
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope
 from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solve, term_sds
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_LOGS, Hyperprior, learned
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import FROM_LOGS, Hyperprior, learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, compared, observe, reading_sd
 from fieldkit.model.rocket_model import Model, Term, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior
@@ -326,7 +327,7 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
         spread = near.scatter_slope[flight]
-        noise[block, block] = model.hyperprior.flight_scale(scatter) ** 2 * spread @ spread.T + np.diag(
+        noise[block, block] = model.hyperprior.motor_scales()[scale] ** 2 * spread @ spread.T + np.diag(
             ((every * data.sd[flight]) ** 2 + own**2) / data.trust[flight]
         )
     mean = near.values.ravel() + slope @ (prior - near.at)

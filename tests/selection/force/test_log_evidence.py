@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis import Recorded
-from fieldkit.model.hyperprior import CERTIFIED_PRIOR
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from fieldkit.selection.force.flights import FREE_TERMS, TOO_SHORT, FlightForce, flight_force
 from fieldkit.selection.force.log_evidence import LogEvidence, _comparison, document
