@@ -32,6 +32,7 @@ from fieldkit.importing.read import read
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.ledger import Ledger, models
 from fieldkit.planning.motor_guide import guide
+from fieldkit.planning.quick_guide import quick_guide
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.page import PageScreen
 from tests.cached import once
@@ -142,6 +143,7 @@ def _fitted(model: Any, data: Any) -> object:
 
 ONCE = {
     "fieldkit.planning.motor_guide.guide": once(guide, _guided),
+    "fieldkit.planning.quick_guide.quick_guide": once(quick_guide, _guided),
     "fieldkit.services.inferred.each_at_once": once(each_at_once),
     "fieldkit.services.forecasts.predict": once(predict),
     "fieldkit.forecast.predict.fit_robustly": once(fit_robustly, _fitted),

@@ -92,6 +92,14 @@ def motors(
     every: Annotated[
         bool, typer.Option("--all", help="Show the checks of every motor.", rich_help_panel=GUIDE)
     ] = False,
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick",
+            help="Apogees from the network, at once; without delays and safety checks.",
+            rich_help_panel=GUIDE,
+        ),
+    ] = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -106,16 +114,20 @@ def motors(
         "--season": season,
     }
     guide_options |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
-    _check_needs_fit(fit, {**guide_options, "--shortlist": shortlist, "--all": every, **dashed(given)})
+    _check_needs_fit(
+        fit, {**guide_options, "--shortlist": shortlist, "--all": every, "--quick": quick, **dashed(given)}
+    )
     if shortlist_for is not None and (fit or compare or corrections or about):
         raise typer.BadParameter("found --shortlist-for without a search or --import, expected one of them")
+    if quick and (season is not None or every):
+        raise typer.BadParameter(f"found --quick with {'--all' if every else '--season'}, expected one of the two")
     if fit is not None:
         from fieldkit.cli.guide import print_guide
 
         impulse = None if max_impulse is None else str(max_impulse)
         wanted = {"target": target, "mount": mount, "max_length": max_length, "max_impulse": impulse, "class": class_}
-        options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "every": every, "json": json}
-        print_guide(context, {**given, "rocket": fit}, wanted, season, **options)
+        options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "every": every, "quick": quick}
+        print_guide(context, {**given, "rocket": fit}, wanted, season, **options, json=json)
         return
     from fieldkit.motors import describe
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecast_plans
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
-from fieldkit.planning.quantiles import named, three
+from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.planning.safety import known_rules, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -122,6 +122,11 @@ class MotorChoice:
     def apogee(self) -> float:
         """Median of the altimeter's apogee reading. [m]"""
         return float(np.median(self.prediction.apogee))
+
+    @property
+    def interval(self) -> Three:
+        """The 5, 50 and 95% quantiles of the altimeter's apogee reading. [m]"""
+        return self.prediction.apogee_quantiles()
 
     @property
     def plan(self) -> Flight:
@@ -276,6 +281,16 @@ def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
     return tuple((delay, delay - coast) for delay in sold_delays(motor) if math.isfinite(coast))
 
 
-def by_closeness(found: Sequence[MotorChoice], target: float | None) -> list[MotorChoice]:
+class _WithApogee(Protocol):
+    """A forecast with an apogee. [m]"""
+
+    @property
+    def apogee(self) -> float: ...
+
+
+T = TypeVar("T", bound=_WithApogee)
+
+
+def by_closeness(found: Sequence[T], target: float | None) -> list[T]:
     """Sorted by distance from a target [m]; without one, highest first."""
     return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)

@@ -104,6 +104,24 @@ def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fi
     assert (document["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=1e-3)) is not agrees
 
 
+def test_the_quick_motor_guide_lists_the_motors_of_the_guide_and_refuses_what_it_cannot_answer(
+    ledger: Path, run: Run
+) -> None:
+    guide = ("motors", "--fit", "Astra", "--class", "E", "--target", "200m")
+    quick, fit = (run(*guide, *more, "--json").document for more in (["--quick"], []))
+    assert quick["evaluation"] == "amortized"
+    assert {one["motor"] for one in quick["motors"]} == {one["motor"] for one in fit["motors"]}
+    offs = [abs(one["apogee_m"]["p50"] - 200) for one in quick["motors"]]
+    assert offs == sorted(offs)
+    out = " ".join(run(*guide, "--quick").out.split())
+    assert "Not checked by the fit" in out
+    assert f"{quick['motors'][0]['motor']} * {quick['motors'][0]['apogee_m']['p50']:.0f}" in out
+    for option in (["--all"], ["--season", "2026"]):
+        assert "found --quick with" in run(*guide, "--quick", *option, status=2).err
+    new = ("motors", "--fit", "Comet", "--dry-mass", "300g", "--diameter", "60mm", "--mount", "29mm", "--quick")
+    assert "found no flights" in run(*new, status=1).err
+
+
 def test_drag_from_a_log_is_left_to_the_fit(ledger: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The network does not use it, so its answer cannot agree with the fit's."""
     monkeypatch.setattr(quick_look, "check", lambda answer, linear: Check(0.3, 0.5, 0.9, 400))

@@ -5,6 +5,7 @@ import re
 import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from threading import Event
 from typing import cast
 from unittest.mock import Mock, patch
 
@@ -13,6 +14,7 @@ from textual.events import Key
 from textual.widgets import Input, Static
 
 from fieldkit import capture
+from fieldkit.errors import DamagedModel
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP
 from fieldkit.ledger import Ledger, models
 from fieldkit.physics.effect import effects
@@ -737,6 +739,51 @@ def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them()
     assert motors.ordered(None) == [flown, other]
     motors.put(plan, [Mock(motor=other, fits=True, weak=False)])
     assert motors.ordered(None) == [other, flown]
+
+
+async def test_quick_answers_are_shown_until_the_fit_replaces_them(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All motors at once, marked; the cursor stays on its motor, and no cell is ever empty again."""
+    release = Event()
+
+    def held(*args: object) -> object:
+        release.wait(20)
+        return guide(*args)  # type: ignore[arg-type]  # as passed
+
+    monkeypatch.setattr("fieldkit.tui.next.next_page.guide", held)
+    async with opened(file, page="home") as pilot:
+        pilot.app.post_message(Key("4", "4"))
+        for _ in range(1000):
+            await asyncio.sleep(0.01)
+            if pilot.app.screen.query("#motors") and "quick" in text_of(pilot, "#count"):
+                break
+        table = pilot.app.screen.query_one(Table)
+        assert all(table.cells(motor)[1].startswith("≈") for motor in table.keys)
+        assert len(table.keys) > 40
+        table.move_to(table.keys[5])
+        chosen = table.current
+        for _ in range(1000):
+            await asyncio.sleep(0.01)
+            if chosen.designation in text_of(pilot, "#title"):
+                break
+        assert "not yet checked by the fit" in text_of(pilot, "#safety")
+        assert "≈" not in pilot.app.screen.query_one(ForecastCard).text
+        release.set()
+        await calm(pilot)
+        assert not any(table.cells(motor)[1].startswith(("≈", "…")) for motor in table.keys)
+        assert table.current is chosen
+        assert "quick" not in text_of(pilot, "#count")
+        assert "to check yourself" in text_of(pilot, "#safety")
+
+
+async def test_without_an_answer_of_the_network_the_fit_answers(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def damaged(*_: object) -> object:
+        raise DamagedModel("card.json: found no JSON, expected the card of an ensemble")
+
+    monkeypatch.setattr("fieldkit.tui.next.next_page.quick_guide", damaged)
+    async with opened(file, page="next_flight") as pilot:
+        assert "Astra B on AeroTech" in shown(pilot)
+        assert "error" not in words(pilot)
+        assert "left" not in text_of(pilot, "#count")
 
 
 async def test_enter_on_a_motor_still_to_be_forecast_saves_it_when_its_forecast_is_there(

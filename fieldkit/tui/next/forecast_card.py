@@ -6,7 +6,8 @@ from textual.content import Content
 from textual.widgets import Static
 
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.planning.motor_guide import MotorChoice
+from fieldkit.planning.motor_guide import MotorChoice, label
+from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.quantities import number
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
@@ -40,7 +41,7 @@ class ForecastCard(VerticalScroll):
     def show(self, plan: Plan, one: MotorChoice, settings: Settings) -> None:
         """Show the forecast of a plan on a motor."""
         system = settings.units
-        title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)
+        title, text = next_words.title(plan, one.name), next_words.interval(one.interval, system)
         middle = number(cards.APOGEE, one.apogee, system)
         more, checks = next_words.figures(plan, one, system), next_words.checks(one, system)
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
@@ -50,6 +51,19 @@ class ForecastCard(VerticalScroll):
         self.query_one("#more", Static).update(stacked([cards.lines("", more, 9), cards.lines("", checks, 1)]))
         self._show_hill(one.prediction, settings)
         self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
+
+    def show_quick(self, plan: Plan, one: QuickChoice, settings: Settings) -> None:
+        """Show the quick answer for a motor, until the fit replaces it."""
+        system = settings.units
+        title, text = next_words.title(plan, label(one.motor)), next_words.interval(one.interval, system)
+        middle, more = motor_rows.whole(one.apogee, system), next_words.quick_figures(plan, one, system)
+        self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
+        self.query_one(Big).show(middle)
+        self.query_one("#range", Static).update(Content(text).stylize("bold"))
+        self.query_one("#safety", Static).update(f"{motor_rows.QUICK_MARK} {next_words.QUICK}")
+        self.query_one("#more", Static).update(cards.lines("", more, 9))
+        self.query_one(Plot).show(None)
+        self.text = cards.as_text(f"{title}: {middle} {text}", [("", next_words.QUICK), *more])
 
     def clear(self) -> None:
         """Clear the card: no motor, or no forecast yet."""

@@ -7,6 +7,7 @@ from math import inf
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Catalogue, Motor
 from fieldkit.planning.motor_guide import MotorChoice
+from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
@@ -20,12 +21,13 @@ the search. [1]"""
 
 @dataclass(slots=True)
 class MotorList:
-    """The results of a search for a `plan`, and the forecasts `known` so far; `fitting` shows only motors that fit
-    unless there is a search."""
+    """The results of a search for a `plan`, and the forecasts `known` so far; until the fit of a motor is known, the
+    network's answer is in `quick`. `fitting` shows only motors that fit unless there is a search."""
 
     plan: Plan | None = None
     found: Sequence[Motor] = ()
     known: dict[Motor, MotorChoice] = field(default_factory=dict)
+    quick: dict[Motor, QuickChoice] = field(default_factory=dict)
     fitting: bool = True
     exact: set[Motor] = field(default_factory=set)
     """Motors with a forecast at full precision, as it would be saved; the others have fewer draws."""
@@ -40,16 +42,32 @@ class MotorList:
         return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
 
     def waiting(self, current: Motor | None) -> list[Motor]:
-        """The next few motors without a forecast: the current one if there is one, then those preferred, then in the
-        order found."""
+        """The next few motors without a fit: the current one if there is one, then those preferred, then in the order
+        found."""
+        return [motor for motor in self._wanted(current) if motor not in self.known][:AT_ONCE]
+
+    def unanswered(self, current: Motor | None) -> list[Motor]:
+        """All motors of a search with neither a fit nor a quick answer."""
+        return [motor for motor in self._wanted(current) if self.shown(motor) is None]
+
+    def _wanted(self, current: Motor | None) -> list[Motor]:
+        """The motors to forecast, in order."""
         preferred = [motor for motor in (self.plan.preferred if self.plan else ()) if motor in self.found]
-        wanted = dict.fromkeys([*([current] if current else []), *preferred, *self.found[:MAX_FORECAST_MOTORS]])
-        return [motor for motor in wanted if motor not in self.known][:AT_ONCE]
+        return list(dict.fromkeys([*([current] if current else []), *preferred, *self.found[:MAX_FORECAST_MOTORS]]))
+
+    def shown(self, motor: Motor | None) -> MotorChoice | QuickChoice | None:
+        """The forecast of a motor: of the fit, or until then of the network; None if there is none yet."""
+        return None if motor is None else self.known.get(motor) or self.quick.get(motor)
+
+    @property
+    def every_shown(self) -> dict[Motor, MotorChoice | QuickChoice]:
+        """All results of `shown`."""
+        return {**self.quick, **self.known}
 
     def turn_to(self, plan: Plan | None) -> None:
         """Set another plan, without forecasts unless they are the same; without a plan, no motors."""
         if plan is None or self.plan is None or not plan.same_forecasts(self.plan):
-            self.known, self.exact = {}, set()
+            self.known, self.quick, self.exact = {}, {}, set()
         self.plan = plan
         self.found = self.found if plan is not None else ()
 
@@ -57,6 +75,11 @@ class MotorList:
         """Add forecasts of a plan, unless it has been replaced in the meantime."""
         if plan is self.plan:
             self.known |= {one.motor: one for one in found}
+
+    def put_quick(self, plan: Plan, found: Sequence[QuickChoice]) -> None:
+        """Add quick forecasts of a plan, unless it has been replaced in the meantime."""
+        if plan is self.plan:
+            self.quick |= {one.motor: one for one in found}
 
     def put_exact(self, motor: Motor, made: Prediction) -> None:
         """Replace the forecast of a motor by one with all draws."""
@@ -72,22 +95,25 @@ class MotorList:
     def ordered(self, target: float | None) -> list[Motor]:
         """Those that fit first, by distance from the target [m], and those without a forecast last, so that no key acts
         on one of them. Without a target those with an open forecast and those flown first, then those whose thrust
-        needs no caution."""
+        needs no caution, then those with only a quick answer."""
         if target is not None:
-            places = {motor: abs(one.apogee - target) for motor, one in self.known.items()}
+            places = {motor: abs(one.apogee - target) for motor, one in self.every_shown.items()}
         else:
             places = {motor: place for place, motor in enumerate(self.plan.preferred if self.plan else ())}
 
         def order(motor: Motor) -> tuple[bool, bool, float, float]:
             one = self.known.get(motor)
-            return one is None, not self.fits(motor), places.get(motor, inf), inf if one is None else one.weak
+            caution = inf if one is None else one.weak
+            return self.shown(motor) is None, not self.fits(motor), places.get(motor, inf), caution
 
         return sorted(self.found, key=order)
 
     def counted(self, system: str) -> str:
-        """The numbers of motors, of those that fit, and of forecasts still to come: `12 of 57 fit · apogee in m`."""
+        """The numbers of motors, of those that fit, and of fits still to come: `12 of 57 fit, 45 quick · apogee in m`;
+        `left` instead of `quick` if some have no answer of the network either."""
         fit = sum(map(self.fits, self.found))
         left = min(len(self.found), MAX_FORECAST_MOTORS) - sum(motor in self.known for motor in self.found)
         every = "" if fit == len(self.found) else f" of {len(self.found)}"
         unit = spelled(unit_of(cards.APOGEE, system))
-        return f"{fit}{every} fit" + (f", {left} left" if left > 0 else "") + f" · apogee in {unit}"
+        word = "quick" if left <= sum(isinstance(self.shown(motor), QuickChoice) for motor in self.found) else "left"
+        return f"{fit}{every} fit" + (f", {left} {word}" if left > 0 else "") + f" · apogee in {unit}"

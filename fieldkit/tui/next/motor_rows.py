@@ -9,6 +9,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import median
 from fieldkit.motors import Motor
 from fieldkit.planning.motor_guide import MotorChoice
+from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.settings import Settings
 from fieldkit.tui.next.intervals import Interval, bar
@@ -20,15 +21,22 @@ NAME, SHORT_NAME = 22, 14
 """Widths of a motor's name, with and without its manufacturer. [cell]"""
 LEAST_BAR = 14
 """Minimum width of a drawn interval. [cell]"""
+QUICK_MARK = "≈"
+"""Mark of a quick answer."""
 
 
 @dataclass(frozen=True, slots=True)
 class MotorColumn:
-    """A figure of a motor's forecast: heading, width, and its text."""
+    """A figure of a motor's forecast: heading, width, and its text, by default empty for a quick answer."""
 
     title: str
     width: int
     text: Callable[[MotorChoice], str]
+    quick: Callable[[QuickChoice], str] = lambda _: ""
+
+    def of(self, one: MotorChoice | QuickChoice) -> str:
+        """The text for a forecast."""
+        return self.quick(one) if isinstance(one, QuickChoice) else self.text(one)
 
 
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
@@ -46,13 +54,13 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
     heads += [Head(column.title, column.width, right=not (drawn and column is columns[-1])) for column in columns]
 
     def cells(motor: Motor) -> Sequence[str]:
-        one = motors.known.get(motor)
+        one = motors.shown(motor)
         called = f"{motor.maker} {motor.designation}" if with_maker else motor.designation
         called = f"{called} {motor.maker}" if not with_maker and shared[motor.designation] > 1 else called
         name = f"{'' if motors.fits(motor) else '✗ '}{called}"
         if one is None:
             return [name, "…", *[""] * (len(columns) - 1)]
-        return [name, *(column.text(one) for column in columns)]
+        return [name, *(column.of(one) for column in columns)]
 
     return heads, cells
 
@@ -69,33 +77,43 @@ def _narrow(settings: Settings) -> list[MotorColumn]:
 def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
     """All figures; if there is room, with units in the headings and a few more columns."""
     return [
-        MotorColumn("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
-        MotorColumn("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
+        _of_any("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
+        _of_any("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
         _apogee(settings),
         _range(settings),
         *_off(settings),
         MotorColumn("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
         _eject(),
         _rail(settings, wide=wide),
-        MotorColumn("T:W", 4, lambda one: f"{one.average_thrust:.1f}"),
+        _of_any("T:W", 4, lambda one: f"{one.average_thrust:.1f}"),
     ]
 
 
+def _of_any(title: str, width: int, text: Callable[[MotorChoice | QuickChoice], str]) -> MotorColumn:
+    """A figure that a quick answer has too."""
+    return MotorColumn(title, width, text, text)
+
+
 def _apogee(settings: Settings) -> MotorColumn:
-    return MotorColumn("apogee", 6, lambda one: number(cards.APOGEE, one.apogee, settings.units))
+    return MotorColumn(
+        "apogee",
+        6,
+        lambda one: number(cards.APOGEE, one.apogee, settings.units),
+        lambda one: f"{QUICK_MARK}{whole(one.apogee, settings.units)}",
+    )
 
 
 def _range(settings: Settings) -> MotorColumn:
-    def text(one: MotorChoice) -> str:
-        low, _, high = (whole(float(x), settings.units) for x in one.prediction.apogee_quantiles())
+    def text(one: MotorChoice | QuickChoice) -> str:
+        low, _, high = (whole(x, settings.units) for x in one.interval)
         return f"{low}-{high}"
 
-    return MotorColumn("90%", 9, text)
+    return _of_any("90%", 9, text)
 
 
 def _off(settings: Settings) -> list[MotorColumn]:
     """The distance from the target, if there is one."""
-    return [MotorColumn("off", 5, partial(off, settings=settings))] if settings.target else []
+    return [_of_any("off", 5, partial(off, settings=settings))] if settings.target else []
 
 
 def _eject() -> MotorColumn:
@@ -117,19 +135,18 @@ def _rail(settings: Settings, *, wide: bool) -> MotorColumn:
 def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
     """The 90% interval as a line, for all motors on one scale, with the target."""
     system, target = settings.units, settings.target
-    top = max((one.apogee for motor, one in motors.known.items() if motors.fits(motor)), default=1.0) * 1.2
+    top = max((one.apogee for motor, one in motors.every_shown.items() if motors.fits(motor)), default=1.0) * 1.2
     top = min(top, 2 * target) if target else top
     end = f"{whole(top, system)} {spelled(unit_of(cards.APOGEE, system))}"
     mark = " ◎ target" if target else ""
 
-    def text(one: MotorChoice) -> str:
-        low, middle, high = (float(x) for x in one.prediction.apogee_quantiles())
-        return bar(Interval("", low, middle, high), 0.0, top, width, (target,) if target else ())
+    def text(one: MotorChoice | QuickChoice) -> str:
+        return bar(Interval("", *one.interval), 0.0, top, width, (target,) if target else ())
 
-    return MotorColumn(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
+    return _of_any(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
 
 
-def off(choice: MotorChoice, settings: Settings) -> str:
+def off(choice: MotorChoice | QuickChoice, settings: Settings) -> str:
     """Forecast minus target, from 100 on without a decimal; empty without a target."""
     target = settings.target
     if not target:

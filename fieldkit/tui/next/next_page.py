@@ -17,8 +17,9 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Motor
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
+from fieldkit.planning.quick_guide import QuickChoice, quick_guide
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.tui.asking import WAIT
+from fieldkit.tui.asking import WAIT, or_why
 from fieldkit.tui.help import NO_FLIGHTS
 from fieldkit.tui.next.decisions import Decision
 from fieldkit.tui.next.forecast_card import ForecastCard
@@ -150,10 +151,25 @@ class NextScreen(PageScreen):
     def _found(self, motors: list[Motor]) -> None:
         self._motors.found = motors
         self._refill()
+        self._forecast_quickly()
+
+    def _forecast_quickly(self) -> None:
+        """Show the network's forecasts of all motors without one; the fit's replace them, and report any error."""
+        plan, waiting = self._motors.plan, self._motors.unanswered(self.query_one(Table).current)
+        if plan is None or not waiting:
+            self._forecast()
+            return
+        work = or_why(partial(quick_guide, plan.rocket, plan.full, waiting))
+        self.ask(work, partial(self._have_quick, plan), "quick", alone=True)
+
+    def _have_quick(self, plan: Plan, found: list[QuickChoice] | str) -> None:
+        if found and not isinstance(found, str):
+            self._motors.put_quick(plan, found)
+            self._refill()
         self._forecast()
 
     def _forecast(self) -> None:
-        """Forecast the next few motors without a forecast."""
+        """Fit the next few motors without a fit."""
         plan, waiting = self._motors.plan, self._motors.waiting(self.query_one(Table).current)
         if plan is None or not waiting:
             return
@@ -186,15 +202,18 @@ class NextScreen(PageScreen):
         """Show the available forecast of the motor under the cursor."""
         if self._rest is not None:
             self._rest.stop()
-        one, card = self._motors.known.get(self.query_one(Table).current), self.card
-        if one is None or self._motors.plan is None:
+        one, plan, card = self._motors.shown(self.query_one(Table).current), self._motors.plan, self.card
+        if one is None or plan is None:
             card.clear()
-            if not self.is_asking("forecast"):
-                self._forecast()
+        elif isinstance(one, QuickChoice):
+            card.show_quick(plan, one, self.resources.settings)
         else:
-            card.show(self._motors.plan, one, self.resources.settings)
+            card.show(plan, one, self.resources.settings)
             if one.motor not in self._motors.exact:
                 self._rest = self.set_timer(REST, partial(self._forecast_exactly, one))
+            return
+        if not self.is_asking("quick", "forecast"):
+            self._forecast_quickly()
 
     def _forecast_exactly(self, one: MotorChoice) -> None:
         """Compute the full forecast of the motor under the cursor, as it would be saved; the list uses fewer draws."""
@@ -259,7 +278,7 @@ class NextScreen(PageScreen):
         """Save the full forecast of the chosen motor, unless the plan it was shown for is being replaced."""
         motor, shown = message.key, self._motors.plan
         await self.settled("change", "plan")
-        while self._motors.plan is shown and motor not in self._motors.known and self.is_asking("forecast"):
+        while self._motors.plan is shown and motor not in self._motors.known and self.is_asking("quick", "forecast"):
             await asyncio.sleep(WAIT)
         one = self._motors.known.get(motor)
         if one is None or self._motors.plan is not shown:

@@ -7,6 +7,8 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, in_units
 from fieldkit.planning.motor_guide import MotorChoice
+from fieldkit.planning.quantiles import Three
+from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.presentation.forecast_text import narrows
 from fieldkit.quantities import in_system, measure, number, spelled, unit_of, with_sd
 from fieldkit.tui.next import motor_rows
@@ -14,6 +16,8 @@ from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
 
 Pairs = list[tuple[str, str]]
+QUICK = "quick answer by the network, not yet checked by the fit"
+"""What the card of a quick answer says instead of safety checks."""
 WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
 """Verdicts in the order in which a flyer should read them."""
 
@@ -23,15 +27,15 @@ def rail_speed(prediction: Prediction, system: str) -> str:
     return measure(BY_NAME["top_speed"], median(prediction.rail_speed), system)
 
 
-def title(plan: Plan, one: MotorChoice) -> str:
+def title(plan: Plan, motor: str) -> str:
     """Rocket and motor: `Astra A on AeroTech F24W-4`."""
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
-    return f"{build} on {one.name}"
+    return f"{build} on {motor}"
 
 
-def interval(prediction: Prediction, system: str) -> str:
+def interval(apogee: Three, system: str) -> str:
     """The text after the large figure: `m on the altimeter, 90% 179-317`."""
-    low, _, high = (motor_rows.whole(float(x), system) for x in prediction.apogee_quantiles())
+    low, _, high = (motor_rows.whole(x, system) for x in apogee)
     return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
@@ -54,6 +58,16 @@ def figures(plan: Plan, one: MotorChoice, system: str) -> Pairs:
         ("based on", plan.rests_on),
         ("narrows", narrows(prediction)),
         ("note", in_system("; ".join([*prediction.found.notes, *prediction.left_out]), system)),
+    ]
+
+
+def quick_figures(plan: Plan, one: QuickChoice, system: str) -> Pairs:
+    """The figures of a quick answer, name and value."""
+    return [
+        ("✗ fit", plan.misfit(one.motor)),
+        ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
+        ("top speed", measure(BY_NAME["top_speed"], one.top_speed, system)),
+        ("based on", plan.rests_on),
     ]
 
 
