@@ -79,8 +79,9 @@ def asked() -> Iterator[str]:
     yield from prose(
         "`loop --quick` gives the probability of every effect, and `predict --quick` the next apogee, Cd and alpha. On",
         "the Add page, Cd, alpha and the next apogee follow each readout as it is typed; flights are simulated again",
-        "only if the setup changes. Many motors are forecast in one batch (`forecasts_at_once`). [Speed](speed.md)",
-        "compares the run times with the fit's (`python tools/benchmarks.py history`).",
+        "only if the setup changes. The motor guide forecasts all motors in one batch: the Next page shows these quick",
+        "answers, marked ≈, until the fit of each motor replaces them, and `motors --fit ROCKET --quick` prints them.",
+        "[Speed](speed.md) compares the run times with the fit's (`python tools/benchmarks.py history`).",
     )
     yield from prose(
         f"A quick forecast says *checked by the fit* if importance sampling confirms it. {DRAWS_OF_CHECK}",

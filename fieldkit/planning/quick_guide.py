@@ -59,8 +59,8 @@ def quick_guide(rocket: Rocket, plan: Flight, motors: Sequence[Motor]) -> list[Q
     """Quick forecasts of a plan on motors, in the same order, from one batch; nothing is saved.
 
     Left out are clusters, motors that would not lift the rocket off a rod (`lifts`), and all motors if the rocket has
-    not flown: for these the network has no answer. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure
-    or rail direction that cannot be read, DamagedModel if the network cannot be loaded.
+    not flown: for these the network has no answer. Raises ImpossibleFlight for a flight without a dry mass, BadValue
+    for a recovery figure or rail direction that cannot be read, DamagedModel if the network cannot be loaded.
     """
     mass = plan.dry_mass or math.nan
     single = [motor for motor in motors if not motor.parts and lifts(motor, mass)]

@@ -41,8 +41,7 @@ def test_forecasts_are_near_those_of_the_fit() -> None:
 
 
 def test_motors_without_an_answer_are_left_out() -> None:
-    """A cluster, and one that barely lifts the rocket, whose interval was from 0 to 3000 km; they do not change the other
-    answers."""
+    """A cluster, and one that barely lifts the rocket, whose interval was from 0 to 3000 km."""
     good, weak, cluster = motor("AeroTech F24W"), motor("Estes A3T"), motor("2 x Estes E12")
     (alone,) = quick_guide(rocket(8), PLAN, [good])
     (beside,) = quick_guide(rocket(8), PLAN, [weak, good, cluster])
