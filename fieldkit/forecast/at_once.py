@@ -8,11 +8,11 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.start import repeated
-from fieldkit.inference.history.features import PreparedHistory, prepared, summarized
+from fieldkit.inference.history.features import PreparedHistory, modeled, summarize, summarized
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond
-from fieldkit.inference.network.history import QuickAnswer, answers, load_history, response_of, trained_prior
+from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared, response_of, trained_prior
 from fieldkit.model.certified_prior import certified
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import groups
@@ -44,7 +44,7 @@ def prepare_at_once(
     DamagedModel if the network cannot be loaded, BadValue for a recovery figure or rail direction that cannot be read.
     """
     history = _history(flown, plans, used_in_fit, shared, ensemble)
-    return prepared(history, response_of(history), quick_candidates)
+    return prepared(history, quick_candidates)
 
 
 def _history(
@@ -66,10 +66,10 @@ def fit_in_use(ready: PreparedHistory, answer: QuickAnswer) -> LinearFit:
     unless the hyperprior is newer than the network. Raises DamagedModel if its card cannot be read, ImpossibleFlight
     for a flight without a dry mass.
     """
-    if ready.history.forecast.model_json() == learned().model_json():
+    history = ready.modeled.history
+    if history.forecast.model_json() == learned().model_json():
         return answer.summary.forecast
-    again = prepared(replace(ready.history, forecast=learned()), ready.response, quick_candidates)
-    return summarized(again, again.flown, ()).forecast
+    return summarize(replace(history, forecast=learned()), ready.response, quick_candidates, ()).forecast
 
 
 def answer_at_once(
@@ -114,15 +114,18 @@ def forecasts_at_once(
     known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
     kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
     used, before = [flight.clean for flight, _ in flown], list(range(len(flown)))
-    response = response_of(_history(flown, plans, used, shared, ensemble))
+    alike = [[row for row, kind in enumerate(kinds) if (kind in known) is old] for old in (True, False)]
+    groups_of_rows = [rows for rows in alike if rows]
+    models = [
+        modeled(_history(flown, [plans[row] for row in rows], used, shared, ensemble), quick_candidates)
+        for rows in groups_of_rows
+    ]
+    acting = {name for own in models for name in own.acting}
+    response = response_of(_history(flown, plans, used, shared, ensemble), acting)
     found: dict[int, QuickAnswer] = {}
-    for old in (True, False):
-        rows = [row for row, kind in enumerate(kinds) if (kind in known) is old]
-        if rows:
-            history = _history(flown, [plans[row] for row in rows], used, shared, ensemble)
-            own = response.part([*before, *(len(flown) + row for row in rows)])
-            ready = prepared(history, own, quick_candidates)
-            found |= dict(zip(rows, answer_at_once(ready, ready.flown, ensemble), strict=True))
+    for rows, own in zip(groups_of_rows, models, strict=True):
+        ready = PreparedHistory(own, response.part([*before, *(len(flown) + row for row in rows)]))
+        found |= dict(zip(rows, answer_at_once(ready, ready.flown, ensemble), strict=True))
     return [found[row] for row in range(len(plans))]
 
 
@@ -140,12 +143,14 @@ def each_at_once(flown: FlownFlights, shared: Sequence[SharedPrior | None]) -> l
             _history([one], [(repeated(one[0]), one[1])], (True,), own, None)
             for one, own in zip(batch, theirs, strict=True)
         ]
+        models = [modeled(pair, quick_candidates) for pair in pairs]
         response = respond(
             [pair.flights[row] for row in (0, 1) for pair in pairs],
             [pair.found[row] for row in (0, 1) for pair in pairs],
             np.array([reference_area(pair.flights, 1)[row] for row in (0, 1) for pair in pairs]),
+            {name for own in models for name in own.acting},
         )
-        for number, pair in enumerate(pairs):
-            ready = prepared(pair, response.part([number, len(pairs) + number]), quick_candidates)
+        for number, own in enumerate(models):
+            ready = PreparedHistory(own, response.part([number, len(pairs) + number]))
             found += answer_at_once(ready, ready.flown)
     return found

@@ -59,12 +59,11 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PreparedHistory:
-    """The part of a history that does not change while readouts are typed: the fits with both hyperpriors, the
-    candidates, also as directions, and the response of its flights."""
+class ModeledHistory:
+    """A history with the part of its fits that does not depend on readouts, with both hyperpriors, and the candidates,
+    also as directions."""
 
     history: History
-    response: FlightResponse
     selection: PreparedFit
     forecast: PreparedFit
     candidates: tuple[PlacedEffect, ...]
@@ -72,44 +71,66 @@ class PreparedHistory:
 
     @property
     def flown(self) -> tuple[Flight, ...]:
-        """The flown flights, as they were when this was prepared."""
+        """The flown flights, as they were when this was made."""
         return self.history.flights[: len(self.history.used_in_fit)]
 
+    @property
+    def acting(self) -> frozenset[str]:
+        """The effects whose response it needs."""
+        every = [term for fit in (self.selection, self.forecast) for term in (*fit.model.terms, *fit.fresh)]
+        every += [term for candidate in self.candidates for term in candidate.terms]
+        effects_of_terms = {id(term.bends) for term in every}
+        return frozenset(name for name, effect in effects().items() if id(effect) in effects_of_terms)
 
-def prepared(history: History, response: FlightResponse, candidates_of: Candidates) -> PreparedHistory:
-    """The part of a history with a known response that does not depend on its readouts. Raises ImpossibleFlight for a
-    flight without a dry mass.
-    """
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedHistory:
+    """The part of a history that does not change while readouts are typed: its models, and the response of its
+    flights."""
+
+    modeled: ModeledHistory
+    response: FlightResponse
+
+    @property
+    def flown(self) -> tuple[Flight, ...]:
+        """The flown flights, as they were when this was prepared."""
+        return self.modeled.flown
+
+
+def modeled(history: History, candidates_of: Candidates) -> ModeledHistory:
+    """The models of a history. Raises ImpossibleFlight for a flight without a dry mass."""
     count = len(history.used_in_fit)
     both = history.flights, history.found, count
     model = history_model(*both, history.selection, declared=False)
     forecast = history_model(*both, history.forecast, history.shared, declared=True)
     # an effect of a motor is equally probable for each new one
     one_motor = replace(model, found=on_one_new_motor(model.found, count))
-    candidates = candidates_of(one_motor, history.used_in_fit)
-    fits = prepared_fit(model, count), prepared_fit(forecast, count)
-    return PreparedHistory(history, response, *fits, tuple(candidates), directions(candidates))
+    candidates = tuple(candidates_of(one_motor, history.used_in_fit))
+    return ModeledHistory(
+        history, prepared_fit(model, count), prepared_fit(forecast, count), candidates, directions(candidates)
+    )
 
 
 def summarize(
     history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
 ) -> HistorySummary:
     """The features of one history with a known response. Raises ImpossibleFlight for a flight without a dry mass."""
-    ready = prepared(history, response, candidates_of)
+    ready = PreparedHistory(modeled(history, candidates_of), response)
     return summarized(ready, ready.flown, names)
 
 
 def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[str]) -> HistorySummary:
     """The features of a history with the current readouts of its flown flights."""
-    history, response, candidates = ready.history, ready.response, ready.candidates
+    own, response = ready.modeled, ready.response
+    history, candidates = own.history, own.candidates
     found = history.found[: len(flown)]
     data = history_data(flown, found, history.used_in_fit, history.selection)
-    selection = linear_fit(ready.selection, data, response)
-    trials = weigh_placed(robust(selection), ready.placed)
+    selection = linear_fit(own.selection, data, response)
+    trials = weigh_placed(robust(selection), own.placed)
     forecast_data = history_data(flown, found, history.used_in_fit, history.forecast)
-    plain = linear_fit(ready.forecast, forecast_data, response, start=selection.offset, rounds=1)
+    plain = linear_fit(own.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
-    beside_forecast = weigh_placed(plain, ready.placed)
+    beside_forecast = weigh_placed(plain, own.placed)
     baseline, unrobust = moments(robustly), moments(plain)
     left_out = leave_one_out(selection.fit)
     columns = of_history(history, selection, plain, robustly, data, left_out)

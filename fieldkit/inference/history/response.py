@@ -8,7 +8,7 @@ Derivation: derivatives are difference quotients of simulations, and values betw
 Lagrange's polynomial (1795).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,17 +51,19 @@ _OF_READOUTS = dict(zip(OBSERVED_READOUTS, np.eye(len(OBSERVED_READOUTS)), stric
 class FlightResponse:
     """Readouts in the form that a fit compares, at each of `DRAG_OFFSETS`, and their derivatives.
 
-    `names` names the entries of `moved`. The first, with an empty name, is the readouts; the others are the effects of
-    one unit of a property or of the fitted value of an effect. An effect with several `starts` has one entry for each,
-    named by the effect and the number of the start.
+    `moved` are the effects of one unit of a property or of the fitted value of an effect: of those in `names` at each
+    of these drags, of those in `names_at_middle` at the middle one. The first of `names` is empty, for the readouts
+    themselves. An effect with several `starts` has one entry for each, named by the effect and the number of the start.
     """
 
     names: tuple[str, ...]
     moved: Float[Array, "quantity drag flight readout"]
+    names_at_middle: tuple[str, ...]
+    moved_at_middle: Float[Array, "other flight readout"]
 
     def part(self, rows: slice | list[int]) -> "FlightResponse":
         """The selected flights."""
-        return FlightResponse(self.names, self.moved[:, :, rows])
+        return FlightResponse(self.names, self.moved[:, :, rows], self.names_at_middle, self.moved_at_middle[:, rows])
 
 
 def secant(effect: Effect) -> tuple[float, ...]:
@@ -73,13 +75,19 @@ def secant(effect: Effect) -> tuple[float, ...]:
     return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN if effect.grows else 1.0), 1e-6, None)),)
 
 
-def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
-    """The response of flights, of any rockets, with coarse thrust curves and steps.
+def respond(
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    area: Float[Array, "flight"],
+    acting: Collection[str] | None = None,
+) -> FlightResponse:
+    """The response of flights, of any rockets, with coarse thrust curves and steps, to the `acting` effects, by default
+    all.
 
     `area` is the reference area of each flight. [m^2] Raises ImpossibleFlight for a flight without a dry mass and
     BadValue for a recovery figure or rail direction that cannot be read.
     """
-    known = effects()
+    known = {name: effect for name, effect in effects().items() if acting is None or name in acting}
     count = len(flights)
     places = [(name, value) for name, effect in known.items() for value in secant(effect)]
     each_drag = [("", 0.0), *STEPS.items()]
@@ -112,8 +120,7 @@ def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array
         own = [placed - stepped + row for row, (other, _) in enumerate(places) if other == name]
         size = 1.0 if effect.starts else secant(effect)[0]
         once |= {started(name, number): others[row] / size for number, row in enumerate(own)}
-    moves |= {kind: np.broadcast_to(one, moves[""].shape) for kind, one in once.items()}
-    return FlightResponse(tuple(moves), np.stack(list(moves.values())))
+    return FlightResponse(tuple(moves), np.stack(list(moves.values())), tuple(once), np.stack(list(once.values())))
 
 
 def started(effect: str, number: int) -> str:
@@ -134,9 +141,12 @@ def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, 
     """Every quantity of a response at an offset of the log drag [1], and as `drag` the derivative of the readouts with
     respect to it."""
     weights, steeper = _interpolation(offset)
-    along = np.tensordot(weights, response.moved, axes=(0, 1))
+    shape = response.moved.shape
+    along = (weights @ response.moved.reshape(*shape[:2], -1)).reshape(shape[0], *shape[2:])
+    steeply = (steeper @ response.moved[0].reshape(shape[1], -1)).reshape(shape[2:])
     found = dict(zip(response.names, along, strict=True))
-    return found | {"drag": np.nan_to_num(np.tensordot(steeper, response.moved[0], axes=(0, 0)))}
+    found |= zip(response.names_at_middle, response.moved_at_middle, strict=True)
+    return found | {"drag": np.nan_to_num(steeply)}
 
 
 def drag_term(model: Model) -> int:

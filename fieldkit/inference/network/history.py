@@ -1,7 +1,7 @@
 """The network's answer for a whole history: probabilities of effects, the forecast of a plan, its drag and thrust."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.errors import DamagedModel
-from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.features import (
+    HistorySummary,
+    PreparedHistory,
+    effect_names,
+    feature_names,
+    modeled,
+    summarized,
+)
 from fieldkit.inference.history.moments import FORECAST_READOUTS, parameter_moments, readout_moments
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse, respond
@@ -98,13 +105,21 @@ def checked(ensemble: "Ensemble") -> "Ensemble":
     return ensemble
 
 
-def response_of(history: History) -> FlightResponse:
-    """The response of a history's flights and plan, from one batch of simulated flights.
+def response_of(history: History, acting: Collection[str] | None = None) -> FlightResponse:
+    """The response of a history's flights and plans to the `acting` effects, by default all, from one batch of
+    simulated flights.
 
     Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
     cannot be read.
     """
-    return respond(history.flights, history.found, reference_area(history.flights, len(history.used_in_fit)))
+    area = reference_area(history.flights, len(history.used_in_fit))
+    return respond(history.flights, history.found, area, acting)
+
+
+def prepared(history: History, candidates_of: Candidates) -> PreparedHistory:
+    """The part of a history that does not depend on its readouts. Errors as in `response_of`."""
+    own = modeled(history, candidates_of)
+    return PreparedHistory(own, response_of(history, own.acting))
 
 
 def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensemble | None" = None) -> QuickAnswer:
@@ -115,8 +130,8 @@ def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensembl
     be read.
     """
     network = ensemble or load_history()
-    summary = summarize(history, response_of(history), candidates_of, tuple(network.card["effects"]))
-    return answers(summary, network)[0]
+    ready = prepared(history, candidates_of)
+    return answers(summarized(ready, ready.flown, tuple(network.card["effects"])), network)[0]
 
 
 def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
