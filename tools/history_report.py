@@ -70,7 +70,8 @@ def hyperprior_of(card: Mapping[str, Any]) -> str:
     )
     without = f", without the variation of {new}" if new else ""
     other = f", with other figures for {changed}" if changed else ""
-    return f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}{other}."
+    about = f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}{other}."
+    return f"{about} The linear pass uses the current one, with which it also follows the drift of a fleet."
 
 
 def asked() -> Iterator[str]:

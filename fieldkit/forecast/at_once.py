@@ -1,18 +1,16 @@
 """Fast forecast of the next flight: the history network and one linear pass, without a fit."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.start import repeated
-from fieldkit.inference.history.features import PreparedHistory, modeled, summarize, summarized
-from fieldkit.inference.history.linear_fit import LinearFit
+from fieldkit.inference.history.features import PreparedHistory, modeled, summarized
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond
-from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared, response_of, trained_prior
+from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared, response_of
 from fieldkit.model.certified_prior import certified
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import groups
@@ -35,16 +33,14 @@ def prepare_at_once(
     used_in_fit: Sequence[bool],
     *,
     shared: SharedPrior | None = None,
-    ensemble: "Ensemble | None" = None,
 ) -> PreparedHistory:
     """The part of a history that does not depend on readouts, from a rocket's flights in the order flown, at least one,
     and plans.
 
     `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass,
-    DamagedModel if the network cannot be loaded, BadValue for a recovery figure or rail direction that cannot be read.
+    DamagedModel if the hyperprior cannot be read, BadValue for a recovery figure or rail direction that cannot be read.
     """
-    history = _history(flown, plans, used_in_fit, shared, ensemble)
-    return prepared(history, quick_candidates)
+    return prepared(_history(flown, plans, used_in_fit, shared), quick_candidates)
 
 
 def _history(
@@ -52,24 +48,12 @@ def _history(
     plans: FlownFlights,
     used_in_fit: Sequence[bool],
     shared: SharedPrior | None,
-    ensemble: "Ensemble | None",
 ) -> History:
     named = [  # a place without a start has an empty id, which a plan must not share
         (flight if flight.flight_id else flight.with_changes(flight_id="planned"), motor) for flight, motor in plans
     ]
     flights, found = zip(*flown, *named, strict=True)
-    return History(flights, found, tuple(used_in_fit), certified(), trained_prior(ensemble), shared)
-
-
-def fit_in_use(ready: PreparedHistory, answer: QuickAnswer) -> LinearFit:
-    """The linear fit of a prepared history with the current hyperprior for forecasts: that of the network's answer,
-    unless the hyperprior is newer than the network. Raises DamagedModel if its card cannot be read, ImpossibleFlight
-    for a flight without a dry mass.
-    """
-    history = ready.modeled.history
-    if history.forecast.model_json() == learned().model_json():
-        return answer.summary.forecast
-    return summarize(replace(history, forecast=learned()), ready.response, quick_candidates, ()).forecast
+    return History(flights, found, tuple(used_in_fit), certified(), learned(), shared)
 
 
 def answer_at_once(
@@ -95,7 +79,7 @@ def forecast_at_once(
     Flights with an anomaly tag count as flown and are not used. Other arguments and errors as in `prepare_at_once`.
     """
     used = [flight.clean for flight, _ in flown]
-    ready = prepare_at_once(flown, [plan], used, shared=shared, ensemble=ensemble)
+    ready = prepare_at_once(flown, [plan], used, shared=shared)
     return answer_at_once(ready, ready.flown, ensemble)[0]
 
 
@@ -117,11 +101,11 @@ def forecasts_at_once(
     alike = [[row for row, kind in enumerate(kinds) if (kind in known) is old] for old in (True, False)]
     groups_of_rows = [rows for rows in alike if rows]
     models = [
-        modeled(_history(flown, [plans[row] for row in rows], used, shared, ensemble), quick_candidates)
+        modeled(_history(flown, [plans[row] for row in rows], used, shared), quick_candidates)
         for rows in groups_of_rows
     ]
     acting = {name for own in models for name in own.acting}
-    response = response_of(_history(flown, plans, used, shared, ensemble), acting)
+    response = response_of(_history(flown, plans, used, shared), acting)
     found: dict[int, QuickAnswer] = {}
     for rows, own in zip(groups_of_rows, models, strict=True):
         ready = PreparedHistory(own, response.part([*before, *(len(flown) + row for row in rows)]))
@@ -140,8 +124,7 @@ def each_at_once(flown: FlownFlights, shared: Sequence[SharedPrior | None]) -> l
         batch = flown[first : first + BATCH]
         theirs = shared[first : first + BATCH]
         pairs = [
-            _history([one], [(repeated(one[0]), one[1])], (True,), own, None)
-            for one, own in zip(batch, theirs, strict=True)
+            _history([one], [(repeated(one[0]), one[1])], (True,), own) for one, own in zip(batch, theirs, strict=True)
         ]
         models = [modeled(pair, quick_candidates) for pair in pairs]
         response = respond(

@@ -20,8 +20,9 @@ from fieldkit.inference.history.features import HistorySummary
 from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
-from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, trained_prior, untrained_effects
+from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
 from fieldkit.model.certified_prior import certified
+from fieldkit.model.hyperprior import learned
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.quantities import with_sd
@@ -101,7 +102,7 @@ def quick_look(
         (*(found for _, found in flown), motor),
         tuple(bool(used) for used in used_in_fit),
         certified(),
-        trained_prior(network),
+        learned(),
     )
     estimate = quick_answer(history, quick_candidates, network)
     truth, seen = estimate.summary.data.values[:, 0], estimate.summary.data.seen[:, 0]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import completed, start_among
-from fieldkit.forecast.at_once import answer_at_once, fit_in_use, prepare_at_once
+from fieldkit.forecast.at_once import answer_at_once, prepare_at_once
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
 from fieldkit.inference.network.history import QuickAnswer
@@ -76,7 +76,7 @@ def predict_quickly(
         used = [flight.clean for flight in before]
         ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
         (answer,) = answer_at_once(ready, ready.flown)
-        checked = check(answer, fit_in_use(ready, answer))
+        checked = check(answer)
         logged = has_logs([flight for flight in before if flight.clean])
         fitted = predict_plans(ledger, motors, [plan], keep=False)[0] if logged or not checked.agrees else None
         made.append(QuickForecast(whole, found, answer, checked, fitted))

@@ -94,7 +94,7 @@ def test_a_quick_forecast_is_near_that_of_the_fit_and_is_not_saved(ledger: Path,
 def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fit_answers(
     run: Run, monkeypatch: pytest.MonkeyPatch, k: float, effective: float, agrees: bool
 ) -> None:
-    monkeypatch.setattr(quick_look, "check", lambda answer, linear: Check(k, 0.5, effective, 400))
+    monkeypatch.setattr(quick_look, "check", lambda answer: Check(k, 0.5, effective, 400))
     (document,) = run(*PREDICT, "--quick", "--json").document["predictions"]
     line = run(*PREDICT, "--quick").out
     assert document["check"]["agrees"] is agrees
@@ -124,7 +124,7 @@ def test_the_quick_motor_guide_lists_the_motors_of_the_guide_and_refuses_what_it
 
 def test_drag_from_a_log_is_left_to_the_fit(ledger: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """The network does not use it, so its answer cannot agree with the fit's."""
-    monkeypatch.setattr(quick_look, "check", lambda answer, linear: Check(0.3, 0.5, 0.9, 400))
+    monkeypatch.setattr(quick_look, "check", lambda answer: Check(0.3, 0.5, 0.9, 400))
     with Ledger.open(ledger) as book:
         flight = book.flights()[0]
         book.edit(flight.flight_id, coast_drag=0.003, sd={"coast_drag": 1e-4}, source={"coast_drag": "accel"})

@@ -1,27 +1,31 @@
-"""Fast forecasts: the linear fit with the hyperprior in use."""
+"""Quick forecasts: they rest on the hyperprior in use."""
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from fieldkit.forecast import at_once
+from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
+from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
-from fieldkit.selection.quick_candidates import quick_candidates
-from tests.inference.history.histories import history
+from tests.model.test_fleet_drift import MOTOR, RATE, fleet, flown
 
 CHECK_SHAPES = False
 
 
-def test_the_linear_fit_is_repeated_only_with_a_newer_hyperprior(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is the network's own if the network was trained with the hyperprior in use."""
-    own = replace(history(3), forecast=learned())
-    ready = at_once.prepared(own, quick_candidates)
-    (answer,) = at_once.answer_at_once(ready, ready.flown)
-    again = at_once.summarized(ready, ready.flown, ()).forecast
-    same = at_once.fit_in_use(ready, answer)
-    assert same is answer.summary.forecast
-    assert np.array_equal(same.fit.mean, again.fit.mean)
-    newer = learned().with_sds(drag__rocket=0.1)
-    monkeypatch.setattr(at_once, "learned", lambda: newer)
-    assert not np.allclose(at_once.fit_in_use(ready, answer).fit.mean, same.fit.mean)
+def test_quick_answers_follow_a_fleet_that_gets_heavier(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The network was trained without this drift; then the linear fit that it corrects must have it."""
+    rockets = fleet(RATE)
+    period = period_of(one for own in rockets for one, _ in own)
+    shared = shared_prior([rocket_fit(own, learned(), period) for own in rockets[1:]], period)
+    *earlier, (last, _) = flown("R0", [0.1, 1, 2, 8.5], RATE)
+    assert last.apogee is not None
+    plan = last.unflown(), MOTOR
+    quick = forecast_at_once(earlier, plan, shared=shared)
+    assert quick.apogee_at(0.05) < last.apogee < quick.apogee_at(0.95)
+    without = replace(learned(), sds={key: sd for key, sd in learned().sds.items() if key != "mass.drift"})
+    monkeypatch.setattr(at_once, "learned", lambda: without)
+    constant = forecast_at_once(earlier, plan, shared=shared)
+    assert last.apogee < constant.apogee_at(0.05)
+    assert abs(quick.apogee_at(0.5) - last.apogee) < 0.5 * abs(constant.apogee_at(0.5) - last.apogee)

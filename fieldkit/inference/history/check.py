@@ -59,14 +59,14 @@ class Check:
         return self.pareto_k <= RELIABLE_PARETO_K and self.apogee_effective >= LEAST_EFFECTIVE
 
 
-def check(answer: QuickAnswer, linear: LinearFit | None = None, draws: int = DRAWS, seed: int = 0) -> Check:
+def check(answer: QuickAnswer, draws: int = DRAWS, seed: int = 0) -> Check:
     """Weight the network's draws for the plan of a history by the forecast model, with more draws if the check of the
-    first fails. `linear` is the model's linear fit, by default the one that the network corrected.
+    first fails.
 
     Raises ValueError for a history of several plans, ImpossibleFlight for a flight without a dry mass, BadValue for a
     recovery figure or rail direction that cannot be read.
     """
-    linear = linear or answer.summary.forecast
+    linear = answer.summary.forecast
     if len(linear.model.flights) != linear.flown + 1:
         raise ValueError(f"found {len(linear.model.flights) - linear.flown} plans, expected one")
     rng = np.random.default_rng(seed)

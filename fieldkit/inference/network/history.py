@@ -1,6 +1,5 @@
 """The network's answer for a whole history: probabilities of effects, the forecast of a plan, its drag and thrust."""
 
-import json
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -29,7 +28,6 @@ from fieldkit.inference.network.history_parts import (
     answer,
     quantile_draws,
 )
-from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS
 from fieldkit.physics.setups import reference_area
 from fieldkit.shapes import Array, Float
@@ -81,17 +79,6 @@ class QuickAnswer:
 def load_history() -> "Ensemble":
     """The shipped network. Raises DamagedModel if its features differ from those of this version."""
     return checked(load(NAME))
-
-
-def trained_prior(ensemble: "Ensemble | None" = None) -> Hyperprior:
-    """The learned hyperprior with which a history network was trained, by default the shipped network. The linear fit
-    that the network corrects uses it, even if forecasts have used another one since. Raises DamagedModel."""
-    return _prior_of(json.dumps((ensemble or load_history()).card.get("forecast_prior")))
-
-
-@cache
-def _prior_of(card: str) -> Hyperprior:
-    return read_card(card, f"the card of {NAME}")
 
 
 def checked(ensemble: "Ensemble") -> "Ensemble":
