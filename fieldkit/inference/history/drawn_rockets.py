@@ -32,6 +32,9 @@ READOUT_SETS = (
 )
 READOUT_ODDS = (0.35, 0.25, 0.2, 0.2)
 """Probabilities of each of `READOUT_SETS`, and of the apogee with each readout of the last set at even odds. [1]"""
+OF_YEARS, PAUSE, PAUSES = 0.3, 0.2, (150, 1000)
+"""Probability that a rocket is flown over several years, probability of a pause after each of its days, and bounds of
+the pause. [1], [1], [d]"""
 THRUST_TO_WEIGHT = (3.5, 25.0)
 """Bounds of the first motor's average thrust over the weight at lift-off, unless the rocket would then be too light for
 its motor. [1]"""
@@ -210,6 +213,7 @@ def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
     when, flights, number = datetime(2024, 4, 1) + timedelta(days=int(rng.integers(200))), [], 0
     dated, length = bool(rng.uniform() < 0.9), float(np.exp(rng.uniform(np.log(0.9), np.log(2.5))))
     slanted = bool(declared == "all" and rng.uniform() < 0.3)
+    pause = PAUSE if rng.uniform() < OF_YEARS else 0.0
     while number < count + 1:
         many = int(rng.integers(1, 7))
         hours = np.sort(rng.uniform(9.0, 17.0, many))
@@ -230,7 +234,7 @@ def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
             at = when + timedelta(minutes=round(hour * 60))
             flights.append(Flight(rocket="drawn", site=f"site {site}", date_time=at if dated else None, **known))
             number += 1
-        when += timedelta(days=int(rng.integers(3, 40)))
+        when += timedelta(days=int(rng.integers(*(PAUSES if rng.uniform() < pause else (3, 40)))))
     return flights
 
 

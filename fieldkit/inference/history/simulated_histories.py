@@ -227,14 +227,12 @@ class _World:
             return None
         values = np.where(IS_LOGARITHMIC, np.exp(np.clip(own, -20.0, 20.0)), own)
         sds = rocket.sds * reading_sd(values, one.model.hyperprior) * np.where(IS_LOGARITHMIC, values, 1.0)
-        flights = [
-            flight.with_changes(
-                **_numbers(rocket.shows[i], values[i]),
-                sd=_numbers(rocket.shows[i], sds[i]),
-                source=dict.fromkeys(rocket.shows[i], rocket.source) if rocket.source else {},
-            )
-            for i, flight in enumerate(rocket.flights[:-1])
-        ]
+        flights = []
+        for i, flight in enumerate(rocket.flights[:-1]):
+            numbers = _numbers(rocket.shows[i], values[i])
+            sd = _numbers(tuple(numbers), sds[i])
+            source = dict.fromkeys(numbers, rocket.source) if rocket.source else {}
+            flights.append(flight.with_changes(**numbers, sd=sd, source=source))
         drag, thrust = (
             bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust")
         )

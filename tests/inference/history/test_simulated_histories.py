@@ -21,6 +21,7 @@ from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model, groups
+from fieldkit.model.term_names import drift_term
 from fieldkit.motors import Found
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.prior import inclusion_probabilities
@@ -74,8 +75,8 @@ def test_effects_are_present_with_their_prior_probability() -> None:
 
 
 def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """That of the loop or of forecasts, with wind, lots of motors, and readouts measured in samples; in addition only
-    weak effects."""
+    """That of the loop or of forecasts, with wind, lots of motors, readouts measured in samples, and the drift of a
+    fleet over several years; in addition only weak effects."""
     worlds: list[Any] = []
 
     class Seen(simulated._World):
@@ -85,7 +86,7 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
 
     monkeypatch.setattr(simulated, "_World", Seen)
     nothing, compared = dict.fromkeys(PRIOR, 0.0), set()
-    for seed in range(24):
+    for seed in (*range(24), 27, 109):  # the last two draw flights over several years, and from logs
         for one in simulated_histories(np.random.default_rng(seed), KNOWN, quick_candidates, nothing, 1, 1, flights=8):
             history = one.history
             if one.selects:
@@ -97,7 +98,7 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
             assert set(model.names) <= set(worlds[-1])
             assert all(name.startswith("background ") for name in others)
             compared |= set(model.names)
-    assert {"wind", "usual base_drag", "top_speed in logs"} <= compared
+    assert {"wind", "usual base_drag", "top_speed in logs", drift_term("mass", 3)} <= compared
     assert any(" lot " in name for name in compared)
 
 
