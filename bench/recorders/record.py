@@ -15,7 +15,7 @@ SOUND, SHOCK_WIDTH, SHOCKED = 335.0, 0.05, (0.92, 1.12)
 """Speed of sound [m/s], width of the edges of the shock region, and its range [Mach]."""
 BLOW, BLOW_LASTS = 15 * GRAVITY, 0.03
 """Acceleration from the shock of a charge [m/s^2], and how long after the charge it is strongest [s]."""
-WANDER = 0.15
+WIND_PRESSURE_SD = 0.15
 """Standard deviation of heights from the pressure of the wind, by Bernoulli's equation U u / g: of the gusts u of
 `bench.recorders.flights` in a mean wind U of 3 m/s. [m]"""
 DRIFT_TIME = 4.0
@@ -69,18 +69,18 @@ def _barometer(
         height = height + recorder.charge * np.exp(-(((time - path.ejection - 0.1) / 0.1) ** 2))
     shown = np.interp(when, time, _lagged(height, time, recorder.lag))
     shown = shown + recorder.baro_noise * rng.standard_normal(when.size) + recorder.drift * when
-    shown = shown + np.interp(when, time, wander(time.size, rng))
+    shown = shown + np.interp(when, time, wind_pressure(time.size, rng))
     far = rng.random(when.size) < recorder.spikes
     return np.asarray(shown + far * rng.choice([-1, 1], when.size) * rng.uniform(30, 900, when.size))
 
 
-def wander(count: int, rng: np.random.Generator) -> Float[Array, "time"]:
+def wind_pressure(count: int, rng: np.random.Generator) -> Float[Array, "time"]:
     """Heights from the pressure of gusts at steps of a path, an Ornstein-Uhlenbeck process. [m]"""
     from scipy.signal import lfilter
 
     part = STEP / GUST_TIME
-    steps = rng.normal(0, WANDER * np.sqrt(2 * part), count)
-    return np.asarray(lfilter([1.0], [1.0, part - 1], steps, zi=[rng.normal(0, WANDER)])[0])
+    steps = rng.normal(0, WIND_PRESSURE_SD * np.sqrt(2 * part), count)
+    return np.asarray(lfilter([1.0], [1.0, part - 1], steps, zi=[rng.normal(0, WIND_PRESSURE_SD)])[0])
 
 
 def _height_columns(

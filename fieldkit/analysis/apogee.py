@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights
-from fieldkit.analysis.phases import WANDER, Outline
+from fieldkit.analysis.phases import WIND_PRESSURE_SD, Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
@@ -46,7 +46,7 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     near = np.abs(track.time - ascent.time[place]) < 1.0
     residual = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     fit_error = mad_sd(residual) / 2 if mad_sd(residual) > 3 * track.noise else 0.0
-    sd = float(np.linalg.norm([tops.std(), seen.pad_sd, fit_error, wander_of(track, seen)]))
+    sd = float(np.linalg.norm([tops.std(), seen.pad_sd, fit_error, slow_error_sd(track, seen)]))
     spread = 1.4826 * np.median(np.abs(moments - moment))
     event = Event(moment, float(np.hypot(spread, track.lag / 2)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
@@ -78,10 +78,10 @@ def _has_samples(time: Float[Array, "knot"], track: Heights, top: float) -> Flag
     return has_samples if has_samples.any() else np.ones(time.size, bool)
 
 
-def wander_of(track: Heights, seen: Outline) -> float:
+def slow_error_sd(track: Heights, seen: Outline) -> float:
     """Standard deviation between the heights that a sensor shows at one height a while apart, besides noise. [m]"""
     if track.source != CHANNEL_TITLES["gps_altitude_msl"]:
-        return WANDER
+        return WIND_PRESSURE_SD
     return max(_LEAST_GPS, _drift_of_receiver(track, seen))
 
 
@@ -108,3 +108,24 @@ def _spread(values: Float[Array, "_"]) -> float:
     steps = np.arange(1, count)
     taken = (1 + 2 * float(((1 - steps / count) * lag1**steps).sum())) / count
     return float(values.std() / np.sqrt(1 - min(taken, _MAX_TAKEN)))
+
+
+def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
+    """Height above the pad at an event, by a parabola through the samples of the second before it. [m]"""
+    if ascent.time[0] <= moment.time <= ascent.time[-1]:
+        value = float(np.interp(moment.time, ascent.time, ascent.height))
+        slope = float(np.interp(moment.time, ascent.time, ascent.speed))
+        spread = float(np.interp(moment.time, ascent.time, ascent.heights.std(axis=0)))
+    else:
+        last = int(np.searchsorted(track.time, moment.time - 0.02))
+        first = min(int(np.searchsorted(track.time, moment.time - 1)), max(0, last - 6))
+        when, where = track.time[first:last] - moment.time, track.height[first:last] - seen.pad
+        if when.size < 3:
+            return Figure(
+                float(np.interp(moment.time, track.time, seen.calm)) - seen.pad, 3 * track.noise + 5, track.source
+            )
+        _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
+        left = where - np.polyval(np.polyfit(when, where, 2), when)
+        spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
+    sd = np.sqrt(spread**2 + seen.pad_sd**2 + slow_error_sd(track, seen) ** 2 + (slope * moment.sd) ** 2)
+    return Figure(value, float(sd), track.source)

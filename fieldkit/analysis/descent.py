@@ -8,8 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fieldkit.analysis.apogee import wander_of
-from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.apogee import slow_error_sd
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.descent_stages import SLOWEST_DESCENT
 from fieldkit.analysis.phases import Outline
@@ -151,10 +150,10 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     if not _is_at_rest(time[rest], height[rest], track.noise):
         return None, None
     level = float(np.median(height[rest]))
-    wander = wander_of(track, seen)
-    level_sd = float(np.hypot(wander, track.noise / np.sqrt(rest.sum())))
+    slow_error = slow_error_sd(track, seen)
+    level_sd = float(np.hypot(slow_error, track.noise / np.sqrt(rest.sum())))
     found, end = Event(about, 1.0, track.source), about
-    high = calm > level + 4 * np.hypot(track.noise, wander)
+    high = calm > level + 4 * np.hypot(track.noise, slow_error)
     for _ in range(_LINES):
         falls = (time > max(apogee, about - 8)) & (time < end - _BENT) & high
         if falls.sum() < 4:
@@ -279,24 +278,3 @@ def descent_speed(
     value = (upper - last) / gone
     unseen = float(np.clip(rest / way, 0, 1)) / 2
     return Figure(value, float(value * np.sqrt(0.03**2 + unseen**2 + (begin.sd / gone) ** 2)), track.source)
-
-
-def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
-    """Height above the pad at an event, by a parabola through the samples of the second before it. [m]"""
-    if ascent.time[0] <= moment.time <= ascent.time[-1]:
-        value = float(np.interp(moment.time, ascent.time, ascent.height))
-        slope = float(np.interp(moment.time, ascent.time, ascent.speed))
-        spread = float(np.interp(moment.time, ascent.time, ascent.heights.std(axis=0)))
-    else:
-        last = int(np.searchsorted(track.time, moment.time - 0.02))
-        first = min(int(np.searchsorted(track.time, moment.time - 1)), max(0, last - 6))
-        when, where = track.time[first:last] - moment.time, track.height[first:last] - seen.pad
-        if when.size < 3:
-            return Figure(
-                float(np.interp(moment.time, track.time, seen.calm)) - seen.pad, 3 * track.noise + 5, track.source
-            )
-        _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
-        left = where - np.polyval(np.polyfit(when, where, 2), when)
-        spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
-    sd = np.sqrt(spread**2 + seen.pad_sd**2 + wander_of(track, seen) ** 2 + (slope * moment.sd) ** 2)
-    return Figure(value, float(sd), track.source)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fieldkit.analysis.apogee import apogee_of, falls
+from fieldkit.analysis.apogee import apogee_of, falls, height_at
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, MIN_SAMPLES, Heights, Push
-from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
+from fieldkit.analysis.descent import descent_speed, ejection, landing, shock
 from fieldkit.analysis.descent_stages import descent_stages
 from fieldkit.analysis.disturbed_heights import lasting_step
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse

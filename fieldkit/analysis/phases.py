@@ -20,7 +20,7 @@ _MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
 _ZERO, _GROUND = 1.0, 20.0
 """Drift of a logger's own zero while it waits, and the largest difference of the landing from it that is attributed to
 the zero instead of the terrain. [m]"""
-WANDER = 0.15
+WIND_PRESSURE_SD = 0.15
 """Standard deviation of heights from the pressure of gusts, U u / g by Bernoulli's equation: gusts u of 0.5 m/s in a
 wind U of 3 m/s. A few seconds later it is another. [m]"""
 _PARTS = 5
@@ -181,8 +181,8 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     gusts = [float(np.median(part)) for part in np.array_split(height, _PARTS)] if height.size >= 4 * _PARTS else []
     lag1 = lag_one(height)
     independent = max(height.size * (1 - lag1) / (1 + lag1), 1.0)
-    wanders = max(float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1), WANDER)
-    scatter = float(np.hypot(track.noise / np.sqrt(independent), wanders))
+    wind_sd = max(float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1), WIND_PRESSURE_SD)
+    scatter = float(np.hypot(track.noise / np.sqrt(independent), wind_sd))
     return level, float(np.linalg.norm([scatter, least, _drift(track, lift) * (top - lift + 5)]))
 
 

@@ -107,8 +107,10 @@ def student_line(x: Float[Array, "_"], y: Float[Array, "_"], smallest: float) ->
 
 
 def median_step(time: Float[Array, "_"]) -> float:
-    """Median time between samples. [s]"""
-    return float(np.median(np.diff(time)))
+    """Median time between samples at different times; infinite if there are none. [s]"""
+    steps = np.diff(time)
+    later = steps[steps > 0]
+    return float(np.median(later)) if later.size else np.inf
 
 
 def hole_at(time: Float[Array, "_"], moment: float) -> float:

@@ -10,7 +10,7 @@ from bench.recorders.__main__ import main
 from bench.recorders.flights import draw
 from bench.recorders.judge import Miss, cells, judged, read, table
 from bench.recorders.models import RECORDERS
-from bench.recorders.record import WANDER, receiver_drift, wander, written
+from bench.recorders.record import WIND_PRESSURE_SD, receiver_drift, wind_pressure, written
 
 SOME = (
     "5 Hz feet",
@@ -87,8 +87,8 @@ def test_a_receiver_drifts_as_much_on_the_pad_as_in_flight() -> None:
 
 def test_the_wind_moves_the_heights_of_every_barometer_by_as_much_as_it_should() -> None:
     random = np.random.default_rng(6)
-    ends = np.array([wander(2001, random)[[0, 100, 2000]] for _ in range(400)])
-    assert ends.std(axis=0) == pytest.approx(WANDER, rel=0.15)
+    ends = np.array([wind_pressure(2001, random)[[0, 100, 2000]] for _ in range(400)])
+    assert ends.std(axis=0) == pytest.approx(WIND_PRESSURE_SD, rel=0.15)
     assert np.corrcoef(ends.T)[0, 1] > 0.7 > 0.3 > np.corrcoef(ends.T)[0, 2]
 
 

@@ -350,7 +350,7 @@ def test_the_best_ballast_beats_more_less_and_the_current_one(rocket: Rocket, pl
     assert chances[1] > max(chances) - 0.02  # as near as 600 draws show
     assert best.apogee[1] == pytest.approx(240.0, abs=4.0)  # the middle of the band, not an accident of the draws
     assert best.there.chance == pytest.approx(chances[1], abs=0.05)
-    assert best.there.chance >= best.today.chance
+    assert best.there.chance > best.today.chance - 0.02  # as near as 300 draws show
     slope = (np.median(prediction[2].apogee) - np.median(prediction[0].apogee)) / 0.06
     assert best.slope == pytest.approx(slope, rel=0.25)
 

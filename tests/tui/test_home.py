@@ -286,7 +286,7 @@ async def test_the_whole_cycle_from_an_empty_ledger_takes_few_keys(empty: Path) 
         screen = pilot.app.screen
         assert isinstance(screen, AddScreen)
         assert pilot.app.focused is screen.field("apogee").line
-        for text in ("235m", "80", "2.1x", "79", "39", "5.6", "0.3", "230", "5", "45"):
+        for text in ("235m", "80", "2.1x", "7.9", "3.9", "5.6", "0.3", "230", "5", "45"):
             await press(pilot, *typed(text), "enter")
         await press(pilot, "ctrl+s")
         assert "Burn time: found the unit 'x'" in words(pilot)

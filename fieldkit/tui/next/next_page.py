@@ -57,14 +57,7 @@ class NextScreen(PageScreen):
         Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
         Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
         Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
-        Binding(
-            "asterisk",
-            "toggle_fit",
-            "All",
-            key_display="*",
-            show=False,
-            tooltip="Motors that fit, or the whole catalog",
-        ),
+        Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Motors that fit, or every one"),
     ]
     DEFAULT_CSS = """
     NextScreen #plan { height: auto; padding: 0 1; background: $panel; }
