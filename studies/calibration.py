@@ -22,7 +22,7 @@ from fieldkit.shapes import Array, Float
 from studies.generated_ledgers import SUBSETS, History, ledger, random_recipe
 
 SEED = 2018
-LEDGERS = 500
+LEDGERS = 1000
 ROCKETS = 4
 """Maximum number of rockets in a ledger."""
 DRAWS = 999

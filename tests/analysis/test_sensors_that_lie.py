@@ -316,12 +316,13 @@ def test_an_accelerometer_is_used_in_a_tilted_flight_but_not_with_air_brakes() -
     random = np.random.default_rng(11)
     for path in draw(random, 3, launch_angle=float(np.radians(22))):
         right = path.readouts()
-        found = open_log(written(path, Recorder(baro=50, accel=100), random), "log", None).found
+        found = open_log(written(path, Recorder(baro=50, accel=100, static=0.02), random), "log", None).found
         (series,) = next(item for item in found if isinstance(item, Reading)).clocks
         start = series.time[0] + 3.0  # of the pad
         low = (series.time > start + right["burn_time"] + 0.3) & (series.time < start + right["burn_time"] + 2.3)
         recorded = measure((replace(series, altitude=series.altitude - 150.0 * low),))
-        assert recorded.figures["burn_time"].value == pytest.approx(right["burn_time"], abs=0.15)
+        burn = recorded.figures["burn_time"]
+        assert burn.value == pytest.approx(right["burn_time"], abs=max(0.15, 2 * burn.sd))
         assert recorded.figures["top_speed"].value == pytest.approx(right["top_speed"], rel=0.08)
         assert recorded.figures["apogee"].value == pytest.approx(right["apogee"], rel=0.01)
 
