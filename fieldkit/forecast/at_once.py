@@ -98,8 +98,8 @@ def forecasts_at_once(
     known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
     kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
     used, before = [flight.clean for flight, _ in flown], list(range(len(flown)))
-    alike = [[row for row, kind in enumerate(kinds) if (kind in known) is old] for old in (True, False)]
-    groups_of_rows = [rows for rows in alike if rows]
+    flown_or_new = [[row for row, kind in enumerate(kinds) if (kind in known) is old] for old in (True, False)]
+    groups_of_rows = [rows for rows in flown_or_new if rows]
     models = [
         modeled(_history(flown, [plans[row] for row in rows], used, shared), quick_candidates)
         for rows in groups_of_rows
