@@ -5,7 +5,7 @@ from typing import Any
 
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, learned
 from tools.markdown import WRITTEN_BY
 
@@ -33,7 +33,7 @@ SOURCES = {
 
 def prior_table() -> str:
     """Every prior and noise figure of the model with its source, and the scores of forecasts."""
-    card, given = learned(), certified()
+    card, given = learned(), CERTIFIED_PRIOR
     names = list(dict.fromkeys([*card.sds, *given.sds]))
     rows = [_random_effect(name, card, given) for name in names]
     units = ("m", "m/s", "s", "m/s²", "s", "s", "1/m", "m/s")

@@ -11,7 +11,7 @@ from fieldkit.inference.history.features import PreparedHistory, modeled, summar
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared, response_of
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import groups
 from fieldkit.model.shared_prior import SharedPrior
@@ -53,7 +53,7 @@ def _history(
         (flight if flight.flight_id else flight.with_changes(flight_id="planned"), motor) for flight, motor in plans
     ]
     flights, found = zip(*flown, *named, strict=True)
-    return History(flights, found, tuple(used_in_fit), certified(), learned(), shared)
+    return History(flights, found, tuple(used_in_fit), CERTIFIED_PRIOR, learned(), shared)
 
 
 def answer_at_once(

@@ -42,8 +42,3 @@ CERTIFIED_PRIOR = Hyperprior(
 )
 """Motors match their certificates (2 to 3% within a lot), Cd is 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
 masses are as weighed, devices meet their specifications. `tilt` is the squared launch angle in (5 degrees)^2."""
-
-
-def certified() -> Hyperprior:
-    """The hyperprior for motors, masses and devices that match their documents."""
-    return CERTIFIED_PRIOR

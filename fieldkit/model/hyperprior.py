@@ -205,7 +205,7 @@ START = Hyperprior(
     reading=Scale(READING_GRID, 1.0, 0.7),
     motors=_motors(1.0, 0.7),
 )
-"""The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `certified_prior`. Motor
+"""The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `CERTIFIED_PRIOR`. Motor
 types are within 5% of their certificates (certification tests differ by that much; single motors by 6.7%, NFPA 1125),
 their lots within 2.5% of the type if flights record them, burn times within 5% and delays within 10%. Masses are within
 5%, because altimeter, recovery and wadding are not always weighed, which adds mass: the mean is learned. Recorded once,

@@ -21,7 +21,7 @@ from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
 from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
@@ -101,7 +101,7 @@ def quick_look(
         (*(flight for flight, _ in flown), repeated(last)),
         (*(found for _, found in flown), motor),
         tuple(bool(used) for used in used_in_fit),
-        certified(),
+        CERTIFIED_PRIOR,
         learned(),
     )
     estimate = quick_answer(history, quick_candidates, network)

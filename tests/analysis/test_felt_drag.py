@@ -12,7 +12,7 @@ from fieldkit.analysis.channels import Push
 from fieldkit.analysis.drag_and_impulse import PORT_ERROR, PORTS_SD
 from fieldkit.analysis.felt_drag import felt_drag
 from fieldkit.analysis.process_noise import STATIC_SD
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import START, learned
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -113,6 +113,6 @@ def test_an_impulse_from_heights_is_within_two_standard_deviations_of_such_ports
 
 
 def test_the_prior_of_the_ports_is_the_figure_of_the_analysis() -> None:
-    for hyperprior in (START, learned(), certified()):
+    for hyperprior in (START, learned(), CERTIFIED_PRIOR):
         assert hyperprior.sd("coast_drag", "ports") == PORTS_SD
     assert PORTS_SD > PORT_ERROR * STATIC_SD

@@ -13,7 +13,7 @@ from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_ro
 from fieldkit.inference.history.linear_fit import declared_terms
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import Model, Term, base_model, shared_names
 from fieldkit.model.shared_prior import SharedPrior
@@ -45,7 +45,7 @@ def modeled_rocket(
     """
     rocket = draw_rocket(rng, choice, flights)
     selects = bool(rng.uniform() < SELECTION_WORLD)
-    hyperprior = certified() if selects else learned()
+    hyperprior = CERTIFIED_PRIOR if selects else learned()
     sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
     hyperprior = replace(hyperprior, sds=sds)
     count, measured = len(rocket.used_in_fit), _measured(rocket)

@@ -17,7 +17,7 @@ from fieldkit.inference.history.features import HistorySummary, effect_names, fe
 from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.random_effects import priors
@@ -182,7 +182,7 @@ def table(rows: Float[Array, "history column"]) -> HistoryTable:
 def _digest(seed: int, held_out: bool, inclusion: Mapping[str, float]) -> str:
     """A digest of everything that shards depend on, so that shards of another seed, feature, prior, hyperprior, catalog
     or version are not reused."""
-    drawn = [priors(list(effects())), dict(inclusion), certified().json(), learned().json()]
+    drawn = [priors(list(effects())), dict(inclusion), CERTIFIED_PRIOR.json(), learned().json()]
     drawn += [digest(_motors(held_out))]
     made = [feature_names(effect_names()), TRUTHS, ROCKETS_PER_SHARD]
     settings = json.dumps([__version__, seed, held_out, *made, *drawn], sort_keys=True, default=dict)

@@ -19,7 +19,7 @@ from fieldkit.inference.history.modeled_rockets import ModeledRocket, modeled_ro
 from fieldkit.inference.history.placed_effects import PlacedEffect
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
@@ -238,7 +238,7 @@ class _World:
         )
         return SimulatedHistory(
             History(
-                (*flights, rocket.flights[-1]), rocket.found, rocket.used_in_fit, certified(), learned(), one.shared
+                (*flights, rocket.flights[-1]), rocket.found, rocket.used_in_fit, CERTIFIED_PRIOR, learned(), one.shared
             ),
             tuple(sorted(candidate.effect for candidate in lacks.placed)),
             bool(lacks.pattern),

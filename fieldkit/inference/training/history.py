@@ -32,7 +32,7 @@ from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.inference.training.stopwatch import Stopwatch
 from fieldkit.inference.training.unfinished import load_state, save_state
 from fieldkit.inference.validation.history import judge
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import priors
 from fieldkit.parallel import workers
@@ -221,7 +221,7 @@ def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan, inclusion: 
             "inclusion": {name: round(chance, 6) for name, chance in inclusion.items()},
             "hyperprior": f"certified in {SELECTION_WORLD:.0%}, on which inclusion is trained; else the learned one",
         },
-        "hyperpriors": {one.kind: _digest(one.json()) for one in (certified(), learned())},
+        "hyperpriors": {one.kind: _digest(one.json()) for one in (CERTIFIED_PRIOR, learned())},
         "forecast_prior": learned().model_json(),
         "features": list(feature_names(names)),
         "outputs": ["inclusion", "none", "unexplained", "log_apogee", "log_cd", "log_alpha"],

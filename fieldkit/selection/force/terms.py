@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.physics.effect import ClimbForces, LoggedForce, effects
 from fieldkit.physics.state import Force, State
 from fieldkit.selection.force.climb import Missing
@@ -31,7 +31,7 @@ class ForceTerm:
 
 def library() -> list[ForceTerm]:
     """Terms that a climb could show: those below, and the effects that act as a force or appear as one in a log."""
-    random_draw_sd = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
+    random_draw_sd = {name: CERTIFIED_PRIOR.sd(name, "flight") for name in ("drag", "thrust", "stretch")}
     return [
         ForceTerm("drag", "", "fraction of Cd", lambda m: -m.drag, random_draw_sd["drag"]),
         *(

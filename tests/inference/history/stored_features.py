@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fieldkit.inference.history.features import effect_names, feature_names, summarize
 from fieldkit.inference.network.history import response_of
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.rocket_model import Model
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -30,7 +30,7 @@ def features(case: str, names: Sequence[str]) -> dict[str, float]:
     def candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
         return [one for one in quick_candidates(model, used_in_fit) if not one.effect or one.effect in names]
 
-    flown = replace(history(**CASES[case]), forecast=certified())
+    flown = replace(history(**CASES[case]), forecast=CERTIFIED_PRIOR)
     row = summarize(flown, response_of(flown), candidates, names).features[0]
     return dict(zip(feature_names(names), row.tolist(), strict=True))
 

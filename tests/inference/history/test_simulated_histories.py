@@ -16,7 +16,7 @@ from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.linear_fit import declared_terms, history_model
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.simulated_histories import simulated_histories
-from fieldkit.model.certified_prior import certified
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
@@ -67,7 +67,7 @@ def test_effects_are_present_with_their_prior_probability() -> None:
     found = simulated_histories(np.random.default_rng(3), KNOWN, quick_candidates, everything, 5, 2, flights=6)
     assert found
     for one in found:
-        model = base_model(one.history.flights, one.history.found, certified(), 6)
+        model = base_model(one.history.flights, one.history.found, CERTIFIED_PRIOR, 6)
         acting = {candidate.effect for candidate in quick_candidates(model, one.history.used_in_fit)}
         always = {term.name for term in declared_terms(one.history.flights)} if not one.selects else set()
         assert set(one.effects) == acting - {""} - always
@@ -91,7 +91,7 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
             history = one.history
             if one.selects:
                 model = rocket_model(history.flights, history.found, flown=8)
-                assert set(model.names) == set(history_model(*_known(history), certified(), declared=False).names)
+                assert set(model.names) == set(history_model(*_known(history), CERTIFIED_PRIOR, declared=False).names)
             else:
                 model = history_model(*_known(history), learned(), history.shared, declared=True)
             others = set(worlds[-1]) - set(model.names)
