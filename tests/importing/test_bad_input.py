@@ -22,7 +22,7 @@ from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Reading
 from fieldkit.importing.recognize import parsers
 from tests.effort import examples
-from tests.importing.bad_input import CHANGES, Seed, faults_among, must_hold, mutated, patience, seeds
+from tests.importing.bad_input import CHANGES, Seed, faults_among, lines_for, must_hold, mutated, patience, seeds
 from tests.samples import SAMPLES, owner
 
 ROOT = Path(__file__).parents[2]
@@ -346,3 +346,10 @@ def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_m
 def test_seeds_are_readable_logs() -> None:
     assert {seed.format for seed in seeds()} == set(parsers())
     assert all(isinstance(seed, Seed) for seed in seeds())
+
+
+def test_a_log_whose_column_of_time_has_another_name_is_refused_in_a_line() -> None:
+    log = next(s for s in SAMPLES if s.name.startswith("perfectflite__")).read_bytes()
+    renamed = log.replace(b"(Time,", b"(Timely,")
+    assert renamed != log
+    assert any("found no column of time" in line for line in lines_for(renamed, "perfectflite"))

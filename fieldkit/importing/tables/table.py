@@ -53,21 +53,27 @@ class LogTable:
         return replace(self, values={n: v[rows] for n, v in self.values.items()}, rows=self.rows[rows], words=words)
 
     def series(self) -> Series:
-        """The channels that are fields of `Series`; `time` must be one of them."""
+        """The channels that are fields of `Series`. Raises DamagedLog without `time`."""
+        time = self._clock("time")
         names = {f.name for f in fields(Series)} & self.values.keys()
         channels = {name: self.get(name) for name in names - {"time"}}
-        return Series(self.values["time"], **channels)
+        return Series(time, **channels)
+
+    def _clock(self, name: str) -> Array:
+        if name not in self.values:
+            raise DamagedLog(f"found no column of {name}, expected one", row=int(self.rows[0]) if len(self) else 1)
+        return self.values[name]
 
     def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Found]]:
         """Split the table where its clock restarts. Returns the parts, without rows out of order, and everything found.
 
-        A part that equals an earlier one is a duplicate and is dropped. Raises DamagedLog for a clock that restarts
-        `MOST_FLIGHTS` times or more: shuffled rows are not flights.
+        A part that equals an earlier one is a duplicate and is dropped. Raises DamagedLog without the clock, and for
+        one that restarts `MOST_FLIGHTS` times or more: shuffled rows are not flights.
         """
         found = list(self.found)
         parts: dict[bytes, LogTable] = {}
         repeated: list[int] = []
-        restarted = restarts(self.values[clock]).tolist()
+        restarted = restarts(self._clock(clock)).tolist()
         if len(restarted) >= MOST_FLIGHTS:
             expected = f"expected at most {MOST_FLIGHTS} flights in a log"
             raise DamagedLog(
