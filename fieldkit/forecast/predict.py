@@ -239,6 +239,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
     scatter_scale, motor_scale = fitted.scales[:, :1], fitted.scales[:, 2:]
+    scaled_by_motors = part.hyperprior.scaled_by_motors
     shape = (len(values), len(part.flights))
 
     def draw() -> Array:
@@ -253,7 +254,10 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
 
     kinds = {kind.bends: kind.sd for kind in part.scatter}
     normal = {name: draw() for name in (*kinds, *({"delay"} - set(kinds)))}
-    scatter: dict[str, Array] = {name: normal[name] * sd * motor_scale for name, sd in kinds.items()}
+    scatter: dict[str, Array] = {
+        name: normal[name] * sd * (motor_scale if name in scaled_by_motors else scatter_scale)
+        for name, sd in kinds.items()
+    }
     scatter["delay"] = log_delay_ratio(delays(part.flights, part.found), normal["delay"])
     readings = shown(part, values, scatter)
     # for an apogee of about a meter the relative reading error is unbounded

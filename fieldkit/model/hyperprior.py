@@ -10,7 +10,7 @@ so that an effect, and not the plain model, explains a motor that differs from i
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
@@ -52,7 +52,7 @@ class Hyperprior:
     the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
     diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
     `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
-    With `motors`, `scatter` scales only the apogee's own, and `motors` those in thrust, drag, burn time and delay.
+    With `motors`, those in the quantities of `scaled_by_motors` are scaled by it instead.
     `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
     standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the
     random effects of mass, thrust and apogee of such a rocket on high-power motors.
@@ -67,6 +67,7 @@ class Hyperprior:
     scatter: Scale
     reading: Scale
     motors: Scale | None = None
+    scaled_by_motors: tuple[str, ...] = ("thrust", "drag", "stretch", "delay")
     opening: tuple[float, float] = (0.6, 0.4)
     tail: float = 4.0
     mean_sds: Mapping[str, float] = field(default_factory=dict)
@@ -104,8 +105,13 @@ class Hyperprior:
         return scatter, reading, log_prior
 
     def motor_scales(self) -> Float[Array, "scale"]:
-        """The scale of the scatter in thrust, drag, burn time and delay, for every point of the grid. [1]"""
+        """The scale of the scatter in the quantities of `scaled_by_motors`, for every point of the grid. [1]"""
         return scale_grid(self.unknown_scales)[2 if self.motors else 0]
+
+    def flight_scales(self, quantities: Sequence[str]) -> Float[Array, "scale quantity"]:
+        """The scale of the scatter of single flights in each quantity, for every point of the grid. [1]"""
+        scatter, motors = self.scales()[0], self.motor_scales()
+        return np.stack([motors if name in self.scaled_by_motors else scatter for name in quantities], axis=-1)
 
     @property
     def unknown_scales(self) -> tuple[Scale, ...]:

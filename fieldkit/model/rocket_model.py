@@ -94,6 +94,10 @@ class Model:
         """The random effects of single flights."""
         return scatter_of(self.hyperprior)
 
+    def scatter_scales(self) -> Float[Array, "scale scatter"]:
+        """The scale of each random effect of single flights, for every point of the grid of scales. [1]"""
+        return self.hyperprior.flight_scales([one.bends for one in self.scatter])
+
     def recorded(self, name: str) -> Float[Array, "flight"]:
         """One number of every flight in SI, nan if it was not recorded."""
         return recorded(self.flights, name)

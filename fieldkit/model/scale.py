@@ -8,9 +8,6 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
-POINTS = 5
-"""Number of points of a grid around a posterior. [1]"""
-
 
 @dataclass(frozen=True, slots=True)
 class Scale:
@@ -18,6 +15,7 @@ class Scale:
 
     A grid around a posterior is even in the logarithm with a `step`, and its weights are prior density times step.
     Without a step, the weights of the grid add to one. `ends` are those of the prior, by default those of the grid.
+    `points` is the number of points of a grid around a posterior.
     """
 
     grid: tuple[float, ...]
@@ -25,6 +23,7 @@ class Scale:
     log_sd: float
     step: float = 0.0
     ends: tuple[float, float] | None = None
+    points: int = 5
 
     @property
     def values(self) -> Float[Array, "scale"]:
@@ -43,7 +42,7 @@ class Scale:
 
     def between(self, low: float, high: float) -> "Scale":
         """The same on a grid of midpoints of even intervals of the logarithm, from `low` to `high`. [1]"""
-        edges = np.linspace(np.log(low), np.log(high), POINTS + 1)
+        edges = np.linspace(np.log(low), np.log(high), self.points + 1)
         grid = np.exp((edges[1:] + edges[:-1]) / 2)
         return replace(self, grid=tuple(grid.tolist()), step=float(edges[1] - edges[0]), ends=self.range)
 

@@ -182,17 +182,14 @@ def _forecast(
 
 def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
     """Covariance of the readouts of single flights around their expectation: scatter and reading."""
-    motor_scale = ahead.hyperprior.motor_scales()[scale]
+    scaled = near.scatter_slope * ahead.scatter_scales()[scale]
     raw = np.where(
         np.arange(len(OBSERVED_READOUTS)) == OBSERVED_READOUTS.index("apogee_to_eject"), 1.0, np.exp(near.values)
     )
     every = np.ones(raw.shape, bool)
     expected = Data(near.values, reading_sd(raw, ahead.hyperprior), every, np.ones(raw.shape))
     own = residual_variance(ahead, expected)[scale]
-    return np.asarray(
-        motor_scale**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
-        + own[..., None] * np.eye(len(OBSERVED_READOUTS))
-    )
+    return np.asarray(scaled @ np.swapaxes(scaled, 1, 2) + own[..., None] * np.eye(len(OBSERVED_READOUTS)))
 
 
 def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model:

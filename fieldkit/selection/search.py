@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.importance import sampled
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.inference.laplace.scale_grids import around_mode
+from fieldkit.inference.laplace.scale_grids import around_mode, with_probable_motors
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
@@ -150,7 +150,8 @@ def _singles(
 ) -> tuple[Fit, list[Trial], dict[Members, float]]:
     """The plain fit, which the trials may improve, every candidate added to it, and the log weight of every pair
     according to its screening."""
-    plain = fit(model, data, outlier_flights=True)
+    plain = with_probable_motors(fit(model, data, outlier_flights=True))
+    model = plain.model
     count = sum(len(family) for family in families.values())
     for turn in range(MAX_SEARCHES):
 

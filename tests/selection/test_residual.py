@@ -12,7 +12,7 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
-from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.rocket_model import Model, Term, scatter_of
 from fieldkit.motors import catalogue
 from fieldkit.selection.residual import associations, holm, spread_of, standardised
 from fieldkit.shapes import Array, Float
@@ -24,16 +24,17 @@ SETS = 300
 SCALE = 4
 """Scales of the grid: ordinary scatter, readings a little worse than expected."""
 TERMS = 4
+KINDS = len(scatter_of(CERTIFIED_PRIOR))
 
 
 @cache
 def near() -> Tangent:
-    """A linear rocket: four shared terms, two kinds of scatter."""
+    """A linear rocket: four shared terms, and the usual kinds of scatter."""
     rng = np.random.default_rng(3)
     shape = (FLIGHTS, len(OBSERVED_READOUTS))
     shared = np.tile(rng.normal(size=(len(OBSERVED_READOUTS), TERMS)), (FLIGHTS, 1, 1))
     shared[:, :, -1] *= (np.arange(FLIGHTS) % 2)[:, None]
-    own = np.tile(rng.normal(size=(len(OBSERVED_READOUTS), 2)) * 0.5, (FLIGHTS, 1, 1))
+    own = np.tile(rng.normal(size=(len(OBSERVED_READOUTS), KINDS)) * 0.3, (FLIGHTS, 1, 1))
     return Tangent(np.zeros(TERMS), np.zeros(shape), shared, own)
 
 
@@ -41,7 +42,7 @@ def near() -> Tangent:
 def null_residuals() -> Float[Array, "set flight readout"]:
     """Residuals of histories in which the model is right."""
     rng = np.random.default_rng(4)
-    scatter, reading, _ = (values[SCALE] for values in CERTIFIED_PRIOR.scales())
+    reading = CERTIFIED_PRIOR.scales()[1][SCALE]
     terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
     model, tangent = (
         Model(
@@ -59,7 +60,8 @@ def null_residuals() -> Float[Array, "set flight readout"]:
     found = []
     for _ in range(SETS):
         values = tangent.slope @ rng.normal(size=TERMS) + rng.normal(size=sd.shape) * sd * scales
-        values += (tangent.scatter_slope * (scatter * rng.normal(size=(FLIGHTS, 1, 2)))).sum(axis=-1)
+        own = model.scatter_scales()[SCALE] * rng.normal(size=(FLIGHTS, 1, KINDS))
+        values += (tangent.scatter_slope * own).sum(axis=-1)
         result = solve(model, Data(values, sd, seen, np.ones(seen.shape)), tangent)
         found.append(standardised(leave_one_out(result), seen))
     return np.array(found)

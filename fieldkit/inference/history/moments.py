@@ -139,17 +139,17 @@ def readout_moments(linear: LinearFit) -> ReadoutMoments:
 
 def _scatter_of_readouts(linear: LinearFit, columns: Sequence[int]) -> Float[Array, "scale plan readout"]:
     """Variance of single flights given the terms."""
-    scale, plans = linear.model.hyperprior.motor_scales()[:, None, None], slice(linear.flown, None)
-    return np.asarray(scale**2 * (linear.near.scatter_slope[plans][:, columns] ** 2).sum(axis=-1))
+    squares = linear.near.scatter_slope[linear.flown :, columns] ** 2
+    return np.moveaxis(squares @ linear.model.scatter_scales().T ** 2, -1, 0)
 
 
 def own_variance(linear: LinearFit) -> Float[Array, "scale plan"]:
     """Variance of each plan's log apogee given the terms: scatter and reading. [1]"""
     model, near, plans = linear.model, linear.near, slice(linear.flown, None)
-    scatter, scale = model.hyperprior.scales()[0][:, None], model.hyperprior.motor_scales()[:, None]
+    scatter = model.hyperprior.scales()[0][:, None]
     reading = own_reading_sd(np.exp(near.values[plans, 0]), model.hyperprior)
-    spread = (near.scatter_slope[plans, 0] ** 2).sum(axis=-1)
-    return np.asarray(scale**2 * spread + (scatter * apogee_scatter(model)[plans]) ** 2 + reading**2)
+    spread = model.scatter_scales() ** 2 @ near.scatter_slope[plans, 0].T ** 2
+    return np.asarray(spread + (scatter * apogee_scatter(model)[plans]) ** 2 + reading**2)
 
 
 def _mixture(

@@ -227,13 +227,12 @@ def _scatter_squares(result: Fit) -> Mapping[str, float]:
     covariance is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
     """
     model, evidence = result.model, result.evidence
-    scale = model.hyperprior.motor_scales()
     offset = result.mean - np.array([term.mean for term in model.terms])
     left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
     usable = (np.abs(evidence.slope).sum(axis=-1) > 0) | (np.abs(evidence.miss) > 0)
     slope = (
         np.where(usable[..., None], result.tangent.scatter_slope[:, evidence.readouts], 0.0)[None]
-        * scale[:, None, None, None]
+        * model.scatter_scales()[:, None, None]
     )
     gain = np.swapaxes(slope, -1, -2) @ evidence.sharpness
     mean = (gain @ left[..., None])[..., 0]

@@ -92,12 +92,9 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
 
 def own_variance(result: Fit) -> Float[Array, "scale flight"]:
     """Variance of a flight's compared apogee around its expectation: scatter and reading. [1]"""
-    scale = result.model.hyperprior.motor_scales()
-    spread = result.tangent.scatter_slope[:, 0]
+    spread = result.model.scatter_scales() ** 2 @ result.tangent.scatter_slope[:, 0].T ** 2
     expected = replace(result.data, sd=_expected_sd(result))
-    return np.asarray(
-        scale[:, None] ** 2 * (spread**2).sum(axis=-1) + residual_variance(result.model, expected)[..., 0]
-    )
+    return np.asarray(spread + residual_variance(result.model, expected)[..., 0])
 
 
 def _expected_sd(result: Fit) -> Float[Array, "flight readout"]:

@@ -217,9 +217,9 @@ def _noise(
 ) -> Float[Array, "scale flight used used"]:
     """Covariance of each flight's used readouts for every pair of scales."""
     rows = slice(None) if which is None else which
-    motor_scale = model.hyperprior.motor_scales()[rows]
     spread = np.where(usable[..., None], near.scatter_slope[:, readouts], 0.0)
-    noise = motor_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
+    products = spread[..., :, None, :] * spread[..., None, :, :]
+    noise = np.tensordot(model.scatter_scales()[rows] ** 2, products, axes=(1, 3))
     diagonal = np.arange(len(readouts))
     variance = residual_variance(model, data)[rows][..., readouts]
     noise[..., diagonal, diagonal] += np.where(usable, variance / data.trust[:, readouts], UNOBSERVED_SD**2)

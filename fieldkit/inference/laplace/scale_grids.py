@@ -16,42 +16,89 @@ from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.scale import Scale
 from fieldkit.shapes import Array, Float
 
-ROUNDS = 2
-"""Number of times the grids are moved; the first time from a grid too coarse to be accurate. [1]"""
+MIN_ROUNDS, MAX_ROUNDS = 2, 5
+"""Number of times the grids are moved: the first time from grids too coarse to be accurate, then until they contain
+the mode. [1]"""
 TAIL = 1e-3
 """Posterior probability of a scale beyond each end of its grid. [1]"""
 LATTICE = 1000
 """Number of points for the quantiles of a scale. [1]"""
 
+Known = dict[float, float]
+"""Values of a scale [1] with their log posterior density [nat]."""
+
 
 def around_mode(result: Fit) -> Fit:
     """A fit with all scales integrated on grids around their mode, at the same point of linearization."""
-    for _ in range(ROUNDS):
-        hyperprior = result.model.hyperprior
-        scales = hyperprior.unknown_scales
-        weight = result.log_weight.reshape([len(one.grid) for one in scales])
-        axes = range(len(scales))
-        alone = [np.logaddexp.reduce(weight, axis=tuple(other for other in axes if other != own)) for own in axes]
-        moved = hyperprior.with_scales(*(_moved(one, own) for one, own in zip(scales, alone, strict=True)))
+    known: list[Known] = [{} for _ in result.model.hyperprior.unknown_scales]
+    for number in range(MAX_ROUNDS):
+        scales, alone = result.model.hyperprior.unknown_scales, _marginals(result)
+        if number >= MIN_ROUNDS and all(map(_contains_mode, scales, alone)):
+            break
+        known = [_updated(*some) for some in zip(known, scales, alone, strict=True)]
+        moved = result.model.hyperprior.with_scales(*map(_moved, scales, known))
         outliers = None if result.flight_weight is None else flight_weights(result)
         result = solve(replace(result.model, hyperprior=moved), result.data, result.tangent, outliers)
     return result
 
 
-def _moved(scale: Scale, log_weight: Float[Array, "value"]) -> Scale:
+def with_probable_motors(result: Fit) -> Fit:
+    """A fit whose scale of motors, one value during a fit, is the most probable one at its point of linearization."""
+    hyperprior = result.model.hyperprior
+    if hyperprior.motors is None:
+        return result
+    fine = around_mode(result)
+    best = float(fine.model.hyperprior.motor_scales()[np.argmax(fine.log_weight)])
+    moved = replace(hyperprior, motors=replace(hyperprior.motors, grid=(best,)))
+    return solve(replace(result.model, hyperprior=moved), result.data, result.tangent, result.flight_weight)
+
+
+def _marginals(result: Fit) -> list[Float[Array, "value"]]:
+    """The log weight of every value of each scale, summed over the others. [nat]"""
+    scales = result.model.hyperprior.unknown_scales
+    weight = result.log_weight.reshape([len(one.grid) for one in scales])
+    axes = range(len(scales))
+    return [np.logaddexp.reduce(weight, axis=tuple(other for other in axes if other != own)) for own in axes]
+
+
+def _contains_mode(scale: Scale, log_weight: Float[Array, "value"]) -> bool:
+    """Whether the most probable value is inside the grid, or the grid ends there because the prior does."""
+    best, (first, last) = int(np.argmax(log_weight)), scale.range
+    half = np.exp(scale.step / 2) * (1 + 1e-9)
+    ends = {0: scale.grid[0] <= first * half, len(scale.grid) - 1: scale.grid[-1] * half >= last}
+    return bool(ends.get(best, True))
+
+
+def _log_density(scale: Scale, log_weight: Float[Array, "value"]) -> Known:
+    """The log posterior density of the logarithm of a scale at every value of its grid, the same up to a constant for
+    all grids. [nat]"""
+    known = scale.log_prior - (0.0 if scale.step else np.logaddexp.reduce(scale.log_prior))
+    density = log_weight - known - 0.5 * (np.log(scale.values / scale.median) / scale.log_sd) ** 2
+    return dict(zip(scale.grid, density.tolist(), strict=True))
+
+
+def _updated(known: Known, scale: Scale, log_weight: Float[Array, "value"]) -> Known:
+    """The values of this grid, and if it does not contain the mode, those of earlier grids, whose density is less
+    accurate."""
+    fresh = _log_density(scale, log_weight)
+    return fresh if _contains_mode(scale, log_weight) else known | fresh
+
+
+def _moved(scale: Scale, known: Known) -> Scale:
     """The scale on a grid around its mode; a known scale keeps its only value."""
-    known = scale.range[0] == scale.range[1]
-    return scale if known else scale.between(*_interval(scale, log_weight))
+    return scale if scale.range[0] == scale.range[1] else scale.between(*_interval(scale, known))
 
 
-def _interval(scale: Scale, log_weight: Float[Array, "value"]) -> tuple[float, float]:
-    """The quantiles of a scale at `TAIL` and 1 - `TAIL`, with its log density linear between the values of the grid and
+def _interval(scale: Scale, known: Known) -> tuple[float, float]:
+    """The quantiles of a scale at `TAIL` and 1 - `TAIL`, with its log density linear between the known values and
     beyond them."""
-    if len(log_weight) == 1:
+    if len(known) == 1:
         return _prior_interval(scale)
+    values = np.array(sorted(known))
+    log_weight = np.array([known[value] for value in values])
     if not np.isfinite(log_weight).all():  # a flight cannot be simulated at this point
         return scale.range
-    x, slope = np.log(scale.values), np.diff(log_weight) / np.diff(np.log(scale.values))
+    x, slope = np.log(values), np.diff(log_weight) / np.diff(np.log(values))
     first, last = scale.range
     at = np.log(np.geomspace(first, last, LATTICE))
     segment = np.clip(np.searchsorted(x, at) - 1, 0, len(slope) - 1)

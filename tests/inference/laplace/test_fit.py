@@ -21,7 +21,7 @@ from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solv
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import FROM_LOGS, Hyperprior, learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, compared, observe, reading_sd
-from fieldkit.model.rocket_model import Model, Term, base_model, with_shared
+from fieldkit.model.rocket_model import Model, Term, base_model, scatter_of, with_shared
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
@@ -307,9 +307,8 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED_PRIOR) -> t
         seen,
         rng.uniform(0.2, 1.0, shape) if doubtful else np.ones(shape),
     )
-    near = Tangent(
-        rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
-    )
+    own = (*shape, len(scatter_of(hyperprior)))
+    near = Tangent(rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=own) * 0.3)
     return Model((Flight(),) * 5, (catalogue().resolve("F24"),) * 5, np.zeros(0), terms, (), hyperprior), data, near
 
 
@@ -326,8 +325,10 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     width = len(OBSERVED_READOUTS)
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
-        spread = near.scatter_slope[flight]
-        noise[block, block] = model.hyperprior.motor_scales()[scale] ** 2 * spread @ spread.T + np.diag(
+        motors = model.hyperprior.motor_scales()[scale]
+        own_scale = [motors if one.bends in model.hyperprior.scaled_by_motors else scatter for one in model.scatter]
+        spread = near.scatter_slope[flight] * own_scale
+        noise[block, block] = spread @ spread.T + np.diag(
             ((every * data.sd[flight]) ** 2 + own**2) / data.trust[flight]
         )
     mean = near.values.ravel() + slope @ (prior - near.at)

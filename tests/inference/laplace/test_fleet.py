@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
-from fieldkit.model.rocket_model import Model, Term, with_shared
+from fieldkit.model.rocket_model import Model, Term, scatter_of, with_shared
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, catalogue
@@ -48,7 +48,12 @@ def linear_rocket(seed: int) -> Fit:
     )
     data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), np.ones(shape, bool), np.ones(shape))
     slope = rng.normal(size=(*shape, len(terms)))
-    near = Tangent(rng.normal(size=len(terms)), rng.normal(size=shape), slope, rng.normal(size=(*shape, 2)) * 0.1)
+    near = Tangent(
+        rng.normal(size=len(terms)),
+        rng.normal(size=shape),
+        slope,
+        rng.normal(size=(*shape, len(scatter_of(ONE_SCALE)))) * 0.1,
+    )
     return solve(model, data, near)
 
 
