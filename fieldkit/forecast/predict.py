@@ -238,8 +238,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
-    scatter_scale, motor_scale = fitted.scales[:, :1], fitted.scales[:, 2:]
-    scaled_by_motors = part.hyperprior.scaled_by_motors
+    scale = {"scatter": fitted.scales[:, :1], "motors": fitted.scales[:, 2:]}
     shape = (len(values), len(part.flights))
 
     def draw() -> Array:
@@ -255,13 +254,12 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     kinds = {kind.bends: kind.sd for kind in part.scatter}
     normal = {name: draw() for name in (*kinds, *({"delay"} - set(kinds)))}
     scatter: dict[str, Array] = {
-        name: normal[name] * sd * (motor_scale if name in scaled_by_motors else scatter_scale)
-        for name, sd in kinds.items()
+        name: normal[name] * sd * scale[part.hyperprior.scale_of(name)] for name, sd in kinds.items()
     }
     scatter["delay"] = log_delay_ratio(delays(part.flights, part.found), normal["delay"])
     readings = shown(part, values, scatter)
     # for an apogee of about a meter the relative reading error is unbounded
-    own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)
+    own = np.clip(tailed() * apogee_scatter(part) * scale["scatter"], -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)
     higher = np.exp(own)
     apogee = readings["apogee"] * higher
     reading = np.clip(own_reading_sd(apogee, part.hyperprior) * draw(), -1.0, 1.0)

@@ -110,8 +110,12 @@ class Hyperprior:
 
     def flight_scales(self, quantities: Sequence[str]) -> Float[Array, "scale quantity"]:
         """The scale of the scatter of single flights in each quantity, for every point of the grid. [1]"""
-        scatter, motors = self.scales()[0], self.motor_scales()
-        return np.stack([motors if name in self.scaled_by_motors else scatter for name in quantities], axis=-1)
+        grids = {"scatter": self.scales()[0], "motors": self.motor_scales()}
+        return np.stack([grids[self.scale_of(name)] for name in quantities], axis=-1)
+
+    def scale_of(self, quantity: str) -> Literal["scatter", "motors"]:
+        """Which scale the scatter of single flights in a quantity has."""
+        return "motors" if self.motors and quantity in self.scaled_by_motors else "scatter"
 
     @property
     def unknown_scales(self) -> tuple[Scale, ...]:

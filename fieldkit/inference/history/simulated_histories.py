@@ -186,7 +186,7 @@ class _World:
                 self.scatter[bends][draw, rows] += shift
         for kind in one.model.scatter:
             tailed = rng.normal(size=(self.draws, width))
-            self.scatter[kind.bends][:, rows] += kind.sd * scales.get("motors", scales["scatter"])[:, None] * tailed
+            self.scatter[kind.bends][:, rows] += kind.sd * scales[prior.scale_of(kind.bends)][:, None] * tailed
 
     def _add(self, term: Term, rows: slice, terms: list[Term]) -> None:
         weight = np.zeros(int(self.ends[-1]))
