@@ -166,7 +166,7 @@ def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
     right, decidable = (sum(map(int, column)) for column in zip(*verdicts, strict=True))
     false, nulls = (sum(map(int, column)) for column in zip(*alarms, strict=True))
     assert f"{right} of {decidable} decidable verdicts are right" in claims
-    assert f"{false} of {nulls} histories without an effect has a false alarm" in claims
+    assert f"{false} of {nulls} histories without an effect had a false alarm" in claims
 
 
 def test_every_command_has_an_example() -> None:
