@@ -20,7 +20,6 @@ FOLDERS = ("fieldkit", "parsers", "models")
 NOT_SHOWN = (
     "fieldkit/importing/tables/headings.py",
     "fieldkit/inference/training",
-    "fieldkit/inference/validation",
     "fieldkit/ledger/migrations",
     "fieldkit/motors/names.py",
     "fieldkit/presentation/report/style.py",

@@ -1,5 +1,6 @@
 """`fieldkit train`: simulate, train, export."""
 
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -7,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from fieldkit.cli.screen import AsJson, print_json, say
+from fieldkit.cli.studies import need_studies
 from fieldkit.errors import BadValue
 
 app = typer.Typer()
@@ -56,7 +58,7 @@ def train(
     report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's full evaluation.")] = False,
     json: AsJson = False,
 ) -> None:
-    """Train an ensemble on simulated flights; needs the extra `train`."""
+    """Train an ensemble on simulated flights; needs the extra `train` and a checkout of fieldkit."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -68,6 +70,7 @@ def train(
     ):
         if value and recipe not in known:
             raise BadValue(f"{option}: found with the recipe {recipe.value}, expected --recipe {known[0].value}")
+    need_studies()
     train_by_recipe = trainer(recipe.value, out)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
@@ -75,7 +78,7 @@ def train(
         def on_progress(epoch: int, epochs: int, loss: float) -> None:
             progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
 
-        more: dict[str, Any] = {} if n_train is None else {"n_train": n_train}
+        more: dict[str, Any] = {"evaluate": _evaluation(recipe)} | ({} if n_train is None else {"n_train": n_train})
         if names := [name.strip() for name in effects.split(",") if name.strip()]:
             more["effects"] = names
         if cluster:
@@ -96,7 +99,22 @@ def train(
         say(file)
     if report and recipe is Recipe.field:
         from fieldkit.inference.network.ensemble import read_card
-        from fieldkit.inference.validation.calibration import table
+        from studies.validation.field import table
 
         for line in table(read_card(out)):
             say(line)
+
+
+def _evaluation(recipe: Recipe) -> Callable[..., dict[str, Any]]:
+    """The study that computes the figures of the card."""
+    if recipe is Recipe.field:
+        from studies.validation.field import evaluate
+
+        return evaluate
+    if recipe is Recipe.history:
+        from studies.validation.history import judge
+
+        return judge
+    from studies.validation.score import score
+
+    return score

@@ -241,7 +241,9 @@ def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
     assert {"mae_m", "rmse_m", "bias_m", "published", "next_flight", "rules", "findings"} <= set(document)
 
 
-@pytest.mark.parametrize("command", [("paper",), ("study", "reference"), ("study", "rockets")])
+@pytest.mark.parametrize(
+    "command", [("paper",), ("study", "reference"), ("study", "rockets"), ("train", "--out", "new")]
+)
 def test_if_the_studies_are_missing_their_commands_say_what_to_install(
     run: Run, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:

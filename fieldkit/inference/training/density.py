@@ -15,7 +15,7 @@ from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, LOG_PRECISION_RANGE, WIDTH
 from fieldkit.inference.training.fit import Progress
-from fieldkit.shapes import Float
+from fieldkit.shapes import Array, Float
 
 MEMBERS = 5
 HIDDEN_UNITS = 128
@@ -134,6 +134,16 @@ def fit(
         if progress:
             progress(epoch, plan.epochs, float(np.mean(losses[-100:])))
     return members, mean, sd
+
+
+def member_outputs(
+    members: Members, mean: Scale, sd: Scale, features: Float[Array, "flight feature"]
+) -> Float[Array, "flight member part"]:
+    """The outputs of trained members, as `fieldkit.inference.network.mixture` reads them."""
+    scaled = scaled_features(features, mean, sd)
+    with torch.no_grad():
+        found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
+    return found.swapaxes(0, 1).astype(float)
 
 
 def _orders(count: int, batch: int) -> Iterator[Tensor]:

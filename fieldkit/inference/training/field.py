@@ -1,7 +1,7 @@
 """The field ensemble: densities of drag area and alpha fitted to simulated flights of every motor."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -10,17 +10,14 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.inference.network import outliers
-from fieldkit.inference.network.ensemble import from_parts
+from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.network.field_ensemble import INTERVALS, intervals
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, logits
 from fieldkit.inference.training.density import HIDDEN_UNITS, LAYERS, MEMBERS, Batch, TrainingPlan, fit
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.training.member_graphs import density_graph
 from fieldkit.inference.training.parts import drop_parts, simulate_parts
-from fieldkit.inference.training.restricted import train_restricted
 from fieldkit.inference.training.shipping import claim, ship
-from fieldkit.inference.validation.calibration import judge
-from fieldkit.inference.validation.restricted import BURN_SD
 from fieldkit.model.field_features import FEATURES, features, shown
 from fieldkit.model.observation_noise import GAIN, NOISE, OFFSET, forget, measure
 from fieldkit.model.observations import INDEPENDENT_READOUTS, Observed
@@ -32,15 +29,18 @@ from fieldkit.shapes import Array, Float
 
 PLANS = {"quick": TrainingPlan(epochs=2), "published": TrainingPlan(epochs=20)}
 """Schedules: a quick trial, and the shipped ensemble's."""
-EVALUATION_FLIGHTS = 20_000
-"""Number of new flights for evaluation, and the same number on the held-out manufacturer's motors."""
+LIMIT_FLIGHTS = 80_000
+"""Number of new flights from which the limits of outliers are computed."""
 REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
 """Features with stored training bounds; a flyer is warned outside them."""
+
+Evaluation = Callable[[Ensemble, np.random.Generator, bool], dict[str, Any]]
 
 
 def train_field(
     out: Path,
     *,
+    evaluate: Evaluation,
     seed: int = 1,
     n_train: int = 1_000_000,
     schedule: str = "published",
@@ -49,6 +49,8 @@ def train_field(
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, evaluate, and return the results.
+
+    `evaluate` returns the card's figures on new flights; its last argument is whether the ensemble is to be published.
 
     On a `cluster`, as in `fieldkit.parallel.workers`, flights are simulated in parts that are stored in the new folder
     until the end, so that an interrupted run can resume. They differ from the flights that one machine draws in one go.
@@ -65,7 +67,7 @@ def train_field(
         raise BadValue(f"found {n_train} flights to train on, expected at least {plan.batch}")
     claim(out)
     began = time.perf_counter()
-    known, others = split_motors()
+    known, _ = split_motors()
     streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(5)]
     if cluster:
         with workers(cluster) as pool:
@@ -83,13 +85,7 @@ def train_field(
         "reach": reach(features(measure(streams[2], truth.rows(slice(0, 100_000))))),
     }
     card["guard"] = outliers.limits(from_parts(exported, card, out), _fresh(streams[3], known, effects))
-    ensemble = from_parts(exported, card, out)
-    card["test"] = judge(ensemble, streams[4], known, EVALUATION_FLIGHTS, effects)
-    card["test_held_out"] = judge(ensemble, streams[4], others, EVALUATION_FLIGHTS, effects)
-    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), EVALUATION_FLIGHTS, effects)
-    if schedule == "published":
-        card["restricted"] = train_restricted(seed=seed)
-        card["restricted_burn_uncertain"] = train_restricted(seed=seed, burn_sd=BURN_SD)
+    card |= evaluate(from_parts(exported, card, out), streams[4], schedule == "published")
     both = card["test"]["all ten"]
     files = ship(out, exported, card)
     drop_parts(out)
@@ -103,12 +99,6 @@ def train_field(
     }
 
 
-def _peers(known: list[Motor], others: list[Motor]) -> list[Motor]:
-    """Motors in the training set of the same classes as the held-out ones."""
-    classes = {motor.impulse_class for motor in others}
-    return [motor for motor in known if motor.impulse_class in classes]
-
-
 def batch(rng: np.random.Generator, truth: Truth) -> Batch:
     """One observation of the flights, with new noise and new gaps."""
     whole = measure(rng, truth)
@@ -120,7 +110,7 @@ def batch(rng: np.random.Generator, truth: Truth) -> Batch:
 
 def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]) -> Observed:
     """New flights on these motors, with gaps in their readouts."""
-    return forget(rng, measure(rng, simulate(rng, motors, 4 * EVALUATION_FLIGHTS, effects)))
+    return forget(rng, measure(rng, simulate(rng, motors, LIMIT_FLIGHTS, effects)))
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:

@@ -21,7 +21,7 @@ from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.modeled_rockets import SELECTION_WORLD
 from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.shards import HistoryTable, simulate_table
-from fieldkit.inference.network.ensemble import from_parts
+from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.network.history_parts import width
 from fieldkit.inference.training.density import scaled_features
 from fieldkit.inference.training.fit import Progress, one_thread
@@ -31,7 +31,6 @@ from fieldkit.inference.training.parts import FOLDER, drop_parts
 from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.inference.training.stopwatch import Stopwatch
 from fieldkit.inference.training.unfinished import load_state, save_state
-from fieldkit.inference.validation.history import judge
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import priors
@@ -66,6 +65,7 @@ PLANS = {"quick": HistoryPlan(epochs=2), "published": HistoryPlan(epochs=5, deca
 def train_history(
     out: Path,
     *,
+    evaluate: Callable[[Ensemble, HistoryTable], dict[str, Any]],
     candidates_of: Candidates,
     inclusion: Mapping[str, float],
     seed: int = 1,
@@ -77,10 +77,10 @@ def train_history(
     """Simulate the histories of `n_train` rockets, train, export into a new folder, evaluate, and return the results.
 
     Shards and the state of training are saved in the folder until the end, so that an interrupted run can resume.
-    `candidates_of` returns the candidates for a history, and `inclusion` has the prior probabilities of the effects.
-    While histories are simulated, `progress` counts shards and its loss is nan. Raises BadValue for an unknown schedule
-    or a folder that already contains an ensemble, FieldkitError if the cluster cannot be used, DamagedModel if the
-    hyperprior cannot be read.
+    `evaluate` returns the card's figures on histories that were not used in training, `candidates_of` the candidates
+    for a history, and `inclusion` has the prior probabilities of the effects. While histories are simulated, `progress`
+    counts shards and its loss is nan. Raises BadValue for an unknown schedule or a folder that already contains an
+    ensemble, FieldkitError if the cluster cannot be used, DamagedModel if the hyperprior cannot be read.
     """
     if schedule not in PLANS:
         raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
@@ -115,8 +115,8 @@ def train_history(
         "loss": losses,
     }
     ensemble = from_parts(graph, card, out)
-    card["test"] = judge(ensemble, test)
-    card["test_held_out"] = judge(ensemble, others)
+    card["test"] = evaluate(ensemble, test)
+    card["test_held_out"] = evaluate(ensemble, others)
     files = ship(out, graph, card)
     drop_parts(out)
     return {

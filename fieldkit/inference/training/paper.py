@@ -5,6 +5,7 @@ The recipe is the paper's with one exception: validation and test flights are dr
 """
 
 import time
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,11 @@ import numpy as np
 import torch
 
 from fieldkit.errors import BadValue
-from fieldkit.inference.network.ensemble import from_parts
+from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.training.fit import BATCH, SCHEDULES, WEIGHT_DECAY, Progress, Schedule, fit, one_thread
 from fieldkit.inference.training.graph import graph
 from fieldkit.inference.training.network import network
 from fieldkit.inference.training.shipping import claim, ship
-from fieldkit.inference.validation.score import score
 from fieldkit.model.features import PAPER_FEATURES
 from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, APOGEE_NOISE, CD_RANGE, PaperDraws, paper_draws
 from fieldkit.shapes import Array, Float
@@ -33,11 +33,18 @@ HELD_OUT = 2000
 
 
 def train_paper(
-    out: Path, *, seed: int = 1, n_train: int = 10_000, schedule: str = "quick", progress: Progress | None = None
+    out: Path,
+    *,
+    evaluate: Callable[[Ensemble, Array, Array], dict[str, Any]],
+    seed: int = 1,
+    n_train: int = 10_000,
+    schedule: str = "quick",
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, and return the results of `fieldkit train --json`.
 
-    The same seed gives the same graph on the same machine. Raises BadValue for an unknown schedule, too few flights, or
+    `evaluate` returns the card's figures from features and truths of flights that were not used in training. The same
+    seed gives the same graph on the same machine. Raises BadValue for an unknown schedule, too few flights, or
     a folder that already contains an ensemble, FieldkitError if the ensemble cannot be written.
     """
     plan = _checked(schedule, n_train)
@@ -56,7 +63,7 @@ def train_paper(
     seconds = round(time.perf_counter() - began, 1)
     card = _card(plan, seed, n_train) | {"ranges": _ranges(train.features), "seconds": seconds}
     exported = graph(model, mean, scale, f"fieldkit: the reference paper's ensemble, seed {seed}")
-    card["test"] = score(from_parts(exported, card, out), test.features, test.truth)
+    card["test"] = evaluate(from_parts(exported, card, out), test.features, test.truth)
     return {
         "recipe": "paper",
         "cd_mae": card["test"]["cd"]["mae"],

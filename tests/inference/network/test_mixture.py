@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, Mixture, logits, mixture
-from fieldkit.inference.validation.calibration import score
+from studies.validation.field import score
 
 pytestmark = pytest.mark.fast
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import studies.validation.field
 from fieldkit.inference.network.mixture import WIDTH, logits, mixture
 
 CHECK_SHAPES = False
@@ -14,13 +15,18 @@ pytest.importorskip("onnx")
 pytestmark = pytest.mark.train
 
 
+def no_evaluation(ensemble: object, rng: object, published: bool) -> dict[str, object]:
+    raise AssertionError("an ensemble was trained")
+
+
 @pytest.fixture
 def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> tuple[Path, str]:
     """The folder of an ensemble trained for a moment by the command, and what the command printed."""
     from fieldkit.cli.main import main
     from fieldkit.inference.training import density, field
 
-    monkeypatch.setattr(field, "EVALUATION_FLIGHTS", 100)
+    monkeypatch.setattr(studies.validation.field, "FLIGHTS", 100)
+    monkeypatch.setattr(field, "LIMIT_FLIGHTS", 400)
     monkeypatch.setitem(field.PLANS, "quick", density.TrainingPlan(epochs=2, batch=256))
     out = tmp_path / "field"
     options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")
@@ -90,7 +96,7 @@ def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, s
     assert ensemble.card["effects"] == list(ensemble.card["effect_priors"]) == ["mass_offset", "wind"]
     assert "--effects mass_offset,wind" in ensemble.card["command"]
     with pytest.raises(BadValue, match="an existing ensemble"):
-        train_field(folder)
+        train_field(folder, evaluate=no_evaluation)
 
 
 def test_an_unknown_effect_stops_before_anything_is_simulated(tmp_path: Path) -> None:
@@ -98,5 +104,5 @@ def test_an_unknown_effect_stops_before_anything_is_simulated(tmp_path: Path) ->
     from fieldkit.inference.training.field import train_field
 
     with pytest.raises(BadValue, match="no effect 'gusts'"):
-        train_field(tmp_path / "field", effects=["gusts"])
+        train_field(tmp_path / "field", evaluate=no_evaluation, effects=["gusts"])
     assert not (tmp_path / "field").exists()

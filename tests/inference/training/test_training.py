@@ -19,6 +19,7 @@ from fieldkit.inference.training.fit import SCHEDULES, Schedule, fit, one_thread
 from fieldkit.inference.training.graph import graph  # noqa: E402
 from fieldkit.inference.training.network import Network, network  # noqa: E402
 from fieldkit.inference.training.paper import train_paper  # noqa: E402
+from studies.validation.score import score  # noqa: E402
 
 RANGES = np.array([[0.2, 1.5], [0.5, 1.5]])
 TWO_EPOCHS = Schedule("two", epochs=2, rate=1e-2, one_cycle=True)
@@ -117,9 +118,11 @@ def test_training_leaves_torch_as_it_was() -> None:
 @pytest.mark.thorough
 def test_the_same_seed_trains_the_same_ensemble_and_its_card_shows_how(tmp_path: Path) -> None:
     steps: list[int] = []
-    first = train_paper(tmp_path / "a", seed=7, n_train=512, progress=lambda epoch, epochs, loss: steps.append(epoch))
-    train_paper(tmp_path / "b", seed=7, n_train=512)
-    train_paper(tmp_path / "c", seed=8, n_train=512)
+    first = train_paper(
+        tmp_path / "a", evaluate=score, seed=7, n_train=512, progress=lambda epoch, *_: steps.append(epoch)
+    )
+    train_paper(tmp_path / "b", evaluate=score, seed=7, n_train=512)
+    train_paper(tmp_path / "c", evaluate=score, seed=8, n_train=512)
     a, b, c = (hashlib.sha256((tmp_path / name / GRAPH).read_bytes()).hexdigest() for name in "abc")
     assert a == b != c
     assert steps == list(range(1, 11))
@@ -134,14 +137,14 @@ def test_the_same_seed_trains_the_same_ensemble_and_its_card_shows_how(tmp_path:
 def test_an_ensemble_is_never_overwritten(tmp_path: Path) -> None:
     (tmp_path / CARD).write_text("{}")
     with pytest.raises(BadValue, match="found an existing ensemble"):
-        train_paper(tmp_path)
+        train_paper(tmp_path, evaluate=score)
     assert (tmp_path / CARD).read_text() == "{}"
 
 
 @pytest.mark.parametrize("wrong", [{"schedule": "slow"}, {"n_train": 10}])
 def test_an_impossible_recipe_is_refused(tmp_path: Path, wrong: dict[str, object]) -> None:
     with pytest.raises(BadValue, match="found"):
-        train_paper(tmp_path / "out", **wrong)  # type: ignore[arg-type]
+        train_paper(tmp_path / "out", evaluate=score, **wrong)  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.validation.restricted import SUBSETS, Exact, Restricted, exact, restricted_draws
 from fieldkit.model.observations import disc
 from fieldkit.physics.paper import DIAMETER
+from studies.validation.restricted import SUBSETS, Exact, Restricted, exact, restricted_draws
 
 pytestmark = pytest.mark.fast
 

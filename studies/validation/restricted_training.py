@@ -3,12 +3,14 @@
 from typing import Any
 
 import numpy as np
-import torch
 
 from fieldkit.inference.network.mixture import logits, mixture
-from fieldkit.inference.training.density import Batch, Members, Scale, TrainingPlan, fit, scaled_features
+from fieldkit.inference.training.density import Batch, TrainingPlan, fit, member_outputs
 from fieldkit.inference.training.fit import Progress, one_thread
-from fieldkit.inference.validation.restricted import (
+from fieldkit.model.field_features import features, shown
+from fieldkit.model.observations import READOUT_NAMES
+from fieldkit.shapes import Array, Float
+from studies.validation.restricted import (
     SUBSETS,
     Restricted,
     against_exact,
@@ -17,9 +19,6 @@ from fieldkit.inference.validation.restricted import (
     measured,
     restricted_draws,
 )
-from fieldkit.model.field_features import features, shown
-from fieldkit.model.observations import READOUT_NAMES, Observed
-from fieldkit.shapes import Array, Float
 
 PLAN = TrainingPlan(epochs=20)
 CELLS_UNCERTAIN = 150
@@ -46,7 +45,7 @@ def train_restricted(
         members, mean, sd = fit(lambda: _batch(rng, flights, clean), plan, progress)
     fresh, _ = restricted_draws(rng, judged, burn_sd)
     densities = {
-        name: mixture(_run(members, mean, sd, fresh.observed.only(*kept)), *intervals(judged))
+        name: mixture(member_outputs(members, mean, sd, features(fresh.observed.only(*kept))), *intervals(judged))
         for name, kept in SUBSETS.items()
     }
     grid = exact(CELLS_UNCERTAIN, burn_sd) if burn_sd else exact()
@@ -61,10 +60,3 @@ def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "f
     observed = whole.with_readouts(np.where(kept[which], whole.readouts, np.nan))
     arrays = features(observed), logits(flights.truth, *intervals(len(clean))), shown(whole)
     return Batch(*(np.asarray(array, np.float32) for array in arrays))
-
-
-def _run(members: Members, mean: Scale, sd: Scale, observed: Observed) -> Float[Array, "flight member part"]:
-    scaled = scaled_features(features(observed), mean, sd)
-    with torch.no_grad():
-        found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
-    return found.swapaxes(0, 1).astype(float)

@@ -1,1 +1,0 @@
-"""Validation of posteriors: comparison with exact ones, calibration, scores."""

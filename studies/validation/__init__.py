@@ -1,0 +1,1 @@
+"""Validation of the ensembles: comparison with exact posteriors, calibration, scores."""
