@@ -11,7 +11,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.clocks import in_order
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
@@ -44,7 +44,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "groups of columns that begin with time, Pressure AGL among them")
     groups = _groups(head.names)
     wanted = []
@@ -55,7 +55,7 @@ def read(log: bytes) -> list[Found]:
     table = read_columns(log, wanted, after=head.row, separator=head.separator, widths=widths)
     series: list[Series] = []
     events: dict[str, float] = {}
-    notes: list[Found] = []
+    notes: list[Parsed] = []
     for clock, places in groups:
         time, *columns = in_order(table.values[str(clock)], *(table.values[str(place)] for place in places))
         named = {head.names[place]: column for place, column in zip(places, columns, strict=True)}

@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Series
-from fieldkit.importing import HEAD, Found, Parser, Reading
+from fieldkit.importing import HEAD, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import upright
@@ -45,7 +45,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "time(ms),altitude(m),...")
     channels: list[Channel] = head.channels(CHANNELS)
     parts, found = read_columns(

@@ -21,7 +21,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.plausibility import identity
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.quantities import counted
@@ -73,7 +73,7 @@ def _named(header: list[str]) -> list[str]:
     return [SPELLED.get(name.lower(), name) for name in map(str.strip, header) if name]
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     text = decode_whole(log)
     head = _header(text)
     if head is None:
@@ -81,7 +81,7 @@ def read(log: bytes) -> list[Found]:
     header_row, header, separator = head
     kind = _kind(header)
     names = _named(header)
-    found: list[Found] = []
+    found: list[Parsed] = []
     unmeasured = 0
     for row, cells in rows(text, separator):
         if row <= header_row or (not isinstance(cells, DamagedLog) and not any(map(str.strip, cells))):

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.altos import MAX_RADIO_GAP, NO_VALUE, TICK, entered
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS
@@ -56,14 +56,14 @@ def recognises(head: bytes) -> bool:
     return _header(head) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     header = _header(log)
     if header is None:
         raise DamagedLog("found no header, expected one that begins #version,serial,flight", row=1)
     row, names, separator = header
     widths = _widths(log, row, names, separator)
     common = widths.most_common(1)[0][0] if widths else len(names)
-    remarks: list[Found] = []
+    remarks: list[Parsed] = []
     allowed: Collection[int] = {common}
     if common != len(names):
         _refuse_commas(log, row, separator)
@@ -75,7 +75,7 @@ def read(log: bytes) -> list[Found]:
     channels = _channels(names, row)
     table = _present(read_columns(log, channels, after=row, separator=separator, comment="#", widths=allowed))
     about = _about(log, row)
-    found: list[Found] = []
+    found: list[Parsed] = []
     for flight in _by_flight(table):
         parts, more = _unwrapped(flight).flights() if "tick" in names else flight.flights()
         found += [_reading(part, about) for part in parts]

@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing import Parsed, Parser, Reading
 from fieldkit.importing.tables.altos import (
     NO_VALUE,
     STATES,
@@ -67,7 +67,7 @@ def recognises(head: bytes) -> bool:
     return bool(OLD_MARK.search(text)) and any(OLD_RECORD.match(line) for line in text.splitlines())
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     if len(log) > MAX_LOG_SIZE:
         raise DamagedLog(f"found {len(log)} bytes, expected at most {MAX_LOG_SIZE}, the largest flash there is")
     log = _plain(log)
@@ -84,7 +84,7 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog(f"found log format {known}, expected one with pressures: {', '.join(map(str, LAYOUTS))}")
     flash = old_form(log, row, settings, layout) if old else new_form(log, row, settings, layout)
     readings = [_reading(records, flash.settings, layout) for records in _flights(flash.records)]
-    found: list[Found] = [reading for reading in readings if reading is not None]
+    found: list[Parsed] = [reading for reading in readings if reading is not None]
     if not found:
         raise DamagedLog("found no samples, expected records of the letter A or P", row=row)
     return [*found, *flash.found]
@@ -224,7 +224,7 @@ def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"], 
     )
 
 
-def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
+def _telemini_1(settings: str, log: bytes, row: int) -> list[Parsed]:
     """The flight of a TeleMini 1: 2-byte words, the flight number first, then pressures and states (high bit set).
 
     Pressures are 0.1 s apart up to the drogue state, then 1 s.

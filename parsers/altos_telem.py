@@ -15,15 +15,15 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.altos import MAX_RADIO_GAP, SEED, STATES, entered, mp3h6115, seconds
+from fieldkit.importing.tables.altos_flash import Octets
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, shown
 from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
 
-Octets = np.ndarray[Any, np.dtype[np.uint8]]
 MAX_LOG_SIZE = 32 << 20
 """Largest file size: half a day of packets. [bytes]"""
 PACKET, FRAME = 32, 36
@@ -105,7 +105,7 @@ def recognises(head: bytes) -> bool:
     return any(line.startswith("TELEM ") for _, lines in blocks(head) for line in lines)
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     if len(log) > MAX_LOG_SIZE:
         raise DamagedLog(f"found {len(log)} bytes, expected at most {MAX_LOG_SIZE}")
     packets, found = _packets(log)
@@ -122,7 +122,7 @@ def read(log: bytes) -> list[Found]:
     return [*with_samples, *found]
 
 
-def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
+def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Parsed]]:
     """Complete packets, and notes about the others."""
     good, damaged, left_out = bytearray(), Damaged(), Counter[str]()
     for first, lines in blocks(log):

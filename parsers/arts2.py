@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS, find_header
 from fieldkit.importing.tables.text import decode, lines_of
@@ -46,7 +46,7 @@ def recognises(head: bytes) -> bool:
     return _interpreted(head) is not None or find_header(head, _raw) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = _interpreted(log)
     if head is None:
         if raw := find_header(log, _raw):
@@ -65,7 +65,7 @@ def read(log: bytes) -> list[Found]:
     return [*(Reading(series=_series(part, found), device="ARTS2") for part in parts), *found]
 
 
-def _series(table: LogTable, notes: list[Found]) -> Series:
+def _series(table: LogTable, notes: list[Parsed]) -> Series:
     series = table.series()
     level = float(np.median(table.values["acc"][:RESTING])) / STANDARD_GRAVITY
     if abs(level - 1) < 0.2:

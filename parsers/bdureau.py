@@ -17,7 +17,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.damage import Damaged
 from fieldkit.importing.tables.text import narrow, shown
 from fieldkit.quantities import counted
@@ -60,7 +60,7 @@ def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
             yield row, DamagedLog(f"found the checksum {found}, expected {checksum(body + comma)}", row=row)
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     log, damaged = narrow(log), Damaged()
     flights: dict[int, array[float]] = {}
     live = array("d")
@@ -126,7 +126,7 @@ def _pressure(printed: Float[Array, "row"], altitude: Float[Array, "row"]) -> Fl
     return np.where(np.abs(pressure / expected - 1) < 0.1, pressure, np.nan)
 
 
-def _flight(number: int, samples: "array[float]", board: str, notes: list[Found]) -> Reading:
+def _flight(number: int, samples: "array[float]", board: str, notes: list[Parsed]) -> Reading:
     table = np.array(samples).reshape(-1, WIDTH)
     clock = _unwrapped(table[:, 1])
     order = np.argsort(clock, kind="stable")

@@ -14,7 +14,7 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from fieldkit.flight import Series
-from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import along_thrust, marks, scale_at_rest, upright
@@ -67,7 +67,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _is_either) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _is_either, f"{CLOCK} with a barometer or three accelerations")
     low = _is_low(head.names)
     channels = head.channels(CHANNELS)
@@ -88,7 +88,7 @@ def _low(table: LogTable, head: Header, log: bytes) -> Reading:
     return replace(_reading(table.series(), table, head, log), events=events, part="low")
 
 
-def _high(table: LogTable, head: Header, log: bytes, notes: list[Found]) -> Reading:
+def _high(table: LogTable, head: Header, log: bytes, notes: list[Parsed]) -> Reading:
     time = table.values["time"]
     axes: Float[Array, "axis row"] = np.array([table.values[name] for name in AXES])
     total: Float[Array, "row"] = np.sqrt((axes**2).sum(axis=0))

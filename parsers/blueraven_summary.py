@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime, timedelta
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.importing import HEAD, Found, Parser, Reading
+from fieldkit.importing import HEAD, Parsed, Parser, Reading
 from fieldkit.importing.tables.text import decode, lines_of, shown
 from fieldkit.safe_text import printable
 from fieldkit.units import parse
@@ -46,11 +46,11 @@ def recognises(head: bytes) -> bool:
     return first is not None and _THEN.search(text, first.end()) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     stated: dict[str, object] = {}
     events: dict[str, float] = {}
     fields: dict[str, str] = {}
-    found: list[Found] = []
+    found: list[Parsed] = []
     for row, spelled, key, value in _lines(log):
         if key in fields:
             continue

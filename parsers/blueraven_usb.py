@@ -18,7 +18,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.checksums import BUYPASS
 from fieldkit.importing.tables.pad_state import scale_at_rest, upright
 from fieldkit.importing.tables.text import line_end, lines, narrow
@@ -122,7 +122,7 @@ def _frame(text: bytes) -> SampleFrame | None:
     return SampleFrame(head[1].decode(), moment, fields)
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     log, samples = narrow(log), {"LOW": array("d"), "HIR": array("d")}
     lost, first_lost, cut = 0, 0, False
     last = log.count(line_end(log)) + 1
@@ -141,7 +141,7 @@ def read(log: bytes) -> list[Found]:
     high = np.array(samples["HIR"]).reshape(-1, 4)
     if not len(low) + len(high):
         raise DamagedLog("found no frame with a good checksum, expected lines of @ LOG_LOW or @ LOG_HIR")
-    found: list[Found] = []
+    found: list[Parsed] = []
     if lost:
         found.append(
             Note(f"has a frame with a bad checksum, left out; {counted(lost, 'such line')} in all", first_lost)
@@ -152,14 +152,14 @@ def read(log: bytes) -> list[Found]:
 
 
 def _readings(
-    low: Float[Array, "frame number"], high: Float[Array, "frame axis"], notes: list[Found]
+    low: Float[Array, "frame number"], high: Float[Array, "frame axis"], notes: list[Parsed]
 ) -> Iterator[Reading]:
     """A reading for each flight: frames of both rates without a gap in the clock."""
     clock = np.unique(np.concatenate([low[:, 0], high[:, 0]]))
     starts = clock[np.concatenate([[True], np.diff(clock) > MAX_FRAME_GAP])]
     for zero, end in zip(starts, [*starts[1:], np.inf], strict=True):
         parts = [_ordered(part[(part[:, 0] >= zero) & (part[:, 0] < end)], zero) for part in (low, high)]
-        makers: tuple[Callable[[Array, list[Found]], Series], ...] = (_low, _high)
+        makers: tuple[Callable[[Array, list[Parsed]], Series], ...] = (_low, _high)
         series = tuple(make(part, notes) for make, part in zip(makers, parts, strict=True) if len(part))
         first = f"{EPOCH + timedelta(seconds=float(zero)):%Y-%m-%d %H:%M:%S}"
         yield Reading({}, {"clock at the first sample": first}, series=series, device="Blue Raven")
@@ -171,7 +171,7 @@ def _ordered(part: Float[Array, "frame number"], zero: float) -> Float[Array, "f
     return ordered
 
 
-def _low(part: Float[Array, "frame number"], _: list[Found]) -> Series:
+def _low(part: Float[Array, "frame number"], _: list[Parsed]) -> Series:
     time, fahrenheit, pressure, battery, up, tilt = part.T
     scale = UNITS["temperature"]["f"]
     return Series(
@@ -188,7 +188,7 @@ def _known(values: Float[Array, "frame"]) -> Float[Array, "frame"] | None:
     return None if np.isnan(values).all() else values
 
 
-def _high(part: Float[Array, "frame axis"], notes: list[Found]) -> Series:
+def _high(part: Float[Array, "frame axis"], notes: list[Parsed]) -> Series:
     time, axes = part[:, 0], part[:, 1:].T
     total: Float[Array, "frame"] = np.sqrt((axes**2).sum(axis=0))
     rest = time - time[0] < PAD

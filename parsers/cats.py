@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import scale_at_rest
@@ -64,7 +64,7 @@ def recognises(head: bytes) -> bool:
     return found is not None and found.row <= MOST_ABOVE
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header with ts")
     head = replace(head, names=tuple(map(_joined, head.names)))
     axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
@@ -89,7 +89,7 @@ def _sensors(table: LogTable) -> list[LogTable]:
     return [table.pick(which == number) for _, number in there[:MOST_SENSORS]]
 
 
-def _series(table: LogTable, notes: list[Found]) -> list[Series]:
+def _series(table: LogTable, notes: list[Parsed]) -> list[Series]:
     """The samples of one sensor; empty if their meaning is uncertain."""
     time, values = table.values["time"], dict(table.values)
     if (pressure := table.get("raw pressure")) is not None:

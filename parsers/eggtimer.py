@@ -17,7 +17,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.header import Header, find_header, header_in
@@ -74,9 +74,9 @@ class _TextTable:
     stop: int
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     log = narrow(log)
-    found: list[Found] = []
+    found: list[Parsed] = []
     parts = list(islice(_parts(log), MOST_FLIGHTS))
     if not parts:
         raise DamagedLog("found no header, expected T,Alt,...")
@@ -112,7 +112,7 @@ def _parts(log: bytes) -> Iterator[_TextTable]:
         yield replace(part, summary=part.summary or labels)
 
 
-def _flights(log: bytes, part: _TextTable) -> list[Found]:
+def _flights(log: bytes, part: _TextTable) -> list[Parsed]:
     """The flight of one table, or several if its clock restarts."""
     head, last = part.head, part.stop == len(log)
     body, above = (log, 0) if last else (log[part.start : part.stop], head.row)
@@ -130,7 +130,7 @@ def _flights(log: bytes, part: _TextTable) -> list[Found]:
     table = read_columns(body, channels, after=after, separator=head.separator, widths=widths)
     table.values["time"][:] = _seconds(table.values["time"])
     parts, remarks = table.flights()
-    found: list[Found] = []
+    found: list[Parsed] = []
     for one in parts:
         unit = _unit(one, head)
         note = f"has no units; altitude is taken in {unit.unit}, {unit.why}"

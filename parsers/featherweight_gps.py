@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from fieldkit.flight import Series
-from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.clocks import in_order
 from fieldkit.importing.tables.columns import LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
@@ -47,7 +47,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
     ground = set(head.names) >= GROUND
     text = b"\n".join(_seconds(narrow(log), head)) if ground else log
@@ -63,8 +63,8 @@ def read(log: bytes) -> list[Found]:
         for one in _receivers(head)
     ]
     table = max(tables, key=_rise) if len(tables) > 1 else tables[0]
-    readings: list[Found] = []
-    notes: list[Found] = []
+    readings: list[Parsed] = []
+    notes: list[Parsed] = []
     for name, part in _trackers(table):
         time = part.values["time"]
         if ground:

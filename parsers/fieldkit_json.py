@@ -15,7 +15,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import COLUMNS, LOGGED, MEASURED, TEXT_COLUMNS, Column, read_date, read_tags
 from fieldkit.flight.readout import read_sd, read_source
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.text import check_count, decode, decode_whole, shown
 
 _LIST = re.compile(r'"flights"\s*:\s*\[')
@@ -29,7 +29,7 @@ def recognises(head: bytes) -> bool:
     return text.startswith("{") and _LIST.search(text) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     try:
         document = json.loads(decode_whole(log), parse_float=_finite)
     except (ValueError, RecursionError) as error:
@@ -48,7 +48,7 @@ def _finite(text: str) -> float | str:
     return number if isfinite(number := float(text)) else text
 
 
-def _reading(row: int, flight: object) -> Found:
+def _reading(row: int, flight: object) -> Parsed:
     """The flight of one entry, or its error."""
     if not isinstance(flight, dict):
         return DamagedLog(f"found {shown(str(flight))}, expected a flight in braces", row=row)

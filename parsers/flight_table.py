@@ -18,7 +18,7 @@ from datetime import datetime
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, read_tags
 from fieldkit.flight.readout import ReadoutColumn
-from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.decimal_marks import (
     NOT_RECORDED,
     check_number,
@@ -83,11 +83,11 @@ def _is_number(cell: str) -> bool:
     return re.fullmatch(r"\s*[+-]?\d+([.,]\d+)?\s*", cell) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     return read_mapped(log, ())
 
 
-def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
+def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     """The flights of a table, with columns assigned by the first matching choice, otherwise by their names.
 
     Raises DamagedLog.
@@ -108,7 +108,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
     if table and not text.endswith(("\n", "\r")):
         table[-1] = last_row(*table[-1], len(headings))
     mark = decimal_mark(_numbers(headings, table), separator)
-    found: list[Found] = [_row(row, cells, headings, mark, separator) for row, cells in table]
+    found: list[Parsed] = [_row(row, cells, headings, mark, separator) for row, cells in table]
     found = [*unread_cells(headings, found), *found] or [Note("found a header and no flights", header_row)]
     if choice is None:
         return found
@@ -167,7 +167,7 @@ def _holds_numbers(heading: ColumnRole) -> bool:
     return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
 
 
-def _row(row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str) -> Found:
+def _row(row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str) -> Parsed:
     """The flight of one row, the error in the row, or a note if it is no flight."""
     note = None if isinstance(cells, DamagedLog) else left_out(row, cells, headings)
     return note or _reading(row, cells, headings, mark, separator)

@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.clocks import credible
 from fieldkit.importing.tables.column_choice import (
     SUFFICIENT_CHANNELS,
@@ -51,11 +51,11 @@ def recognises(head: bytes) -> bool:
     return layout.named and "time" in named and bool(named & set(SUFFICIENT_CHANNELS))
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     return read_mapped(log, ())
 
 
-def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
+def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     """The flights of a table by the first matching choice. Raises DamagedLog that explains what to write."""
     layout = layout_of(log[:HEAD])
     choice = choice_for(layout.headers, choices)
@@ -80,7 +80,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
 
 def _one_table(
     log: bytes, layout: Layout, picks: Sequence[Pick], choice: ColumnChoice | None
-) -> tuple[str, list[Found]]:
+) -> tuple[str, list[Parsed]]:
     """The assignment of the columns, in one line, and the flights in them."""
     table = _table(log, layout, picks)
     picks, values = one_a_channel(picks, table)
@@ -91,7 +91,7 @@ def _one_table(
     return _line(picks, units, left_out, choice), _readings(table, whole)
 
 
-def _together(found: Sequence[Found], other: Sequence[Found]) -> list[Found]:
+def _together(found: Sequence[Parsed], other: Sequence[Parsed]) -> list[Parsed]:
     """The flights of two side-by-side tables: samples merged flight by flight, or the flights of both separately.
 
     Tables with the same channels belong to different flights, and clocks that started at different times of day do not
@@ -158,7 +158,7 @@ def _column_of(picks: Sequence[Pick], channel: str) -> str:
     return names.get(channel) or names.get(_ALIASES.get(channel, ""), "")
 
 
-def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> list[Found]:
+def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> list[Parsed]:
     """A reading for every flight of the table, each with a clock that never runs backward."""
     time = values["time"]
     extra = {}

@@ -16,7 +16,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.text import line_end, narrow, shown
 from fieldkit.quantities import counted
 from fieldkit.units import FOOT
@@ -33,7 +33,7 @@ def recognises(head: bytes) -> bool:
     return STATISTICS.search(_plain(head)) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     if len(log) > MAX_LOG_SIZE:
         expected = f"expected at most {MAX_LOG_SIZE} for the 99999 samples that its statistics can count"
         raise DamagedLog(f"found {len(log)} bytes, {expected}")
@@ -60,7 +60,7 @@ def _plain(log: bytes) -> bytes:
     return log.replace(b"\r", b"\n") if line_end(log) == b"\r" else log
 
 
-def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()], list[Found]]:
+def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()], list[Parsed]]:
     """The samples after the statistics, starting at line `first`. Raises DamagedLog without a usable interval."""
     rows = [(row, line) for row, line in enumerate(lines, start=first) if line.strip()]
     if not rows:
@@ -71,7 +71,7 @@ def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()
         raise DamagedLog(found, row=row)
     rows = rows[: 1 + count]  # a terminal may have recorded further answers
     heights = [_height(text) for _, text in rows[1:]]
-    notes: list[Found] = []
+    notes: list[Parsed] = []
     lost = [row for (row, _), height in zip(rows[1:], heights, strict=True) if np.isnan(height)]
     if lost:
         notes.append(Note(f"is a damaged sample, left out; {counted(len(lost), 'such sample')} in all", lost[0]))

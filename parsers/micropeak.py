@@ -19,7 +19,7 @@ import numpy as np
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
 from fieldkit.flight.limits import check
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.checksums import crc_x25
 from fieldkit.importing.tables.text import narrow
 from fieldkit.physics.standard_atmosphere import pressure_height
@@ -53,8 +53,8 @@ def recognises(head: bytes) -> bool:
     return any(_is_header(bytes.fromhex(digits[:20].decode())) for _, digits in _transmissions(_plain(head)))
 
 
-def read(log: bytes) -> list[Found]:
-    log, found = _plain(log), list[Found]()
+def read(log: bytes) -> list[Parsed]:
+    log, found = _plain(log), list[Parsed]()
     for start, digits in islice(_transmissions(log), MOST_FLIGHTS):
         found += _flight(digits, log.count(b"\n", 0, start) + 1)
     if not any(isinstance(item, Reading | Note) for item in found):
@@ -82,7 +82,7 @@ def _is_header(data: bytes) -> bool:
     return (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and count >> 12 < len(MODELS)) or data == b"\xff" * 10
 
 
-def _flight(digits: bytes, row: int) -> list[Found]:
+def _flight(digits: bytes, row: int) -> list[Parsed]:
     """The flight in one transmission, or its error."""
     data = bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
     if data[:10] == b"\xff" * len(data[:10]):
@@ -109,7 +109,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
         ]
     if not len(samples):
         return [DamagedLog("found no samples, expected at least one", row=row)]
-    found: list[Found] = [_reading(MODELS[number], ground, least, samples)]
+    found: list[Parsed] = [_reading(MODELS[number], ground, least, samples)]
     if len(data) < end + 2:
         found.append(Note(f"is cut off: {len(samples)} of {counted(count, 'sample')}, without a checksum", row))
     return found

@@ -7,7 +7,7 @@ Source: the header as listed with the format.
 
 from collections.abc import Sequence
 
-from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing import Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 
@@ -22,7 +22,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "Time, Press(Pa), Height(m)")
     channels = [
         Channel(channel, head.names.index(name), needed=channel == "time", header=name)

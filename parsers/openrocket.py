@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import HEAD, Found, Parser, Reading
+from fieldkit.importing import HEAD, Parsed, Parser, Reading
 from fieldkit.importing.tables.headings import heading, unit_named
 from fieldkit.importing.tables.simulations import TIME_WORDS, channel_of, read_simulation
 from fieldkit.importing.tables.text import decode, lines_of
@@ -75,7 +75,7 @@ def _starts_at_zero(text: str, header: ExportHeader) -> bool:
     return all(abs(value) < ZERO for value in start)
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = decode(log[:HEAD])
     header = _header(head)
     if header is None:

@@ -18,7 +18,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.limits import check
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.damage import below
 from fieldkit.importing.tables.text import first_lines, shown
@@ -61,9 +61,9 @@ def recognises(head: bytes) -> bool:
     return any(line.lstrip(' "').startswith("PerfectFlite ") for line in first_lines(head, most=MOST_ABOVE))
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     starts = [0, *(match.start() for match in islice(NEXT_FLIGHT.finditer(log), 1, MOST_FLIGHTS)), len(log)]
-    found: list[Found] = []
+    found: list[Parsed] = []
     for start, end in pairwise(starts):
         above = log.count(b"\n", 0, start)
         try:
@@ -75,11 +75,11 @@ def read(log: bytes) -> list[Found]:
     return found
 
 
-def _flight(log: bytes) -> list[Found]:
+def _flight(log: bytes) -> list[Parsed]:
     """What was found in one file, or in one of several that somebody put together. Raises DamagedLog."""
     header, data_row, data = _header(log)
     table = _table(log, data_row, data, _length(header))
-    remarks: list[Found] = []
+    remarks: list[Parsed] = []
     written = table.pick(slice(_written(table)))
     if len(written) < len(table):
         remarks.append(Note("has no power from here on, left out", int(table.rows[len(written)])))
@@ -159,7 +159,7 @@ def _written(table: LogTable) -> int:
     return last if 0 < last < len(table) - 1 else len(table)
 
 
-def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
+def _stated(header: Mapping[str, str], found: list[Parsed]) -> dict[str, object]:
     """The device's own apogee and pad height; impossible values are dropped and reported."""
     stated: dict[str, object] = {"notes": header["Comments"]} if header.get("Comments") else {}
     if "Apogee" in header and not header["Apogee"]:

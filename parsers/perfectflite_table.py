@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, read_columns
 from fieldkit.importing.tables.text import first_lines, shown
 
@@ -37,7 +37,7 @@ def recognises(head: bytes) -> bool:
     return _layout(head) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     layout = _layout(log)
     if layout is None:
         raise DamagedLog("found no rows of time, altitude, temperature such as 76.7F, and voltage", row=1)
@@ -54,7 +54,7 @@ def read(log: bytes) -> list[Found]:
     ]
     table = read_columns(log, channels, after=layout.header_row, separator=layout.separator, widths={4})
     parts, remarks = table.flights()
-    found: list[Found] = [*(Reading(series=part.series(), device="PerfectFlite") for part in parts), *remarks]
+    found: list[Parsed] = [*(Reading(series=part.series(), device="PerfectFlite") for part in parts), *remarks]
     if not layout.altitude_unit:
         found.append(Note("has no unit for altitude, read in feet as PerfectFlite's program writes it"))
     return found

@@ -5,7 +5,7 @@ Rows are a hundredth of a second apart. Units are in brackets; `lb` is a force f
 
 from collections.abc import Sequence
 
-from fieldkit.importing import Found, Parser
+from fieldkit.importing import Parsed, Parser
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.simulations import read_simulation
 
@@ -18,7 +18,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "Time (sec),Stage,Stage Time (sec),...")
     return read_simulation(log, head.names, "RASAero II", after=head.row, separator=head.separator)[1]
 

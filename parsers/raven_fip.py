@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing import Parsed, Parser, Reading
 from fieldkit.importing.tables.clocks import MAX_CLOCK, in_order
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
@@ -57,7 +57,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     if len(log) > MAX_LOG_SIZE:
         raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {MAX_LOG_SIZE >> 20} MB of a Raven")
     log = narrow(log)

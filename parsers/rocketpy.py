@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing import Parsed, Parser, Reading
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.simulations import read_simulation
 
@@ -30,7 +30,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "Time (s),Z (m),Vz (m/s),...")
     height = ABOVE_PAD if ABOVE_PAD in head.names else ABOVE_SEA
     kept = [name.lstrip("# ") if name == height or name not in (ABOVE_SEA, ABOVE_PAD) else "" for name in head.names]

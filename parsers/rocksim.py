@@ -6,7 +6,7 @@ comparing the integrated speed with the height.
 """
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import HEAD, Found, Parser
+from fieldkit.importing import HEAD, Parsed, Parser
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.headings import heading, stated_unit, unit_named
 from fieldkit.importing.tables.layout import split
@@ -24,7 +24,7 @@ def recognises(head: bytes) -> bool:
     return _header(head) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     found = _header(log[:HEAD])
     if found is None:
         raise DamagedLog("found no header of RockSim, expected one such as Time,Thrust N,Altitude Feet", row=1)

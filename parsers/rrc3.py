@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing import Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
@@ -50,7 +50,7 @@ def recognises(head: bytes) -> bool:
     return find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
     places = {name: head.names.index(name) for name in NAMES if name in head.names}
     channels = [Channel(name, place, needed=name == "time") for name, place in places.items() if name not in WORDS]
@@ -68,7 +68,7 @@ def read(log: bytes) -> list[Found]:
     return [*(reading for reading in readings if reading), *found]
 
 
-def _reading(table: LogTable, found: list[Found]) -> Reading | None:
+def _reading(table: LogTable, found: list[Parsed]) -> Reading | None:
     """The flight of a table, or None if its pressures are impossible."""
     events = _events(table)
     table, garbage = _without_garbage(table)
@@ -100,7 +100,7 @@ def _temperature(table: LogTable) -> Float[Array, "row"] | None:
     return None if np.isnan(degrees[which]).all() else degrees[which]
 
 
-def _without_garbage(table: LogTable) -> tuple[LogTable, list[Found]]:
+def _without_garbage(table: LogTable) -> tuple[LogTable, list[Parsed]]:
     """The table up to the first of its last rows whose pressure cannot follow the previous one."""
     pressure = table.values["pressure"]
     jumps = np.flatnonzero(np.abs(np.diff(pressure)) > JUMP) + 1

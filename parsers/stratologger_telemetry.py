@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.text import decode, first_lines, lines_of, shown
@@ -34,7 +34,7 @@ def recognises(head: bytes) -> bool:
     return TITLE.partition(",")[0] in decode(head) and find_header(head, _fits) is not None
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     head = header_or_damage(log, _fits, "seconds,feet before the samples")
     decimal = None if head.separator == "," else _decimal(log, head)
     table = read_columns(log, CHANNELS, after=head.row, separator=head.separator, decimal=decimal, widths={2})

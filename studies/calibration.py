@@ -19,7 +19,7 @@ from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.simulated_readouts import bent
 from fieldkit.shapes import Array, Float
-from studies.generated_ledgers import SUBSETS, History, ledger, random_recipe
+from studies.generated_ledgers import SUBSETS, GeneratedHistory, ledger, random_recipe
 
 SEED = 2018
 LEDGERS = 1000
@@ -34,7 +34,7 @@ PLACES = 50
 
 
 @dataclass(frozen=True, slots=True)
-class Ranked:
+class TruthRank:
     """A forecast and the fraction of its draws below the truth: of the apogee and of the rocket's log Cd. [1]"""
 
     flights: int
@@ -45,7 +45,7 @@ class Ranked:
     log_cd: float
 
 
-def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Ranked:
+def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> TruthRank:
     """Draw a ledger, forecast the next flight of its last rocket, and rank the truth."""
     rng = np.random.default_rng([SEED, number])
     histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
@@ -56,7 +56,7 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Ra
     log_cd = bent(fitted.model, fitted.values, "drag")[:, 0]
     flown = {found.motor.designation for _, found in asked.flown}
     readouts = next(kept for kept in SUBSETS.values() if set(kept) >= _seen(asked) and len(kept) >= len(_seen(asked)))
-    return Ranked(
+    return TruthRank(
         len(asked.flown),
         readouts,
         len(histories) - 1,
@@ -66,7 +66,7 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Ra
     )
 
 
-def _seen(history: History) -> set[str]:
+def _seen(history: GeneratedHistory) -> set[str]:
     return {name for flight, _ in history.flown for name in flight.readouts()}
 
 
@@ -101,11 +101,11 @@ def coverage(ranks: Float[Array, "forecast"], level: float) -> float:
     return float((np.abs(ranks - 0.5) < level / 2).mean())
 
 
-def _with(readouts: tuple[str, ...]) -> Callable[[Ranked], bool]:
+def _with(readouts: tuple[str, ...]) -> Callable[[TruthRank], bool]:
     return lambda one: one.readouts == readouts
 
 
-GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
+GROUPS: Mapping[str, Callable[[TruthRank], bool]] = {
     "all": lambda one: True,
     "1 flight": lambda one: one.flights == 1,
     "2 or 3 flights": lambda one: 2 <= one.flights <= 3,
@@ -120,7 +120,7 @@ GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
 """Groups of forecasts by their data."""
 
 
-def table(found: Sequence[Ranked]) -> list[str]:
+def table(found: Sequence[TruthRank]) -> list[str]:
     """Coverage at 50 and 90% with the range expected by chance, mean rank and uniformity, one line per group."""
     lines = [f"{'':26s} {'':>5s} {'apogee':^34s}  {'log Cd':^34s}"]
     columns = f"{'50%':>7s} {'90%':>7s} {'rank':>6s} {'uniform':>10s}"

@@ -47,7 +47,7 @@ TRIES = 50
 
 
 @dataclass(frozen=True, slots=True)
-class Truth:
+class LedgerTruth:
     """The truth of a planned flight: its apogee [m], and the logarithms of Cd and alpha."""
 
     apogee: float
@@ -56,16 +56,16 @@ class Truth:
 
 
 @dataclass(frozen=True, slots=True)
-class History:
+class GeneratedHistory:
     """The flights of one rocket with their motors, the next flight, and its truth."""
 
     flown: tuple[tuple[Flight, Found], ...]
     plan: tuple[Flight, Found]
-    truth: Truth
+    truth: LedgerTruth
 
 
 @dataclass(frozen=True, slots=True)
-class Recipe:
+class LedgerRecipe:
     """Parameters of a rocket's history: numbers of flights and motors, and the readouts.
 
     `new_motor` plans a flight on a motor that was never flown; a `diameter` of None is recorded at random. `outlier`
@@ -80,24 +80,24 @@ class Recipe:
     outlier: float = 1.0
 
 
-def random_recipe(rng: np.random.Generator) -> Recipe:
+def random_recipe(rng: np.random.Generator) -> LedgerRecipe:
     """A recipe with 1 to 12 flights, 1 to 3 motors, a random set of readouts, and a new motor for one plan in
     five."""
     flights = int(rng.integers(1, 13))
     subset = list(SUBSETS)[int(rng.integers(len(SUBSETS)))]
     motors = int(rng.integers(1, min(flights, 3) + 1))
-    return Recipe(flights, motors, SUBSETS[subset], bool(rng.random() < 0.2))
+    return LedgerRecipe(flights, motors, SUBSETS[subset], bool(rng.random() < 0.2))
 
 
-def ledger(rng: np.random.Generator, recipes: Sequence[Recipe], hyperprior: Hyperprior) -> list[History]:
+def ledger(rng: np.random.Generator, recipes: Sequence[LedgerRecipe], hyperprior: Hyperprior) -> list[GeneratedHistory]:
     """The histories of a flyer's rockets, one for each recipe."""
     common: dict[str, float] = {}
     return [_rocket(rng, f"R{number}", recipe, hyperprior, common) for number, recipe in enumerate(recipes)]
 
 
 def _rocket(
-    rng: np.random.Generator, name: str, recipe: Recipe, hyperprior: Hyperprior, common: dict[str, float]
-) -> History:
+    rng: np.random.Generator, name: str, recipe: LedgerRecipe, hyperprior: Hyperprior, common: dict[str, float]
+) -> GeneratedHistory:
     for _ in range(TRIES):
         both = _planned(rng, name, recipe)
         history = _flown(rng, both, recipe, hyperprior, common)
@@ -114,7 +114,7 @@ def _motors() -> tuple[Motor, ...]:
     return tuple(every[name] for name in sorted(every))
 
 
-def _planned(rng: np.random.Generator, name: str, recipe: Recipe) -> list[tuple[Flight, Found]]:
+def _planned(rng: np.random.Generator, name: str, recipe: LedgerRecipe) -> list[tuple[Flight, Found]]:
     """The flights of a rocket and the next one, before their simulation."""
     motors = _choice_of_motors(rng, recipe.motors + recipe.new_motor)
     thrust = float(np.mean([motor.average_thrust for motor in motors]))
@@ -159,10 +159,10 @@ def _with_delays(
 def _flown(
     rng: np.random.Generator,
     both: Sequence[tuple[Flight, Found]],
-    recipe: Recipe,
+    recipe: LedgerRecipe,
     hyperprior: Hyperprior,
     common: dict[str, float],
-) -> History | None:
+) -> GeneratedHistory | None:
     """Simulated flights from the model; None for a rocket that does not leave the pad or barely does."""
     flights, found = zip(*both, strict=True)
     model = base_model(flights, found, hyperprior, flown=len(both) - 1)
@@ -184,8 +184,8 @@ def _flown(
         flight.with_changes(**{name: _number(noisy[i, READOUTS.index(name)]) for name in recipe.readouts})
         for i, flight in enumerate(flights)
     ]
-    truth = Truth(apogee, *(float(bent(model, values, name)[0, -1]) for name in ("drag", "thrust")))
-    return History(tuple(zip(rows[:-1], found[:-1], strict=True)), both[-1], truth)
+    truth = LedgerTruth(apogee, *(float(bent(model, values, name)[0, -1]) for name in ("drag", "thrust")))
+    return GeneratedHistory(tuple(zip(rows[:-1], found[:-1], strict=True)), both[-1], truth)
 
 
 def _scale(rng: np.random.Generator, scale: Scale) -> float:

@@ -30,7 +30,7 @@ DRAWS = 600
 
 
 @dataclass(frozen=True, slots=True)
-class History:
+class RocketHistory:
     """One rocket: the verdict from all its flights, and the relative errors of later forecasts.
 
     `before` and `after` are forecast over flown apogee, minus one; `inside` is whether the flight was in the 90%
@@ -49,7 +49,7 @@ class History:
 
 def histories(
     rockets: Mapping[str, Sequence[tuple[Flight, Found]]], on_progress: ReportProgress = no_op
-) -> list[History]:
+) -> list[RocketHistory]:
     """Every rocket with enough flights, most flights first."""
     known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= MIN_CLEAN_FLIGHTS}
     found = []
@@ -66,7 +66,7 @@ def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
     return [row for row, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
 
 
-def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], on_progress: ReportProgress) -> History:
+def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], on_progress: ReportProgress) -> RocketHistory:
     clean = _clean(flown)
     rows = []
     for place, row in enumerate(clean[MIN_CLEAN_FLIGHTS:], start=MIN_CLEAN_FLIGHTS):
@@ -75,7 +75,7 @@ def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], on_progress: Re
     whole = _close(flown)
     columns = np.array([row[:4] for row in rows], float).reshape(-1, 4).T
     verdicts = tuple(row[4] for row in rows)
-    return History(rocket, len(clean), whole.effect, _where(whole), columns[0], columns[1], columns[2:], verdicts)
+    return RocketHistory(rocket, len(clean), whole.effect, _where(whole), columns[0], columns[1], columns[2:], verdicts)
 
 
 def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
@@ -111,7 +111,7 @@ def _where(diagnosis: Diagnosis) -> str:
     return ", ".join(f"{trial.candidate.place}" for trial in diagnosis.accepted)
 
 
-def page(found: Sequence[History], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
+def page(found: Sequence[RocketHistory], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
     """The histories as a page of Markdown; `unnamed` numbers the rockets and omits which flights an effect is in.
 
     `forecasts` are those of every flight from the earlier ones, by the model and its rivals.
@@ -139,7 +139,7 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     yield f"Of these flights, {found.coverage90:.0%} are in the 90% interval."
 
 
-def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
+def _lines(found: Sequence[RocketHistory], unnamed: bool) -> Iterator[str]:
     yield "# Effects in real histories"
     yield ""
     yield fill(
@@ -176,7 +176,7 @@ def _row(name: str, flights: int, verdict: str, before: Array, after: Array, ins
     )
 
 
-def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[str]:
+def _totals(found: Sequence[RocketHistory], before: Array, after: Array) -> Iterator[str]:
     if not len(before):
         return
     old, new = np.abs(before), np.abs(after)
@@ -187,7 +187,7 @@ def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[s
     )
 
 
-def _changed(found: Sequence[History], old: Array, new: Array) -> str:
+def _changed(found: Sequence[RocketHistory], old: Array, new: Array) -> str:
     named = np.array([name not in ("none", "unexplained") for one in found for name in one.verdicts])
     if not named.any():
         return "For none of them had the loop found an effect in the earlier flights, so the forecasts are the same."

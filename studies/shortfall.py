@@ -16,14 +16,14 @@ import numpy as np
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
-from fieldkit.forecast.evaluation.forward_in_time import FlownFlight, Forecast, forward
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, forward
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.fleet import merged, rocket_fit
 from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
-from fieldkit.model.rocket_model import base_model
+from fieldkit.model.rocket_model import FlownFlight, base_model
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.simulated_readouts import REFERENCE_LAUNCH_ANGLE
 from fieldkit.model.term_names import fleet_term, is_drift
@@ -57,7 +57,7 @@ KNOWS_NOTHING = 0.995
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class ShortfallStep:
     """Forecasts with all causes up to one."""
 
     cause: str
@@ -81,7 +81,7 @@ class Shortfall:
     flights: int
     ratio: float
     launch_angle_worth: float
-    steps: tuple[Step, ...]
+    steps: tuple[ShortfallStep, ...]
     joint: SharedPrior
     worth: Float[Array, "term"]
     drift: SharedPrior
@@ -101,9 +101,9 @@ def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op)
         on_progress(cause, number / (len(CAUSES) + 1))
         quantities = (*quantities, *own)
         known = restricted(quantities)
-        steps.append(Step(cause, tuple(forward(at_an_angle, hyperprior=known))))
+        steps.append(ShortfallStep(cause, tuple(forward(at_an_angle, hyperprior=known))))
     pairs = zip(steps[0].forecasts, simulated, strict=True)
-    bare = Step("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
+    bare = ShortfallStep("nothing: uncalibrated", tuple(_uncalibrated(row, one.simulated) for row, one in pairs))
     on_progress("all rockets together", len(CAUSES) / (len(CAUSES) + 1))
     joint, worth, drift = _together(at_an_angle, known)
     ratio = float(np.median([one.ratio for one in simulated]))

@@ -41,7 +41,6 @@ FRESH_SEED = 20_261
 """Seed of histories that training never draws."""
 OTHER = "_other"
 """Suffix of the names of figures for a network that is not shipped, which no page shows."""
-FlownFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,7 +34,7 @@ COUNTED = re.compile(r"\{\.\.\.\} (?:(?:such|more|earlier|clean|other) )*[a-z]+s
 """A count with its noun: `{...} flights`."""
 HEADINGS = re.compile(r"_?(headers|headings|(DIFFERENCE_)?HEADERS|HEADINGS|LABELS)")
 """Names of the headings of a table, and of its labels."""
-SHOWN_LITERALS = ("Verdict", "State")
+SHOWN_LITERALS = ("Verdict", "ForecastState")
 """Literal types whose values are shown as words."""
 TITLES = ("title", "help", "tooltip", "empty", "enter", "explains", "tell_apart")
 """Arguments whose values are shown, even a single word in lower case."""

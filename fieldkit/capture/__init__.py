@@ -6,8 +6,8 @@ Bytes are saved to disk before they are decoded, and only commands in the table 
 from fieldkit.capture.captured import Captured, Log, captures, is_capture, read_capture, unfinished
 from fieldkit.capture.events import (
     Back,
+    CaptureEvent,
     Ended,
-    Event,
     FlightsListed,
     Instruction,
     Lost,
@@ -23,10 +23,10 @@ from fieldkit.capture.session import capture, resume
 
 __all__ = [
     "Back",
+    "CaptureEvent",
     "CaptureOptions",
     "Captured",
     "Ended",
-    "Event",
     "FlightsListed",
     "Instruction",
     "Log",

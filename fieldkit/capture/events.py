@@ -103,4 +103,4 @@ class Ended:
     """What the unit reports about itself."""
 
 
-Event = PortOpened | Recognised | Instruction | FlightsListed | Progress | Lost | Back | Ended
+CaptureEvent = PortOpened | Recognised | Instruction | FlightsListed | Progress | Lost | Back | Ended

@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from fieldkit.capture.events import Event, Progress, Sample
+from fieldkit.capture.events import CaptureEvent, Progress, Sample
 from fieldkit.capture.line import SerialLine
 from fieldkit.errors import PortLost, PortTrouble
 
@@ -21,7 +21,7 @@ PROGRESS_INTERVAL = 0.2
 """Time between two progress reports. [s]"""
 
 T = TypeVar("T")
-Dialogue = Generator[Event, None, T]
+Dialogue = Generator[CaptureEvent, None, T]
 """A dialogue, or a part of one: yields events and returns a result."""
 
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 from fieldkit.capture.captured import Captured, read_capture
-from fieldkit.capture.events import Back, Ended, Event, Instruction, Lost, PortOpened, Recognised
+from fieldkit.capture.events import Back, CaptureEvent, Ended, Instruction, Lost, PortOpened, Recognised
 from fieldkit.capture.line import PortSettings, SerialLine, open_line
 from fieldkit.capture.link import Dialogue, Link, Stopped, never
 from fieldkit.capture.port import Port, again, ports
@@ -30,7 +30,7 @@ PAUSE = 0.5
 AFTER_A_FAULT = 30.0
 """Silence that ends a capture whose protocol has failed. [s]"""
 
-Look = Callable[[], list[Port]]
+ListPorts = Callable[[], list[Port]]
 """A function that lists the current ports."""
 
 
@@ -41,8 +41,8 @@ def capture(
     folder: Path,
     wishes: CaptureOptions = CaptureOptions(),  # noqa: B008  # frozen
     stop: Callable[[], bool] = never,
-    look: Look = ports,
-) -> Iterator[Event]:
+    look: ListPorts = ports,
+) -> Iterator[CaptureEvent]:
     """Capture from a port into a folder; yields events, the last of them `Ended`.
 
     Every byte is on disk before it is decoded. Without a device, the port's numbers identify it, or else the received
@@ -68,8 +68,8 @@ def resume(
     *,
     wishes: CaptureOptions = CaptureOptions(),  # noqa: B008  # frozen
     stop: Callable[[], bool] = never,
-    look: Look = ports,
-) -> Iterator[Event]:
+    look: ListPorts = ports,
+) -> Iterator[CaptureEvent]:
     """Resume a capture, on the port where its unit is now; data it already has is not read again.
 
     Raises CaptureTrouble if there is no such capture, its journal is damaged or its unit is not found, and the errors
@@ -134,8 +134,8 @@ def _run(
     settings: PortSettings,
     wishes: CaptureOptions,
     stop: Callable[[], bool],
-    look: Look,
-) -> Iterator[Event]:
+    look: ListPorts,
+) -> Iterator[CaptureEvent]:
     """Run a capture on a tape from opening the port to `Ended`. Errors as in `capture`."""
     line = open_line(port.name, name, settings, tape)
     link = Link(line, stop)
@@ -163,7 +163,9 @@ def _run(
     yield Ended(tape.file, link.line.protocol, tape.size, link.samples, link.damaged, why, whole, dict(link.about))
 
 
-def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
+def _to_the_end(
+    link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: ListPorts
+) -> Dialogue[bool]:
     """Run the dialogue until a unit has sent everything, across reconnections; returns whether the capture is complete.
 
     Raises PortLost if the unit does not return, or is lost repeatedly without sending anything in between.
@@ -196,7 +198,7 @@ def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
 
 
 def _reopened(
-    link: Link, unit: Port, settings: PortSettings, patience: float, look: Look, lost: PortLost
+    link: Link, unit: Port, settings: PortSettings, patience: float, look: ListPorts, lost: PortLost
 ) -> Dialogue[SerialLine]:
     """The line of a unit that has returned, with the settings at which it was understood, or else those given.
 

@@ -22,7 +22,7 @@ from fieldkit.quantities import counted, in_system
 from fieldkit.safe_text import whole_number
 
 if TYPE_CHECKING:
-    from fieldkit.capture import CaptureOptions, Ended, Event, Port, Stored
+    from fieldkit.capture import CaptureEvent, CaptureOptions, Ended, Port, Stored
     from fieldkit.services.imports import Receipt
 
 app = typer.Typer()
@@ -94,7 +94,7 @@ def capture(
         raise typer.Exit(1)
 
 
-def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "Ended":
+def _followed(events: "Iterator[CaptureEvent]", show: "Callable[[CaptureEvent], None]") -> "Ended":
     """Show all events and return the last one."""
     for event in events:
         show(event)
@@ -103,7 +103,7 @@ def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "En
 
 def _events(
     where: Sequence[str], device: str | None, resume: bool, options: "CaptureOptions", stop: Callable[[], bool]
-) -> "Iterator[Event]":
+) -> "Iterator[CaptureEvent]":
     """The events of the requested capture. Raises PortTrouble or CaptureTrouble, and BadParameter for wrong usage."""
     from fieldkit import capture
 

@@ -21,7 +21,7 @@ from fieldkit.cli.planning import (
     season_year,
 )
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, say_wrapped, system
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.flight.short_name import short_name
 from fieldkit.paths import data_file
 from fieldkit.planning.check import strictest
@@ -49,7 +49,7 @@ def finals(
     card: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write a one-page card: .png, .pdf, .svg.")
     ] = None,
-    force: Force = False,
+    force: ForceOption = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:

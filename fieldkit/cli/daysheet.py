@@ -22,7 +22,7 @@ from fieldkit.cli.planning import (
 )
 from fieldkit.cli.screen import complain, progress, system
 from fieldkit.cli.session import MotorCheck, open_ledger
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.errors import BadValue
 from fieldkit.flight import CONDITIONS as CONDITION_COLUMNS
 from fieldkit.flight import MOTOR_TEMPERATURE
@@ -47,7 +47,7 @@ def daysheet(
         Path | None, typer.Option(help="Table of planned flights; default: the one plan given here.")
     ] = None,
     title: Annotated[str, typer.Option(help="Heading of the sheet.")] = "",
-    force: Force = False,
+    force: ForceOption = False,
     **given: str | None,
 ) -> None:
     """Write a day sheet: forecast, landing, and safety of every planned flight, with room for results."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.motor_advice import MotorAdvice
     from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
-Names = dict["Motor", str]
+MotorNames = dict["Motor", str]
 """The name of each motor in the guide."""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
 """Maximum number of delays listed per motor: as many as fit in 80 characters, or all. [1]"""
@@ -154,7 +154,7 @@ def _print_json(
 
 
 def _print(
-    plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", names: Names, of: int, *, every: bool
+    plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", names: MotorNames, of: int, *, every: bool
 ) -> None:
     from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK
     from fieldkit.presentation.forecast_text import rests_in_words
@@ -187,7 +187,7 @@ def _print(
     _table(choices, names, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
-def _print_checks(choices: "list[MotorChoice]", names: Names, *, every: bool) -> None:
+def _print_checks(choices: "list[MotorChoice]", names: MotorNames, *, every: bool) -> None:
     """Print each failed or unknown check once with the motors that it concerns, or `every` one in full."""
     if every:
         for choice in choices:
@@ -230,7 +230,7 @@ def _in_short(motors: list[str], every: list[str]) -> str:
     return f"all but {', '.join(others)}" if len(others) < len(motors) else ", ".join(motors)
 
 
-def _print_excluded(excluded_motors: "list[MotorChoice]", names: Names) -> None:
+def _print_excluded(excluded_motors: "list[MotorChoice]", names: MotorNames) -> None:
     """Print a line for each reason that excludes motors, with these motors."""
     reasons: dict[str, list[str]] = {}
     for choice in excluded_motors:
@@ -262,7 +262,7 @@ def _ejections(choice: "MotorChoice", most: int) -> str:
     return " ".join(f"{delay:g}:{after:+.1f}" for delay, after in sorted(nearest)) or "no delay"
 
 
-def _table(choices: "list[MotorChoice]", names: Names, most: int) -> None:
+def _table(choices: "list[MotorChoice]", names: MotorNames, most: int) -> None:
     from fieldkit.planning.quantiles import three
 
     shown = ShownUnits(system())

@@ -15,7 +15,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import AsJson, complain, print_json, progress, say, say_lines, say_wrapped, system
 from fieldkit.cli.session import MotorCheck, known_motors, open_ledger, read_settings, split_settings
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
 from fieldkit.quantities import counted, in_system
 
@@ -45,11 +45,11 @@ class ExportFormat(StrEnum):
 
 Files = Annotated[list[Path], typer.Argument(help="Logs, flight tables, or folders of them.", show_default=False)]
 Format = Annotated[str | None, typer.Option(help="The parser, if the format is not recognized.")]
-Given = Annotated[
+GivenValues = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="COLUMN=VALUE", help="Values that the files lack: rocket=Astra."),
 ]
-Columns = Annotated[
+ColumnMappings = Annotated[
     list[str] | None,
     typer.Option(
         "--map",
@@ -62,7 +62,7 @@ Columns = Annotated[
 
 @app.command()
 def inspect(
-    files: Files, format: Format = None, given: Given = None, columns: Columns = None, json: AsJson = False
+    files: Files, format: Format = None, given: GivenValues = None, columns: ColumnMappings = None, json: AsJson = False
 ) -> None:
     """Show what logs and flight tables contain, without importing anything.
 
@@ -113,8 +113,8 @@ def import_(
     context: typer.Context,
     files: Files,
     format: Format = None,
-    given: Given = None,
-    columns: Columns = None,
+    given: GivenValues = None,
+    columns: ColumnMappings = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Show what would happen without changing anything.")
     ] = False,
@@ -212,7 +212,7 @@ def export(
     rocket: Annotated[
         str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
     ] = None,
-    force: Force = False,
+    force: ForceOption = False,
 ) -> None:
     """Write flights as a table or as JSON, to import again or open in a spreadsheet."""
     from fieldkit.presentation.export import csv_table, document

@@ -12,7 +12,7 @@ from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, planning, print_plan
 from fieldkit.cli.screen import AsJson, complain, print_json, say, system
 from fieldkit.cli.session import open_ledger
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.errors import BadValue
 from fieldkit.flight.short_name import flight_label
 
@@ -41,7 +41,7 @@ def landing(
         float | None,
         typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north. Default: 270, west."),
     ] = None,
-    force: Force = False,
+    force: ForceOption = False,
     json: AsJson = False,
     **given: str | None,
 ) -> None:
@@ -113,7 +113,7 @@ def track(
     context: typer.Context,
     flight: Annotated[str, typer.Argument(help="Flight id.")],
     out: Annotated[Path, typer.Option(metavar="FILE", help="File to write; ends in .kml.", show_default=False)],
-    force: Force = False,
+    force: ForceOption = False,
 ) -> None:
     """Write the GPS track of a flight's log as KML."""
     from fieldkit.presentation.kml import track_kml

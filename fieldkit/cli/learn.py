@@ -12,7 +12,7 @@ import typer
 
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, remark, say, say_wrapped
 from fieldkit.cli.session import known_motors
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
 from fieldkit.quantities import counted
 
@@ -67,7 +67,7 @@ def learn(
             show_default=False,
         ),
     ] = None,
-    force: Force = False,
+    force: ForceOption = False,
     json: AsJson = False,
 ) -> None:
     """Fit how much rockets, motors, and flights vary, from the flights of several flyers (tables from `export`).

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.live import Live
 
-    from fieldkit.capture import Event, Progress, Sample
+    from fieldkit.capture import CaptureEvent, Progress, Sample
 
 STALE_ALTITUDE_AGE = 3.0
 """Age above which an altitude is marked as old. [s]"""
@@ -56,7 +56,7 @@ class View:
         if self._live is not None:
             self._live.stop()
 
-    def show(self, event: "Event") -> None:
+    def show(self, event: "CaptureEvent") -> None:
         """Show one event."""
         from fieldkit import capture
         from fieldkit.presentation.capture_text import event_line

@@ -9,7 +9,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, say_report, system
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.errors import BadValue
 from fieldkit.quantities import ShownUnits
 
@@ -49,7 +49,7 @@ def loop(
             "--report", metavar="FILE", help="Also write a page with pictures: .html or .png.", show_default=False
         ),
     ] = None,
-    force: Force = False,
+    force: ForceOption = False,
     json: AsJson = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, the likely cause, and the error after correcting it."""

@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.screen import progress, say, system
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.progress import part
 
 app = typer.Typer()
@@ -23,7 +23,7 @@ def report(
     out: Annotated[
         Path, typer.Option(metavar="FILE", help="File to write; ends in .html, .pdf, .png, or .md.", show_default=False)
     ],
-    force: Force = False,
+    force: ForceOption = False,
 ) -> None:
     """Write a report for the log book: a flight, a day, or a rocket with the loop's result."""
     from fieldkit.presentation.report.book import book

@@ -9,7 +9,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, progress, say, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.errors import LedgerError
 from fieldkit.quantities import ShownUnits
 
@@ -42,7 +42,7 @@ def score(
             show_default=False,
         ),
     ] = None,
-    force: Force = False,
+    force: ForceOption = False,
     json: AsJson = False,
 ) -> None:
     """Score saved forecasts, and forecasts of each flight from the earlier ones, against simpler methods."""

@@ -8,7 +8,7 @@ import typer
 from fieldkit.cli.screen import complain, progress, say_lines
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.studies import need_studies
-from fieldkit.cli.targets import Force, settled
+from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.files import write
 from fieldkit.progress import part
 
@@ -23,7 +23,7 @@ Unnamed = Annotated[bool, typer.Option("--unnamed", help="Number the rockets ins
 
 
 @study.command()
-def reference(out: Out = None, force: Force = False) -> None:
+def reference(out: Out = None, force: ForceOption = False) -> None:
     """Break the reference paper's bias down by cause, and show the remainder."""
     need_studies()
     from studies.paper.study import study
@@ -37,7 +37,7 @@ def reference(out: Out = None, force: Force = False) -> None:
 def rockets(
     context: typer.Context,
     out: Out = None,
-    force: Force = False,
+    force: ForceOption = False,
     unnamed: Unnamed = False,
 ) -> None:
     """Search each rocket's history for effects, and measure how much they improve forecasts of later flights."""
@@ -59,7 +59,7 @@ def rockets(
 def shortfall(
     context: typer.Context,
     out: Out = None,
-    force: Force = False,
+    force: ForceOption = False,
     unnamed: Unnamed = False,
 ) -> None:
     """Break down why flights fall short of simulation: launch angle, impulse, mass, drag, device."""

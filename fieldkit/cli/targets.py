@@ -8,7 +8,7 @@ import typer
 
 from fieldkit.files import check_target, is_taken
 
-Force = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
 
 
 def settled(file: Path, force: bool) -> bool:

@@ -13,7 +13,7 @@ from fieldkit.inference.history.response import respond
 from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared, response_of
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.rocket_model import groups
+from fieldkit.model.rocket_model import FlownFlights, groups
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.setups import reference_area
@@ -22,7 +22,6 @@ from fieldkit.selection.quick_candidates import quick_candidates
 if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
-FlownFlights = Sequence[tuple[Flight, Found]]
 BATCH = 50
 """Number of separate flights whose response is computed in one batch of about 5,000 simulations. [1]"""
 

@@ -9,9 +9,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Intake, Mapped, Note, Parser, Reading, Rejected
+    from fieldkit.importing.reading import HEAD, ColumnChoice, Intake, Mapped, Note, Parsed, Parser, Reading, Rejected
 
-__all__ = ["HEAD", "ColumnChoice", "Found", "Intake", "Mapped", "Note", "Parser", "Reading", "Rejected"]
+__all__ = ["HEAD", "ColumnChoice", "Intake", "Mapped", "Note", "Parsed", "Parser", "Reading", "Rejected"]
 
 
 def __getattr__(name: str) -> Any:

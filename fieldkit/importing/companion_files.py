@@ -6,13 +6,13 @@ from datetime import datetime, time, timedelta
 from pathlib import Path
 
 from fieldkit.importing.incoming import OTHER_LOGS
-from fieldkit.importing.reading import Found, Note, Reading
+from fieldkit.importing.reading import Note, Parsed, Reading
 
 SAME_MOMENT = timedelta(seconds=2)
 """Lift-off times of files of one logger that differ by less than this are of the same flight."""
 KINDS = "log_kinds"
 """The extra column of a flight that lists the kinds of files it was read from, if its logger writes several."""
-Opened = tuple[str, str, Sequence[Found]]
+Opened = tuple[str, str, Sequence[Parsed]]
 """An opened file: its name, its parser, and what the parser found."""
 
 

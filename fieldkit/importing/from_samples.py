@@ -11,14 +11,14 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import READOUTS
 from fieldkit.importing.companion_files import KINDS
 from fieldkit.importing.height_units import with_proven_heights
-from fieldkit.importing.reading import Found, Note, Reading
+from fieldkit.importing.reading import Note, Parsed, Reading
 from fieldkit.quantities import counted
 
 
-def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
+def with_figures(found: Sequence[Parsed], format: str, digest: str) -> Sequence[Parsed]:
     """What was found in a log, with the readouts of each flight measured from its samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
-    results: list[Found] = []
+    results: list[Parsed] = []
     for item in found:
         if isinstance(item, Reading) and item.describes == "simulation":
             results.append(_simulated(item))
@@ -36,7 +36,7 @@ def _simulated(reading: Reading) -> Reading:
     return replace(reading, recorded=simulated(reading.clocks, reading.events))
 
 
-def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
+def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Parsed]:
     """A reading with samples, its readouts measured from them, and the notes about that; or an error if the samples
     show no flight and the log states no readouts.
 

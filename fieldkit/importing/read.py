@@ -8,7 +8,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
-from fieldkit.importing.reading import ColumnChoice, Found, Intake, Reading
+from fieldkit.importing.reading import ColumnChoice, Intake, Parsed, Reading
 from fieldkit.importing.recognize import ParsedLog, open_log, shown_damage
 from fieldkit.importing.to_flights import CheckMotor, intake_of, plan_of
 
@@ -50,7 +50,7 @@ class OpenedFile:
     source: str
     parsed: ParsedLog
     digest: str
-    measured: Sequence[Found] | None = None
+    measured: Sequence[Parsed] | None = None
 
 
 def open_file(source: str, log: bytes, format: str | None = None, choices: Sequence[ColumnChoice] = ()) -> OpenedFile:

@@ -78,7 +78,7 @@ class Mapped(Note):
     chosen: bool = False
 
 
-Found = Reading | DamagedLog | Note
+Parsed = Reading | DamagedLog | Note
 """The result of a parser: readings, damaged rows (only those rows are lost), and notes."""
 
 
@@ -97,9 +97,9 @@ class Parser:
 
     title: str
     recognises: Callable[[bytes], bool]
-    read: Callable[[bytes], Sequence[Found]]
+    read: Callable[[bytes], Sequence[Parsed]]
     fallback: bool = False
-    mapped: Callable[[bytes, Sequence[ColumnChoice]], Sequence[Found]] | None = None
+    mapped: Callable[[bytes, Sequence[ColumnChoice]], Sequence[Parsed]] | None = None
     signs: tuple[str, ...] = ()
     simulates: bool = False
     maps: Literal["samples", "flights"] = "samples"

@@ -7,7 +7,7 @@ from fieldkit.analysis import rises
 from fieldkit.errors import DamagedLog, UnknownFormat, unknown
 from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
-from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
+from fieldkit.importing.reading import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.flight_headings import plain, table_names
 from fieldkit.importing.tables.labeled_lines import labeled_table
@@ -150,7 +150,7 @@ class ParsedLog:
     """A log as read by one parser, with its name: what it found, why it was chosen, and the columns used."""
 
     format: str
-    found: Sequence[Found]
+    found: Sequence[Parsed]
     recognition: Recognition
 
 
@@ -219,7 +219,7 @@ def _opened(log: bytes, name: str, format: str | None, choices: Sequence[ColumnC
     )
 
 
-def holds_flight(found: Sequence[Found]) -> bool:
+def holds_flight(found: Sequence[Parsed]) -> bool:
     """Whether a parser found a flight: stated values, or samples that rise like a rocket."""
     return any(isinstance(item, Reading) and _is_flight(item) for item in found)
 
@@ -243,7 +243,7 @@ def _made(one: "ParsedLog | DamagedLog") -> str:
     return f"cannot read it ({one.found})" if isinstance(one, DamagedLog) else "finds no flight in it"
 
 
-def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None) -> str:
+def _why(parser: Parser, log: bytes, found: Sequence[Parsed], format: str | None) -> str:
     """Why a parser was chosen, as a phrase."""
     if format is not None:
         return "chosen with --format"
@@ -256,7 +256,7 @@ def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None)
     return f"it has {signs}" if signs else "it has the structure of this format"
 
 
-def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
+def _recognition(found: Sequence[Parsed], tables: Sequence[TableRead]) -> Recognition:
     """How a log was read: from the tables read, or without any from what was found."""
     readings = [item for item in found if isinstance(item, Reading)]
     damaged = sum(isinstance(item, DamagedLog) for item in found)

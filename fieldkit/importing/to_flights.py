@@ -9,7 +9,7 @@ from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.limits import check, long_names
 from fieldkit.flight.plausibility import doubts
-from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
+from fieldkit.importing.reading import Intake, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
 from fieldkit.motors import catalogue
@@ -24,7 +24,7 @@ CheckMotor = Callable[[str], str | None]
 
 
 def intake_of(
-    source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
+    source: str, format: str, found: Sequence[Parsed], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
     """The flights in the readings of one source, and the rejected rows; `rockets` are by `rocket_key`."""
     kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}

@@ -12,7 +12,7 @@ from fieldkit.ledger.records import Past
 from fieldkit.ledger.rows import Row, flight_of
 from fieldkit.ledger.tables import active_versions, flights, journal, metadata, tags
 
-Rows = dict[str, dict[tuple[Any, ...], Row]]
+TableRows = dict[str, dict[tuple[Any, ...], Row]]
 """The rows of each table by their primary key."""
 
 
@@ -68,7 +68,7 @@ def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dic
     return changes_by_entry
 
 
-def _rows(connection: Connection) -> Rows:
+def _rows(connection: Connection) -> TableRows:
     tables: dict[Table, list[Row]] = {
         flights: sound_flights(connection, select(flights)),
         tags: list(map(dict, connection.execute(select(tags)).mappings())),
@@ -81,7 +81,7 @@ def _key(table: str, row: Any) -> tuple[Any, ...]:
     return tuple(row[column.name] for column in metadata.tables[table].primary_key)
 
 
-def _apply(rows: Rows, image: Image) -> None:
+def _apply(rows: TableRows, image: Image) -> None:
     present = rows.get(image.table)
     if present is None:
         return
@@ -92,7 +92,7 @@ def _apply(rows: Rows, image: Image) -> None:
     present[key] = image.after if image.before is None else present[key] | image.after
 
 
-def _past(rows: Rows, rocket: str) -> Past:
+def _past(rows: TableRows, rocket: str) -> Past:
     own = [row for row in rows["flights"].values() if row["rocket"] == rocket]
     own.sort(key=lambda row: (row["date_time"] is None, row["date_time"] or "", row["entry"]))
     labels: dict[int, list[str]] = {row["entry"]: [] for row in own}

@@ -13,7 +13,7 @@ from fieldkit.shapes import Array, Float
 MOST_FLOWN = 20
 """Maximum number of earlier flights of a rocket, for effects that grow from flight to flight. [1]"""
 
-Bends = tuple[tuple[Effect, Float[Array, "flight"]], ...]
+EffectStrengths = tuple[tuple[Effect, Float[Array, "flight"]], ...]
 """Effects and their strengths, one per flight."""
 
 
@@ -39,7 +39,7 @@ def _words(effect: Effect) -> str:
     return f"{square}normal, {prior.mean:g} and {prior.sd:g}{ends}{grown} [{effect.unit}]"
 
 
-def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: int) -> tuple[Setup, Bends]:
+def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: int) -> tuple[Setup, EffectStrengths]:
     """The setup of a number of flights as changed by the named effects, and the effects that will act on the readings.
 
     Without names, no random number is drawn. Raises BadValue for an effect that is not registered.
@@ -54,7 +54,7 @@ def bent(rng: np.random.Generator, names: Sequence[str], setup: Setup, count: in
     return setup, tuple(bends)
 
 
-def shown_by(bends: Bends, readouts: Mapping[str, Float[Array, "flight"]]) -> Mapping[str, Any]:
+def shown_by(bends: EffectStrengths, readouts: Mapping[str, Float[Array, "flight"]]) -> Mapping[str, Any]:
     """The readouts, in SI, as changed by the effects."""
     for effect, strength in bends:
         readouts = effect.bend_reading(readouts, strength)

@@ -32,6 +32,8 @@ T = TypeVar("T")
 GROUP_LEVELS = ("motor", "config", "site", "day")
 """Properties that group flights."""
 
+FlownFlight = tuple[Flight, Found]
+FlownFlights = Sequence[FlownFlight]
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 

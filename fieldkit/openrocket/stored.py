@@ -42,7 +42,7 @@ LONGEST_NAME = 80
 CD_TOLERANCE = 0.05
 """Largest difference between Cd from the drag force and the stored Cd; valid files differ by 1 to 2%. [1]"""
 
-Columns = dict[str, Float[Array, "row"]]
+StoredColumns = dict[str, Float[Array, "row"]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,14 +157,14 @@ def _default(rocket: "Element", configuration: str) -> bool:
     return any(one.get("default") == "true" for one in found)
 
 
-def _dry_mass(values: Columns) -> float | None:
+def _dry_mass(values: StoredColumns) -> float | None:
     """Mass without motors in the first row; None if it is not stored or not positive. [kg]"""
     weight, motor = values.get("mass"), values.get("motor mass")
     dry = float(weight[0] - motor[0]) if weight is not None and motor is not None else math.nan
     return dry if math.isfinite(dry) and dry > 0 else None
 
 
-def _centers(values: Columns, branch: "Element") -> tuple[float, float] | tuple[None, None]:
+def _centers(values: StoredColumns, branch: "Element") -> tuple[float, float] | tuple[None, None]:
     """The centers of gravity and of pressure in the first row off the launch rod in which both are known. [m]"""
     time, cg, cp = (values.get(name) for name in ("time", "cg location", "cp location"))
     if time is None or cg is None or cp is None:
@@ -174,7 +174,7 @@ def _centers(values: Columns, branch: "Element") -> tuple[float, float] | tuple[
     return (float(cg[rows[0]]), float(cp[rows[0]])) if rows.size else (None, None)
 
 
-def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _coast(values: StoredColumns, branch: "Element") -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Rows with a Cd of the coast: from the last burnout, or top speed without one, to apogee or an earlier parachute,
     and fast enough."""
     time, cd = values.get("time"), values.get("drag coefficient")
@@ -196,7 +196,7 @@ def _upset(branch: "Element") -> bool:
 
 
 def _consistent(
-    values: Columns, coast: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], cd: float, reference: float
+    values: StoredColumns, coast: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], cd: float, reference: float
 ) -> bool:
     """Whether the drag force on the reference area gives the stored Cd, or is not stored; otherwise the body was a
     different one."""

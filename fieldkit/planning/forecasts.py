@@ -13,7 +13,7 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.selection.candidates import Averaged
 
-Planned = Sequence[tuple[Flight, Found]]
+PlannedFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class Rocket:
 
 def forecasts(
     rocket: Rocket,
-    planned: Planned,
+    planned: PlannedFlights,
     *,
     draws: int,
     paired: bool = True,
@@ -70,7 +70,7 @@ def forecasts(
     return by_kind(rocket.history, planned, of_rows)
 
 
-def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
+def fitted_forecast(rocket: Rocket, planned: PlannedFlights, draws: int) -> FittedForecast:
     """The forecast model fitted to a rocket's flights for similar plans, each as the next flight. Raises
     ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be
     read, DamagedModel if the hyperprior cannot be read.

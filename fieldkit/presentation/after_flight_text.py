@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 
 from fieldkit.flight import BY_NAME
+from fieldkit.planning.quantiles import Three
 from fieldkit.quantities import measure, number
-from fieldkit.services.after_flight import Interval, Outcome
+from fieldkit.services.after_flight import Outcome
 from fieldkit.services.next_suggestion import Suggestion
 
 APOGEE = BY_NAME["apogee"]
@@ -65,7 +66,7 @@ def suggestion_line(found: Suggestion, system: str) -> str:
     return f"One more flight on {found.motor} narrows the interval by {found.narrows:.0%}. f to save its forecast."
 
 
-def apogee_question(expected: Interval, apogee: float, system: str) -> str:
+def apogee_question(expected: Three, apogee: float, system: str) -> str:
     """The question before an implausible apogee [m] is saved, in the units of a system."""
     return (
         f"The apogee is {measure(APOGEE, apogee, system)}. This flight was expected to reach "
@@ -73,6 +74,6 @@ def apogee_question(expected: Interval, apogee: float, system: str) -> str:
     )
 
 
-def _interval(interval: Interval, system: str) -> str:
+def _interval(interval: Three, system: str) -> str:
     low, middle, high = interval
     return f"{measure(APOGEE, middle, system)} ({number(APOGEE, low, system)} to {number(APOGEE, high, system)})"

@@ -4,7 +4,7 @@ from fieldkit import capture
 from fieldkit.quantities import counted
 
 
-def event_line(event: capture.Event) -> str:
+def event_line(event: capture.CaptureEvent) -> str:
     """The text of an event; empty for one that is drawn instead."""
     match event:
         case capture.PortOpened(port, device, file):

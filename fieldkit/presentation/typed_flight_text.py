@@ -1,8 +1,9 @@
 """The estimate from the flight being entered, in one line."""
 
 from fieldkit.flight import BY_NAME
+from fieldkit.planning.quantiles import Three
 from fieldkit.quantities import in_system, number, spelled, unit_of
-from fieldkit.services.typed_flight import Interval, TypedEstimate
+from fieldkit.services.typed_flight import TypedEstimate
 
 APOGEE = BY_NAME["apogee"]
 
@@ -18,7 +19,7 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
     return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"
 
 
-def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Interval]]:
+def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Three]]:
     """The same in rows: the name of a figure, its value with its 90% interval, and the interval; none if something is
     missing for them."""
     if found.cd is None or found.alpha is None or found.next_apogee is None:
@@ -37,7 +38,7 @@ def _whole(height: float, system: str) -> str:
     return f"{float(number(APOGEE, height, system)):.0f}"
 
 
-def _ratio(interval: Interval) -> str:
+def _ratio(interval: Three) -> str:
     low, middle, high = interval
     return f"{middle:.2f} ({low:.2f}-{high:.2f})"
 

@@ -22,7 +22,7 @@ from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.search import Families, chain, checked, explore
 from fieldkit.selection.trial import Trial, by_effect
-from fieldkit.selection.verdict import Verdict, given_verdict, verdict
+from fieldkit.selection.verdict import LoopVerdict, given_verdict, verdict
 from fieldkit.shapes import Array, Flags, Float
 
 MIN_AVERAGED = 0.02
@@ -74,7 +74,7 @@ class Diagnosis:
     base: Plain
     posterior: SetPosterior
     ranking: tuple[Ranked, ...]
-    verdict: Verdict
+    verdict: LoopVerdict
     averaged: Averaged
     before: Score
     after: Score

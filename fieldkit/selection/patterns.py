@@ -21,7 +21,7 @@ from fieldkit.shapes import Array, Float
 Weigh = Callable[[Sequence[Flight]], Array]
 """The weight of a pattern on each of a rocket's flights in the order flown, planned ones last; one column per
 component."""
-Kind = Mapping[str, Weigh]
+PatternKind = Mapping[str, Weigh]
 """Patterns of one kind, by name."""
 PATTERN_DRAG_SD = 0.15
 """Prior standard deviation of the log drag in a pattern. [1]"""
@@ -65,14 +65,14 @@ def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
     return np.concatenate([weigh(past), np.array(ahead)]) if ahead else weigh(past)
 
 
-def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
+def known_patterns(flights: Sequence[Flight]) -> list[PatternKind]:
     """Patterns that flights may have in common: single days, the hour, a lasting change between two flights, every
     second or third flight, a site, a recorded condition, and other columns of the flyer's table that were known before
     lift-off (`fieldkit.selection.covariates`)."""
     return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind] if flights else []
 
 
-def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
+def _in_time(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     """Patterns in the order and hours of flights."""
     yield {f"the day {day}": _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
     known = hours(flights)
@@ -90,7 +90,7 @@ def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
         yield {f"every {n} flights, as {flights[k].flight_id}": _every(n, k) for n, k in flight_index}
 
 
-def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
+def _in_columns(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     """Patterns that correlate with recorded conditions and columns; the effects on motors act on their lots."""
     sites = _shared([flight.site for flight in flights])
     yield {f"the site {site}": _same(lambda flight: flight.site, site) for site in sites}

@@ -25,7 +25,7 @@ CREDIBLE = 0.9
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class LoopVerdict:
     """The verdict: an effect's name (several joined by `+`), "none" or "unexplained".
 
     `confidence` is the posterior probability that the verdict is right [1]: that all named effects are present, or one
@@ -39,7 +39,7 @@ class Verdict:
     accepted: tuple[Trial, ...] = ()
 
 
-def verdict(posterior: SetPosterior) -> Verdict:
+def verdict(posterior: SetPosterior) -> LoopVerdict:
     """The verdict of lowest expected cost."""
     chances = {name: chance for name, chance in posterior.inclusion.items() if name != UNEXPLAINED}
     named = [name for name, chance in chances.items() if chance > NAMING_PROBABILITY]
@@ -50,11 +50,11 @@ def verdict(posterior: SetPosterior) -> Verdict:
         return _named(posterior, group[:1], tuple(group[1:]), posterior.any_of(group))
     something = 1 - posterior.nothing
     if something > NAMING_PROBABILITY:
-        return Verdict(UNEXPLAINED, something, _unexplained(posterior), tuple(_undecided(posterior)))
-    return Verdict("none", posterior.nothing, _nothing_named(posterior))
+        return LoopVerdict(UNEXPLAINED, something, _unexplained(posterior), tuple(_undecided(posterior)))
+    return LoopVerdict("none", posterior.nothing, _nothing_named(posterior))
 
 
-def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> Verdict:
+def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> LoopVerdict:
     """The verdict if a flyer names the effects."""
     return _named(posterior, given, _alternatives(posterior, given), posterior.all_of(given))
 
@@ -99,12 +99,12 @@ def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, .
     return tuple(dict.fromkeys([*singles, *joined]))
 
 
-def _named(posterior: SetPosterior, named: Sequence[str], also: tuple[str, ...], confidence: float) -> Verdict:
+def _named(posterior: SetPosterior, named: Sequence[str], also: tuple[str, ...], confidence: float) -> LoopVerdict:
     best = best_with(posterior, named)
     order = {candidate.effect: place for place, candidate in enumerate(best.candidates)}
     accepted = sorted((t for t in best.trials if t.candidate.effect in named), key=lambda t: order[t.candidate.effect])
     effect = "+".join(trial.candidate.effect for trial in accepted)
-    return Verdict(effect, confidence, in_words(accepted), also, tuple(accepted))
+    return LoopVerdict(effect, confidence, in_words(accepted), also, tuple(accepted))
 
 
 def best_with(posterior: SetPosterior, names: Sequence[str]) -> Hypothesis:

@@ -9,15 +9,13 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, is_cluster
+from fieldkit.planning.quantiles import Three
 from fieldkit.services.forecasts import forecast_from_others, predict_plans
 from fieldkit.services.plausible_flights import plausible
 from fieldkit.services.saved_forecasts import of_flight
 
 SURPRISING = 0.001
 """Probability that the apogee of a good flight is questioned because it is too low, and because it is too high. [1]"""
-
-Interval = tuple[float, float, float]
-"""An apogee at 5, 50 and 95%. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +27,13 @@ class Outcome:
     """
 
     flight: Flight
-    forecast: Interval
+    forecast: Three
     kept: bool
     after: Prediction
     cd: tuple[float, float]
 
     @property
-    def next_flight(self) -> Interval:
+    def next_flight(self) -> Three:
         """The forecast of the next flight like it."""
         return self.after.apogee_quantiles()
 
@@ -56,7 +54,7 @@ class Outcome:
         return apogee is not None and self.forecast[0] <= apogee <= self.forecast[2]
 
 
-def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Interval | None:
+def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Three | None:
     """The apogee to expect of a flight whose apogee is implausible; None if it is plausible.
 
     Also None if nothing can be expected: without an apogee, a motor or a dry mass.

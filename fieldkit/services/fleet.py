@@ -16,10 +16,11 @@ import numpy as np
 from fieldkit import __version__
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.inference.laplace.fleet import FlownFlights, RocketFit, rocket_fit, shared_prior
+from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
 from fieldkit.ledger import Ledger
 from fieldkit.model.fleet_drift import Period, period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import Message, SharedPrior
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.history import QuickAnswer
     from fieldkit.model.shared_prior import SharedPrior
 
-Model = Literal["history", "field", "paper"]
+InferenceModel = Literal["history", "field", "paper"]
 """The available models: the history network, the field ensemble, the reference paper's ensemble."""
 FIT_FRACTION = 0.5
 """Fraction of the progress for fitting the other rockets if none is cached. [1]"""
@@ -47,7 +47,11 @@ class InferredFlights:
 
 
 def infer_flights(
-    ledger: Ledger, motors: Catalogue, ids: Sequence[str], model: Model = "history", on_progress: ReportProgress = no_op
+    ledger: Ledger,
+    motors: Catalogue,
+    ids: Sequence[str],
+    model: InferenceModel = "history",
+    on_progress: ReportProgress = no_op,
 ) -> InferredFlights:
     """Cd and alpha of flights of a ledger, by default of all. Raises NoFlights, DamagedModel."""
     flights = ledger.flights(ids=ids or None)

@@ -21,14 +21,13 @@ from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.motors import Catalogue, Found
+from fieldkit.model.rocket_model import FlownFlight
+from fieldkit.motors import Catalogue
 from fieldkit.paths import hyperprior_file
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import paired
 from fieldkit.services.imports import gather
 from fieldkit.services.plausible_flights import implausible_flights
-
-FlownFlights = list[tuple[Flight, Found]]
 
 FULL_ROUNDS, FULL_STEPS = 4, 25
 """Number of linearizations, and steps for each, in the fit to all flights. [1]"""
@@ -52,14 +51,14 @@ class Flyer:
     clean flight that is implausible."""
 
     name: str
-    flown: FlownFlights
+    flown: list[FlownFlight]
     digests: Mapping[str, str]
     left_out: tuple[str, ...] = ()
 
     @property
-    def rockets(self) -> dict[str, FlownFlights]:
+    def rockets(self) -> dict[str, list[FlownFlight]]:
         """The clean flights, rocket by rocket."""
-        found: dict[str, FlownFlights] = {}
+        found: dict[str, list[FlownFlight]] = {}
         for flight, motor in self.flown:
             if flight.clean and flight.readouts():
                 found.setdefault(flight.rocket, []).append((flight, motor))
@@ -73,7 +72,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
     """
     paths = sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
     gathered = gather(paths, motors.complaint)
-    known: FlownFlights = []
+    known: list[FlownFlight] = []
     for arrival in gathered.arrivals:
         if arrival.flight.dry_mass is None:
             continue

@@ -12,7 +12,8 @@ from fieldkit.motors import Catalogue
 from fieldkit.paths import data_file
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, suitable_motors, widest_motor
-from fieldkit.services.after_flight import Interval, Outcome
+from fieldkit.planning.quantiles import Three
+from fieldkit.services.after_flight import Outcome
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.services.quick_look import MIN_FLIGHTS
@@ -43,7 +44,7 @@ class Suggestion:
     outside: int = 0
     forecasts: int = 0
     motor: str = ""
-    apogee: Interval | None = None
+    apogee: Three | None = None
     target: float = 0.0
     narrows: float = 0.0
 
@@ -91,7 +92,7 @@ def chance_of(outside: int, forecasts: int) -> float:
 
 def _nearest_motor(
     ledger: Ledger, motors: Catalogue, settings: Settings, flight: Flight, target: float
-) -> tuple[str, Interval] | None:
+) -> tuple[str, Three] | None:
     """The safe motor nearest to a target [m] for the same configuration in the same conditions, and its forecast as it
     would be saved."""
     rocket = rocket_of(ledger, motors, flight.rocket)

@@ -20,7 +20,7 @@ from fieldkit.motors import Found, Motor
 from fieldkit.quantities import significant, spelled
 from fieldkit.units import unit
 
-Parts = Mapping[str, Mapping[str, str]]
+SourceDigests = Mapping[str, Mapping[str, str]]
 """The texts of each part, by name."""
 
 OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
@@ -72,7 +72,7 @@ def design_parts(start: Start | None, plan: Flight) -> dict[str, dict[str, str]]
     return {"design": {DRAG: known.get(DRAG, ""), **taken}}
 
 
-def design_changes(made: Parts, start: Start | None) -> Iterator[str]:
+def design_changes(made: SourceDigests, start: Start | None) -> Iterator[str]:
     """What changed in the rocket's design, one phrase each."""
     now = _design(start)
     for name, old in made.get("design", {}).items():
@@ -87,7 +87,7 @@ def _design(start: Start | None) -> dict[str, str]:
     return {DRAG: drag, **_columns(Flight(dry_mass=start.dry_mass, diameter=start.diameter), FROM_DESIGN)}
 
 
-def digest(parts: Parts) -> str:
+def digest(parts: SourceDigests) -> str:
     """SHA-256 of all inputs of a prediction, in hex."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
@@ -108,7 +108,7 @@ def motor_digest(motor: Motor) -> str:
     return _short(json.dumps([f"{number:.6g}" for number in numbers]))
 
 
-def plan_changes(made: Parts, now: Parts, *, flown: bool) -> Iterator[str]:
+def plan_changes(made: SourceDigests, now: SourceDigests, *, flown: bool) -> Iterator[str]:
     """What the user changed in a plan, one phrase each.
 
     For a flown flight only values that both have are compared: a temperature that the forecast lacked is not a change.
@@ -152,7 +152,7 @@ def _in_system(text: str, column: Column, system: str) -> str:
     return significant(column, unit(column.quantity, column.unit).to_si(float(number)), system)
 
 
-def model_changes(made: Parts, now: Parts) -> Iterator[str]:
+def model_changes(made: SourceDigests, now: SourceDigests) -> Iterator[str]:
     """What changed in the model and its flights, one phrase each."""
     for name, old in made["model"].items():
         new = now["model"].get(name, "")

@@ -15,7 +15,7 @@ from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, lapsed
 from fieldkit.services.match_forecasts import made_for, residual, resolved
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import (
-    Parts,
+    SourceDigests,
     change_in_system,
     design_changes,
     model_changes,
@@ -24,8 +24,8 @@ from fieldkit.services.provenance import (
     plan_parts,
 )
 
-State = Literal["open", "stale", "flown", "replaced", "lapsed"]
-LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
+ForecastState = Literal["open", "stale", "flown", "replaced", "lapsed"]
+LISTED_STATES: tuple[ForecastState, ...] = ("open", "stale", "flown")
 """States of predictions that are listed by default."""
 
 
@@ -40,7 +40,7 @@ class SavedForecast:
     made: StoredPrediction
     flight: Flight | None
     changes: tuple[str, ...]
-    over: State | None = None
+    over: ForecastState | None = None
 
     @property
     def stale(self) -> bool:
@@ -48,7 +48,7 @@ class SavedForecast:
         return bool(self.changes)
 
     @property
-    def state(self) -> State:
+    def state(self) -> ForecastState:
         """The state in one word."""
         if self.flown is not None:
             return "flown"
@@ -144,7 +144,7 @@ def in_words(one: SavedForecast, system: str = "SI") -> Iterator[str]:
         yield f"stale {'at launch' if one.flown is not None else 'now'}: {'; '.join(one.changes_in(system))}"
 
 
-def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
+def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, ForecastState]:
     """Predictions of a named flight that were replaced by a later one."""
     named = [one for one in predictions if one.flight_id]
     last = {(one.rocket, one.flight_id): one.number for one in named}
@@ -153,7 +153,7 @@ def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
 
 def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:
     """What changed in the plan, and in the model as of when the flight was added, or now."""
-    made: Parts | None = prediction.payload.get("made_from")
+    made: SourceDigests | None = prediction.payload.get("made_from")
     if made is None:
         return  # saved by an older version, without this part
     flown = flight is not None and flight.apogee is not None
@@ -166,7 +166,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
 
 def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
     """What changed in the rocket's design while the prediction is open; the design at a past flight is not saved."""
-    made: Parts | None = prediction.payload.get("made_from")
+    made: SourceDigests | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
         return
     config = made["configuration"].get("config", "")

@@ -21,7 +21,7 @@ from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import exclusions, followed
-from fieldkit.services.provenance import USED_IN_FIT, Parts
+from fieldkit.services.provenance import USED_IN_FIT, SourceDigests
 from fieldkit.services.saved_forecasts import SavedForecast
 
 
@@ -68,7 +68,7 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) ->
 
 def _beside(one: SavedForecast, known: Sequence[Simulated], motors: Catalogue) -> Forecast:
     assert one.flight is not None
-    made: Parts = one.made.payload.get("made_from", {})
+    made: SourceDigests = one.made.payload.get("made_from", {})
     knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == USED_IN_FIT}
     motor = motors.resolve_several(str(one.made.payload.get("motor") or one.flight.motor))
     (planned,) = simulate([(as_planned(one.flight, made), motor)])
@@ -90,7 +90,7 @@ def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> l
     ]
 
 
-def as_planned(flight: Flight, made: Parts) -> Flight:
+def as_planned(flight: Flight, made: SourceDigests) -> Flight:
     """A flight with the mass, size and conditions of its prediction, if they were saved."""
     conditions = {
         name: text for part in ("mass", "configuration", "conditions") for name, text in made.get(part, {}).items()

@@ -9,18 +9,18 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
 from fieldkit.flight.start import repeated
-from fieldkit.forecast.at_once import FlownFlights, answer_at_once, prepare_at_once
+from fieldkit.forecast.at_once import answer_at_once, prepare_at_once
 from fieldkit.inference.history.features import PreparedHistory
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Catalogue, Found, is_cluster
+from fieldkit.planning.quantiles import Three
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.plausible_flights import followed
 
-Interval = tuple[float, float, float]
-"""The 5, 50 and 95% quantiles of a value."""
 NORMAL_95 = 1.6448536
 """The 95% quantile of the standard normal distribution. [1]"""
 SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
@@ -37,9 +37,9 @@ class TypedEstimate:
 
     needs: tuple[str, ...] = ()
     implausible_because: str = ""
-    cd: Interval | None = None
-    alpha: Interval | None = None
-    next_apogee: Interval | None = None
+    cd: Three | None = None
+    alpha: Three | None = None
+    next_apogee: Three | None = None
     flights: int = 0
 
 
@@ -135,6 +135,6 @@ def _estimate(answer: QuickAnswer) -> TypedEstimate:
     )
 
 
-def _interval(logarithm: Sequence[float]) -> Interval:
+def _interval(logarithm: Sequence[float]) -> Three:
     mean, sd = logarithm
     return math.exp(mean - NORMAL_95 * sd), math.exp(mean), math.exp(mean + NORMAL_95 * sd)

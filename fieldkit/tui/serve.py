@@ -63,7 +63,7 @@ HEARTBEAT = 15.0
 """Interval of checks that a page is still connected. [s]"""
 PATIENCE = 5.0
 """How long an app may take to exit after its page has closed. [s]"""
-Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+WebHandler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 def is_loopback(host: str) -> bool:
@@ -229,7 +229,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         app = await super()._make_app()
 
         @web.middleware
-        async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
+        async def guarded(request: web.Request, handler: WebHandler) -> web.StreamResponse:
             return await self.guard(request, handler)
 
         async def headed(_: web.Request, response: web.StreamResponse) -> None:
@@ -252,7 +252,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
     async def on_startup(self, app: web.Application) -> None:
         """Print nothing: the command has already printed the link."""
 
-    async def guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
+    async def guard(self, request: web.Request, handler: WebHandler) -> web.StreamResponse:
         """Check access, and set the font size for phones."""
         if isinstance(request.protocol, listening.Handler):
             request.protocol.has_asked = True

@@ -21,7 +21,7 @@ from studies.paper.next_flight import carry_over, leave_one_out
 from studies.paper.reference import Reference, certified, normalised
 
 Each = Float[Array, "*draw flight"]
-Build = Callable[[Reference, Each, Each], Setup]
+SetupOf = Callable[[Reference, Each, Each], Setup]
 """Builds a setup of the flights, each with a separate Cd and alpha."""
 
 
@@ -31,7 +31,7 @@ class World:
 
     key: str
     title: str
-    build: Build
+    build: SetupOf
 
     def heights(self, flights: Reference, cd: Each, alpha: Each) -> Each:
         """Apogees, each flight with a separate Cd and alpha. [m]"""
@@ -39,7 +39,7 @@ class World:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class AssumptionStep:
     """The flights under one set of assumptions: apogees reconstructed from their own, and forecast from the others'.
     [m]"""
 
@@ -65,7 +65,7 @@ def worlds() -> list[World]:
     ]
 
 
-def step(world: World, flights: Reference) -> Step:
+def step(world: World, flights: Reference) -> AssumptionStep:
     """The flights reconstructed and forecast under one set of assumptions."""
 
     def fly(cd: Each, alpha: Each) -> Each:
@@ -73,7 +73,7 @@ def step(world: World, flights: Reference) -> Step:
 
     cd, alpha = exact_means(flights, fly)
     forecast = carry_over(cd, alpha, world.heights)
-    return Step(
+    return AssumptionStep(
         world,
         fly(cd, alpha),
         leave_one_out(flights, forecast, np.arange(len(flights))),
@@ -94,7 +94,7 @@ def _mixed(one: Burns, other: Burns, motors: tuple[int, ...]) -> Burns:
     return replace(one, **mixed)
 
 
-def _paper(curves: Burns, *, delay: bool = False) -> Build:
+def _paper(curves: Burns, *, delay: bool = False) -> SetupOf:
     def build(flights: Reference, cd: Each, alpha: Each) -> Setup:
         setup = paper.paper_setup(flights.motor, flights.dry_mass, cd, alpha, curves=curves)
         return setup.with_changes(delay=named_delays(flights)) if delay else setup

@@ -12,7 +12,7 @@ from fieldkit.physics.thrust_steps import Burns
 from fieldkit.shapes import Array, Float
 from studies.paper.reference import Reference, heights
 
-Heights = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]], Float[Array, "*draw flight"]]
+ApogeesOf = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]], Float[Array, "*draw flight"]]
 """Apogees of all flights, given a Cd and an alpha for each. [m]"""
 
 
@@ -22,7 +22,7 @@ def cells(ends: tuple[float, float], count: int) -> Float[Array, "cell"]:
 
 
 def exact_means(
-    flights: Reference, heights: Heights, count: int = 40
+    flights: Reference, heights: ApogeesOf, count: int = 40
 ) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
     """Exact posterior mean of Cd and alpha of each flight, given its apogee and nothing else. [1]
 
@@ -55,7 +55,7 @@ def lowest(flights: Reference, curves: Burns) -> Float[Array, "flight"]:
     return heights(flights, most, least, curves)
 
 
-def lowest_in(flights: Reference, fly: Heights) -> Float[Array, "flight"]:
+def lowest_in(flights: Reference, fly: ApogeesOf) -> Float[Array, "flight"]:
     """The lowest apogee that the prior can produce, with any simulator `fly`. [m]"""
     return fly(np.full(len(flights), CD_RANGE[1]), np.full(len(flights), ALPHA_RANGE[0]))
 

@@ -13,22 +13,22 @@ from fieldkit.shapes import Array, Float, Int
 from studies.paper.exact import cells
 from studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
 
-Forecast = Callable[[Reference, Int[Any, "other"], int], float]
+ForecastBy = Callable[[Reference, Int[Any, "other"], int], float]
 """The apogee of a flight, given by its row, from other flights, given by their rows; nan if they are not informative.
 [m]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class ForecastRule:
     """A forecasting rule with its exact description in `how`."""
 
     key: str
     title: str
     how: str
-    forecast: Forecast
+    forecast: ForecastBy
 
 
-def leave_one_out(flights: Reference, forecast: Forecast, rows: Int[Any, "row"]) -> Float[Array, "row"]:
+def leave_one_out(flights: Reference, forecast: ForecastBy, rows: Int[Any, "row"]) -> Float[Array, "row"]:
     """Forecasts of some flights, each from all other valid flights. [m]"""
     valid = np.flatnonzero(flights.valid)
     return np.array([forecast(flights, valid[valid != row], row) for row in rows.tolist()])
@@ -43,7 +43,7 @@ def _same_setup(flights: Reference, others: Int[Any, "other"], row: int) -> floa
     return _same_motor(flights, others[flights.dry_mass[others] == flights.dry_mass[row]], row)
 
 
-def carried_over(cd: Float[Array, "flight"], alpha: Float[Array, "flight"]) -> Forecast:
+def carried_over(cd: Float[Array, "flight"], alpha: Float[Array, "flight"]) -> ForecastBy:
     """Mean Cd and alpha inferred for the same motor's other flights, in the paper's physics."""
     curves = paper.paper_burns()
     return carry_over(cd, alpha, lambda flights, cd, alpha: heights(flights, cd, alpha, curves))
@@ -53,7 +53,7 @@ def carry_over(
     cd: Float[Array, "flight"],
     alpha: Float[Array, "flight"],
     fly: Callable[[Reference, Float[Array, "flight"], Float[Array, "flight"]], Float[Array, "flight"]],
-) -> Forecast:
+) -> ForecastBy:
     """Mean Cd and alpha inferred for the same motor's other flights, in any physics."""
 
     def forecast(flights: Reference, others: Int[Any, "other"], row: int) -> float:
@@ -66,12 +66,12 @@ def carry_over(
     return forecast
 
 
-def _fixed(curves: Burns) -> Forecast:
+def _fixed(curves: Burns) -> ForecastBy:
     """Nominal Cd and certified thrust: no flight is used."""
     return lambda flights, others, row: _apogee(flights, row, NOMINAL_CD, 1.0, curves)
 
 
-def _fitted(curves: Burns, *, cd_too: bool) -> Forecast:
+def _fitted(curves: Burns, *, cd_too: bool) -> ForecastBy:
     """One alpha, and one Cd if `cd_too`, for all flights, by least squares."""
     start, low, high = ([1.0, NOMINAL_CD], [0.3, 0.05], [2.0, 2.0])
     count = 2 if cd_too else 1
@@ -92,7 +92,7 @@ def _fitted(curves: Burns, *, cd_too: bool) -> Forecast:
     return forecast
 
 
-def _hierarchical(flights: Reference, curves: Burns) -> Forecast:
+def _hierarchical(flights: Reference, curves: Burns) -> ForecastBy:
     """One Cd for the rocket, an alpha for each flight around a mean, and their scatter, on a grid.
 
     Priors: Cd normal 0.6 ± 0.17, mean alpha normal 1 ± 0.12 (the moments of the paper's prior), standard
@@ -117,54 +117,54 @@ def _apogee(flights: Reference, row: int, cd: float, alpha: float, curves: Burns
     return float(heights(flights.part(np.array([row])), np.array([cd]), np.array([alpha]), curves)[0])
 
 
-def rules(flights: Reference) -> list[Rule]:
+def rules(flights: Reference) -> list[ForecastRule]:
     """The rules that the report compares, starting with the best on the eight valid flights."""
     curves = certified()
     return [
-        Rule("motor_mean", "mean of the same motor's other flights", "no physics at all", _same_motor),
-        Rule(
+        ForecastRule("motor_mean", "mean of the same motor's other flights", "no physics at all", _same_motor),
+        ForecastRule(
             "motor_and_config_mean",
             "mean of the same motor and configuration",
             "only flights that have such a peer",
             _same_setup,
         ),
-        Rule(
+        ForecastRule(
             "alpha_certified",
             f"one alpha for all, Cd {NOMINAL_CD}, certified curves",
             "least squares",
             _fitted(curves, cd_too=False),
         ),
-        Rule(
+        ForecastRule(
             "hierarchical_certified",
             "hierarchical, certified curves",
             "Cd of the rocket 0.6 ± 0.17, alpha of a flight around a mean of 1 ± 0.12, scatter up to 0.2",
             _hierarchical(flights, curves),
         ),
-        Rule(
+        ForecastRule(
             "cd_and_alpha_certified",
             "one Cd and one alpha for all, certified",
             "least squares",
             _fitted(curves, cd_too=True),
         ),
-        Rule(
+        ForecastRule(
             "published_carried_over",
             "published parameters carried over",
             "mean Cd and alpha of the same motor's other flights, paper's physics",
             carried_over(flights.published_cd, flights.published_alpha),
         ),
-        Rule(
+        ForecastRule(
             "nominal_casing",
             "nominal Cd, certified curves and casing mass",
             f"Cd {NOMINAL_CD}, alpha 1",
             _fixed(certified(casing=True)),
         ),
-        Rule(
+        ForecastRule(
             "nominal_certified",
             "nominal Cd, certified curves",
             f"Cd {NOMINAL_CD}, alpha 1",
             _fixed(curves),
         ),
-        Rule(
+        ForecastRule(
             "nominal_paper",
             "nominal Cd, paper's physics",
             f"Cd {NOMINAL_CD}, alpha 1",

@@ -13,7 +13,7 @@ from fieldkit.physics import paper
 from fieldkit.shapes import Array, Float
 from studies.paper.exact import bayes_limit, lowest, reconstructions
 from studies.paper.history_network import HistoryForecast, history_errors, history_forecasts
-from studies.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
+from studies.paper.next_flight import ForecastRule, carried_over, leave_one_out, rules, scatter
 from studies.paper.reference import (
     CERTIFIED_NAMES,
     STATED_FIGURES,
@@ -171,7 +171,7 @@ def _thrust_profile(flights: Reference) -> dict[str, Any]:
     }
 
 
-def _judged(flights: Reference, rule: Rule) -> dict[str, Any]:
+def _judged(flights: Reference, rule: ForecastRule) -> dict[str, Any]:
     valid = np.flatnonzero(flights.valid)
     forecast = leave_one_out(flights, rule.forecast, valid)
     known = np.isfinite(forecast)

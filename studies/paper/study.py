@@ -13,7 +13,7 @@ from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resample
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
-from studies.paper.assumption_steps import Step, step, worlds
+from studies.paper.assumption_steps import AssumptionStep, step, worlds
 from studies.paper.reference import Reference, reference
 from studies.paper.report import PaperReport, report
 from studies.paper.two_flights import TwoFlights, two_flights
@@ -48,7 +48,7 @@ class Study:
 
     report: PaperReport
     flights: Reference
-    steps: tuple[Step, ...]
+    steps: tuple[AssumptionStep, ...]
     parts: tuple[BiasPart, ...]
     lowered: tuple[float, ...]
     """Mean reduction by each step of the apogees at the published Cd and alpha. [m]"""
@@ -80,7 +80,7 @@ def study() -> Study:
     )
 
 
-def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[BiasPart, ...]:
+def parts_of(flights: Reference, steps: tuple[AssumptionStep, ...]) -> tuple[BiasPart, ...]:
     """Parts that add up to the published bias: the network's, one for each step of the physics, and the rest."""
     bias = [float((one.rebuilt - flights.apogee).mean()) for one in steps]
     published = float((flights.published_apogee - flights.apogee).mean())

@@ -17,7 +17,7 @@ from fieldkit.shapes import Array
 from studies.reference_posterior.cases import SEED, cases
 from studies.reference_posterior.readouts import linear
 from studies.reference_posterior.sampler import FIGURES, Case, fitted, quantiles, sampled, summary_of_fit, target_of
-from studies.reference_posterior.summaries import Reference, off, read, stored, summarized, write
+from studies.reference_posterior.summaries import ReferencePosterior, off, read, stored, summarized, write
 
 DRAWS = 40_000
 """Number of draws of the fit's forecast."""
@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> None:
 COMMAND = "python -m studies.reference_posterior --cases FILE --store FILE"
 
 
-def reference(number: int, name: str, case: Case) -> Reference:
+def reference(number: int, name: str, case: Case) -> ReferencePosterior:
     """Samples of the exact posterior of a case and of its linear model; the number determines the seed."""
     result = fitted(case)
     readouts = (None, linear(result.model, result.tangent))
@@ -72,7 +72,7 @@ HEAD = (
 )
 
 
-def table(found: Sequence[Reference]) -> list[str]:
+def table(found: Sequence[ReferencePosterior]) -> list[str]:
     """The current fit compared with stored references: one line per case, and the differences of quantiles over all."""
     by_fit = np.array([off(quantiles(summary_of_fit(one.case, DRAWS, 0)), one.quantiles) for one in found])
     by_linear = np.array([off(one.linear, one.quantiles) for one in found])

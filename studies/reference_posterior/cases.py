@@ -7,23 +7,28 @@ import numpy as np
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from studies.generated_ledgers import SUBSETS, History, Recipe, ledger, random_recipe
+from studies.generated_ledgers import SUBSETS, GeneratedHistory, LedgerRecipe, ledger, random_recipe
 from studies.reference_posterior.sampler import Case
 
 SEED = 18
 DRAWN = 20
 """Number of histories from random recipes."""
 HARD = {
-    "apogees alone, six flights": Recipe(6, readouts=SUBSETS["apogee"]),
-    "one flight, apogee alone": Recipe(1, readouts=SUBSETS["apogee"]),
-    "one flight, all readouts": Recipe(1),
-    "two motors, then a third": Recipe(8, 2, new_motor=True),
-    "one apogee half of what it was": Recipe(8, 2, outlier=0.5),
-    "diameter not recorded": Recipe(5, readouts=SUBSETS["apogee, speed"], diameter=False),
-    "twenty flights, all readouts": Recipe(20, 3),
+    "apogees alone, six flights": LedgerRecipe(6, readouts=SUBSETS["apogee"]),
+    "one flight, apogee alone": LedgerRecipe(1, readouts=SUBSETS["apogee"]),
+    "one flight, all readouts": LedgerRecipe(1),
+    "two motors, then a third": LedgerRecipe(8, 2, new_motor=True),
+    "one apogee half of what it was": LedgerRecipe(8, 2, outlier=0.5),
+    "diameter not recorded": LedgerRecipe(5, readouts=SUBSETS["apogee, speed"], diameter=False),
+    "twenty flights, all readouts": LedgerRecipe(20, 3),
 }
 """Recipes of the difficult ones by name."""
-FLEET = (Recipe(5, 2), Recipe(4, 1, SUBSETS["apogee"]), Recipe(6, 2), Recipe(2, 1, SUBSETS["apogee, speed"]))
+FLEET = (
+    LedgerRecipe(5, 2),
+    LedgerRecipe(4, 1, SUBSETS["apogee"]),
+    LedgerRecipe(6, 2),
+    LedgerRecipe(2, 1, SUBSETS["apogee, speed"]),
+)
 """Number of rockets in a ledger; the last one is forecast with information from the others."""
 
 
@@ -42,10 +47,10 @@ def cases(hyperprior: Hyperprior) -> Iterator[tuple[str, Case]]:
     yield "two flights, three other rockets", Case(last.flown, last.plan, hyperprior, shared)
 
 
-def _case(history: History, hyperprior: Hyperprior) -> Case:
+def _case(history: GeneratedHistory, hyperprior: Hyperprior) -> Case:
     return Case(history.flown, history.plan, hyperprior)
 
 
-def _subset(recipe: Recipe) -> str:
+def _subset(recipe: LedgerRecipe) -> str:
     kept = next(name for name, readouts in SUBSETS.items() if readouts == recipe.readouts)
     return f"{kept} ({len(recipe.readouts)} of {len(OBSERVED_READOUTS)})"

@@ -51,7 +51,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class Sampled:
+class SampledPosterior:
     """Draws of the posterior of terms and scales, and the convergence of the chains.
 
     `r_hat` and `effective` are the worst of the figures: split R-hat, and the effective number of draws.
@@ -76,7 +76,7 @@ def target_of(case: Case, result: Fit, readouts: Readouts | None = None) -> Targ
     return target(replace(result.model, coarse=False), result.data, _middle(result), readouts)
 
 
-def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) -> Sampled:
+def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) -> SampledPosterior:
     """Draws of an exact posterior from all chains in the order drawn.
 
     Positions are scaled by the approximate width of the posterior (a constant mass matrix). Chains that did not mix
@@ -88,7 +88,7 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
     middle = density.coordinates(_middle(result), *scales)
     root = np.linalg.inv(np.linalg.cholesky(density.curvature(middle)))
 
-    def run(target: Target, position: Float[Array, "chain dimension"]) -> tuple[Sampled, Array]:
+    def run(target: Target, position: Float[Array, "chain dimension"]) -> tuple[SampledPosterior, Array]:
         def whitened(at: Array) -> tuple[Array, Array]:
             log_density, force = target(middle + at @ root)
             return log_density, force @ root.T
@@ -102,12 +102,12 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
 
 def _sampled(
     case: Case, density: Target, chains: hamiltonian.Chains, at: Float[Array, "iteration chain dimension"]
-) -> Sampled:
+) -> SampledPosterior:
     point = density.point(at.reshape(-1, density.dimension))
     scales = np.stack([point.scatter_scale, point.reading_scale, point.motor_scale], axis=-1)
     watched = np.concatenate([_shared_figures(case, point.terms), np.log(scales)], axis=1).reshape(*at.shape[:2], -1)
     figures = [watched[..., i] for i in range(watched.shape[-1])]
-    return Sampled(
+    return SampledPosterior(
         point.terms,
         scales,
         max(hamiltonian.split_r_hat(one) for one in figures),

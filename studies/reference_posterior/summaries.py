@@ -14,7 +14,7 @@ from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array, Float
-from studies.reference_posterior.sampler import FIGURES, Case, Sampled, next_flight, quantiles, summary_of_fit
+from studies.reference_posterior.sampler import FIGURES, Case, SampledPosterior, next_flight, quantiles, summary_of_fit
 
 LEVELS = (0.05, 0.5, 0.95)
 THINNED = 200
@@ -24,7 +24,7 @@ DIGITS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class ReferencePosterior:
     """A case, quantiles of `FIGURES` from the exact sampler and from a sampler of the linear model, and some exact
     draws.
 
@@ -41,14 +41,18 @@ class Reference:
     excess_crps: float
 
 
-def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int) -> Reference:
+def summarized(
+    name: str, case: Case, exact: SampledPosterior, linear: SampledPosterior, seed: int
+) -> ReferencePosterior:
     """The stored summary of a case."""
     figures = next_flight(case, exact.terms, exact.scales, seed)
     thin = figures[np.linspace(0, len(figures) - 1, THINNED).astype(int)]
     by_linear = quantiles(next_flight(case, linear.terms, linear.scales, seed), LEVELS)
     forecast = summary_of_fit(case, len(figures), seed)
     excess = excess_crps(np.exp(forecast[:, 0]), np.exp(figures[:, 0]))
-    return Reference(name, case, quantiles(figures, LEVELS), by_linear, thin, exact.r_hat, exact.effective, excess)
+    return ReferencePosterior(
+        name, case, quantiles(figures, LEVELS), by_linear, thin, exact.r_hat, exact.effective, excess
+    )
 
 
 def off(
@@ -70,21 +74,21 @@ def excess_crps(forecast: Float[Array, "draw"], exact: Float[Array, "draw"]) -> 
     return float(((by[0] - by[1]) ** 2 @ width) / ((by[1] * (1 - by[1])) @ width))
 
 
-def write(path: Path, references: list[Reference], about: Mapping[str, Any]) -> None:
+def write(path: Path, references: list[ReferencePosterior], about: Mapping[str, Any]) -> None:
     """Save references as JSON, one case per line."""
     lines = [json.dumps(_kept(one), separators=(",", ":")) for one in references]
     head = json.dumps({**about, "hyperprior": references[0].case.hyperprior.json()}, indent=1)[:-2]
     path.write_text(head + ',\n "cases": [\n' + ",\n".join(lines) + "\n]}\n", encoding="utf-8")
 
 
-def read(path: Path) -> list[Reference]:
+def read(path: Path) -> list[ReferencePosterior]:
     """The references in a file."""
     kept = json.loads(path.read_text("utf-8"))
     hyperprior = read_card(json.dumps(kept["hyperprior"]), path.name)
     return [_read(one, hyperprior) for one in kept["cases"]]
 
 
-def _kept(one: Reference) -> dict[str, Any]:
+def _kept(one: ReferencePosterior) -> dict[str, Any]:
     case = one.case
     return {
         "name": one.name,
@@ -99,7 +103,7 @@ def _kept(one: Reference) -> dict[str, Any]:
     }
 
 
-def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> Reference:
+def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> ReferencePosterior:
     shared = kept["shared"]
     prior = (
         SharedPrior(tuple(shared["names"]), np.array(shared["mean"]), np.array(shared["covariance"]))
@@ -108,7 +112,7 @@ def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> Reference:
     )
     case = Case(tuple(map(_flown, kept["flights"])), _flown(kept["plan"]), hyperprior, prior)
     by_exact, by_linear, draws = (np.array(kept[name]) for name in ("quantiles", "linear", "draws"))
-    return Reference(
+    return ReferencePosterior(
         kept["name"], case, by_exact, by_linear, draws, kept["r_hat"], kept["effective"], kept["excess_crps"]
     )
 

@@ -21,7 +21,7 @@ EXACT_STEP = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class PosteriorPoint:
     """The parameters at given coordinates: values of the terms, scaled random effects of each flight, and the
     scales."""
 
@@ -58,7 +58,7 @@ class Target:
         """Number of coordinates."""
         return len(self.model.terms) + len(self.model.flights) * len(self.model.scatter) + len(self._unknown)
 
-    def point(self, at: Float[Array, "draw dimension"]) -> Point:
+    def point(self, at: Float[Array, "draw dimension"]) -> PosteriorPoint:
         """The parameters at these coordinates."""
         flights, kinds, terms = len(self.model.flights), len(self.model.scatter), len(self.model.terms)
         scatter, reading, motors = self._scales(at)
@@ -68,7 +68,7 @@ class Target:
             values[:, rows] = self.model.shared.mean + at[:, rows] @ np.linalg.cholesky(self.model.shared.covariance).T
         sds = np.array([kind.sd for kind in self.model.scatter])
         effects = at[:, terms : -len(self._unknown)].reshape(-1, flights, kinds) * sds * motors[:, None, None]
-        return Point(values, effects, scatter, reading, motors)
+        return PosteriorPoint(values, effects, scatter, reading, motors)
 
     def coordinates(
         self, values: Float[Array, "term"], scatter: float = 1.0, reading: float = 1.0, motors: float = 1.0
@@ -116,7 +116,7 @@ class Target:
         )
         return scatter, reading, motors[0] if motors else scatter
 
-    def variance(self, point: Point) -> Float[Array, "draw flight readout"]:
+    def variance(self, point: PosteriorPoint) -> Float[Array, "draw flight readout"]:
         """Squared scale of every residual."""
         variance = point.reading_scale[:, None, None] ** 2 * self.data.sd**2
         variance[..., 0] = self.data.sd[:, 0] ** 2 + (point.scatter_scale[:, None] * apogee_scatter(self.model)) ** 2
@@ -134,13 +134,16 @@ class Target:
         by_width = np.where(self.seen, weight * square - 1, 0.0)
         return total, weight * error / variance, by_width
 
-    def _early(self, point: Point, flown: Float[Array, "draw flight readout"]) -> Flags:
+    def _early(self, point: PosteriorPoint, flown: Float[Array, "draw flight readout"]) -> Flags:
         """Whether ejection is before apogee."""
         bias = bent(self.model, point.terms, OBSERVED_READOUTS[EJECTION])
         return np.asarray(np.nan_to_num(flown[..., EJECTION]) < bias)
 
     def _bent(
-        self, point: Point, score: Float[Array, "draw flight readout"], flown: Float[Array, "draw flight readout"]
+        self,
+        point: PosteriorPoint,
+        score: Float[Array, "draw flight readout"],
+        flown: Float[Array, "draw flight readout"],
     ) -> Float[Array, "draw flight kind"]:
         """The derivative with respect to properties, by the chain rule with the slopes."""
         if self.exact_force:
@@ -148,7 +151,7 @@ class Target:
         late, before = (np.einsum("dfo,fok->dfk", score, side) for side in self.slopes)
         return np.asarray(np.where(self._early(point, flown)[..., None], before, late))
 
-    def _slopes_here(self, point: Point, flown: Array) -> Float[Array, "kind draw flight readout"]:
+    def _slopes_here(self, point: PosteriorPoint, flown: Array) -> Float[Array, "kind draw flight readout"]:
         draws, kinds = len(flown), len(self.kinds)
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
         rows = {}
@@ -162,7 +165,7 @@ class Target:
     def _pulled(
         self,
         at: Array,
-        point: Point,
+        point: PosteriorPoint,
         score: Float[Array, "draw flight readout"],
         by_kind: Float[Array, "draw flight kind"],
     ) -> Float[Array, "draw dimension"]:
@@ -208,10 +211,10 @@ class Target:
         nu = self.model.hyperprior.tail
         certain = np.where(self.seen, (nu + 1) / (nu + 3) / self.variance(point)[0], 0.0)
         unit = np.eye(flights * len(OBSERVED_READOUTS)).reshape(-1, flights, len(OBSERVED_READOUTS))
-        repeated = [np.repeat(getattr(point, name), len(unit), axis=0) for name in Point.__dataclass_fields__]
+        repeated = [np.repeat(getattr(point, name), len(unit), axis=0) for name in PosteriorPoint.__dataclass_fields__]
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
         flown = np.repeat(self.readouts(point.terms, effects), len(unit), axis=0)
-        every = Point(*repeated)
+        every = PosteriorPoint(*repeated)
         slope = self._pulled(np.repeat(at[None], len(unit), axis=0), every, unit, self._bent(every, unit, flown))
         found = slope.T @ (certain.ravel()[:, None] * slope) + np.eye(self.dimension)
         prior, seen = self.model.hyperprior, self.seen.sum(axis=0)

@@ -6,7 +6,7 @@ import numpy as np
 
 from fieldkit.inference.network.mixture import logits, mixture
 from fieldkit.inference.training.density import Batch, TrainingPlan, fit, member_outputs
-from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.fit import TrainingProgress, one_thread
 from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import READOUT_NAMES
 from fieldkit.shapes import Array, Float
@@ -32,7 +32,7 @@ def train_restricted(
     plan: TrainingPlan = PLAN,
     judged: int = 500,
     burn_sd: float = 0.0,
-    progress: Progress | None = None,
+    progress: TrainingProgress | None = None,
 ) -> dict[str, Any]:
     """Train on the restricted problem, and return the distance of the ensemble from the exact posterior.
 

@@ -20,9 +20,9 @@ from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Back,
+    CaptureEvent,
     CaptureOptions,
     Ended,
-    Event,
     Instruction,
     Port,
     PortOpened,
@@ -74,7 +74,7 @@ def test_checksums_agree_with_the_manufacturers() -> None:
     assert sum_256(b"nbrOfFlight,3,") == 224
 
 
-def followed(events: Iterable[Event], wire: Wire) -> Ended:
+def followed(events: Iterable[CaptureEvent], wire: Wire) -> Ended:
     """How a capture ended; a unit that sends without being asked starts when its port is open."""
     for event in events:
         if isinstance(event, PortOpened):

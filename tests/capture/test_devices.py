@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Back,
+    CaptureEvent,
     CaptureOptions,
     Ended,
-    Event,
     FlightsListed,
     Instruction,
     Lost,
@@ -63,7 +63,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(micropeak, "PAUSE", 0.5)
 
 
-def run(events: Iterable[Event], *wires: Wire) -> list[Event]:
+def run(events: Iterable[CaptureEvent], *wires: Wire) -> list[CaptureEvent]:
     """All events of a capture; units that send without being asked start when the port is open."""
     seen = []
     for event in events:
@@ -74,13 +74,13 @@ def run(events: Iterable[Event], *wires: Wire) -> list[Event]:
     return seen
 
 
-def ended(events: Sequence[Event]) -> Ended:
+def ended(events: Sequence[CaptureEvent]) -> Ended:
     last = events[-1]
     assert isinstance(last, Ended)
     return last
 
 
-def text_of(events: Sequence[Event]) -> str:
+def text_of(events: Sequence[CaptureEvent]) -> str:
     return "\n".join(event.text for event in events if isinstance(event, Instruction))
 
 
@@ -90,7 +90,7 @@ def heard(
     folder: Path,
     wishes: CaptureOptions = QUICK,
     stop: Callable[[], bool] = lambda: False,
-) -> list[Event]:
+) -> list[CaptureEvent]:
     return run(capture(Port(wire.name), device, folder=folder, wishes=wishes, stop=stop), wire)
 
 

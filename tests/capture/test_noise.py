@@ -10,7 +10,7 @@ from unittest.mock import patch
 import pytest
 
 from fieldkit.capture import CaptureOptions, Port, capture, logs_in
-from fieldkit.capture.events import Ended, Event
+from fieldkit.capture.events import CaptureEvent, Ended
 from fieldkit.capture.protocols import mawd
 from tests.capture import devices
 from tests.capture.devices import Wire, played
@@ -49,7 +49,7 @@ def interrupted(device: devices.Device, word: bytes, before: bytes, tail: int, p
 
 def heard(device: devices.Device, name: str, folder: Path, options: CaptureOptions) -> Ended:
     """The end of a capture of a unit."""
-    seen: list[Event] = []
+    seen: list[CaptureEvent] = []
     with played(device) as wire:
         wire.opened.set()
         seen += capture(Port(wire.name), name, folder=folder, wishes=options)

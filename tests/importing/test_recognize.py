@@ -9,7 +9,7 @@ import pytest
 
 from fieldkit.errors import DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Parser, Reading, recognize
+from fieldkit.importing import Parsed, Parser, Reading, recognize
 from fieldkit.importing.likeness import likeness, nearest
 from fieldkit.importing.read import read
 from fieldkit.importing.recognize import claims, holds_flight, open_log, parser_for, parsers
@@ -66,7 +66,7 @@ def test_no_parser_claims_the_sample_of_another_or_reads_a_flight_of_another_hei
         if name == owner(sample):
             continue
         try:
-            found: list[Found] = list(parser.read(content))
+            found: list[Parsed] = list(parser.read(content))
         except DamagedLog:
             continue
         got = heights(found)
@@ -144,7 +144,7 @@ def _of(name: str) -> tuple[object, object]:
 def test_a_claimed_log_without_a_flight_falls_back_to_a_table_of_samples(
     monkeypatch: pytest.MonkeyPatch, finds: str
 ) -> None:
-    def empty(content: bytes) -> list[Found]:
+    def empty(content: bytes) -> list[Parsed]:
         if finds == "damage":
             raise DamagedLog("found no frame, expected one")
         flat = Series(np.arange(20.0), altitude=np.full(20, 3.0))
@@ -160,7 +160,7 @@ def test_a_claimed_log_without_a_flight_falls_back_to_a_table_of_samples(
 
 
 def test_a_claim_is_kept_if_no_other_parser_finds_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
-    def damaged(content: bytes) -> list[Found]:
+    def damaged(content: bytes) -> list[Parsed]:
         raise DamagedLog("found no frame, expected one", row=3)
 
     with_parser(monkeypatch, Parser("Claims all", lambda head: True, damaged, signs=("a",)))
@@ -169,7 +169,7 @@ def test_a_claim_is_kept_if_no_other_parser_finds_a_flight(monkeypatch: pytest.M
 
 
 def test_a_damaged_simulation_is_not_mistaken_for_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
-    def damaged(content: bytes) -> list[Found]:
+    def damaged(content: bytes) -> list[Parsed]:
         raise DamagedLog("found units that disagree")
 
     parser = Parser("Simulator", lambda head: True, damaged, signs=("time (s)",), simulates=True)

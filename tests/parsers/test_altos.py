@@ -8,7 +8,7 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing import Note, Parsed, Reading
 from fieldkit.importing.read import read_together
 from fieldkit.importing.recognize import claims, parsers
 from fieldkit.importing.tables.altos import entered
@@ -21,7 +21,7 @@ LOGS = Path(__file__).parents[2] / "sample_logs"
 V5 = "header does not match its rows of 70 cells, read up to main_voltage"
 
 
-def read(name: str, log: bytes | None = None) -> tuple[Reading, list[Found]]:
+def read(name: str, log: bytes | None = None) -> tuple[Reading, list[Parsed]]:
     first, *rest = parsers()[name.split("__")[0]].read((LOGS / name).read_bytes() if log is None else log)
     assert isinstance(first, Reading)
     return first, rest

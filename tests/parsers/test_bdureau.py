@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing import Note, Parsed, Reading
 from fieldkit.importing.recognize import parsers
 
 
@@ -17,7 +17,7 @@ def data(*samples: str) -> bytes:
     return b"$start;\n" + b"".join(sentence(f"data,{sample},") for sample in samples) + b"$end;\n"
 
 
-def read(log: bytes) -> list[Found]:
+def read(log: bytes) -> list[Parsed]:
     return list(parsers()["bdureau"].read(log))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing import Note, Parsed, Reading
 from fieldkit.importing.read import read, read_together
 from fieldkit.importing.recognize import parsers
 from fieldkit.units import FOOT, STANDARD_GRAVITY
@@ -31,7 +31,7 @@ def crc(data: bytes) -> int:
     return value
 
 
-def usb(log: bytes) -> list[Found]:
+def usb(log: bytes) -> list[Parsed]:
     return list(parsers()["blueraven_usb"].read(log))
 
 

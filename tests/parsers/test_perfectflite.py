@@ -8,7 +8,7 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing import Note, Parsed, Reading
 from fieldkit.importing.recognize import parsers
 from fieldkit.units import FOOT
 from tests.parsers.recorded import recorded
@@ -26,7 +26,7 @@ def sample(name: str) -> bytes:
     return (LOGS / name).read_bytes()
 
 
-def pf2(log: str | bytes) -> tuple[Reading, list[Found]]:
+def pf2(log: str | bytes) -> tuple[Reading, list[Parsed]]:
     first, *rest = parsers()["perfectflite"].read(log if isinstance(log, bytes) else log.encode())
     assert isinstance(first, Reading)
     return first, rest

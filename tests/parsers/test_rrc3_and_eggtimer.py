@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing import Note, Parsed, Reading
 from fieldkit.importing.recognize import open_log, parsers
 from fieldkit.physics.standard_atmosphere import height_pressure
 from fieldkit.units import FOOT
@@ -27,7 +27,7 @@ def rrc3(unit: float, *, top: float = 200.0, header: str = HEADER, tail: str = "
     return "\n".join([header, *rows, tail]).encode()
 
 
-def found(parser: str, log: bytes) -> tuple[Reading, list[Found]]:
+def found(parser: str, log: bytes) -> tuple[Reading, list[Parsed]]:
     flight, *rest = parsers()[parser].read(log)
     assert isinstance(flight, Reading)
     return flight, rest

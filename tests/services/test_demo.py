@@ -9,7 +9,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.inference.network.flights import Model, infer
+from fieldkit.inference.network.flights import FlightEnsemble, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services import demo
@@ -144,7 +144,7 @@ def test_missing_values_are_reported_and_the_other_flights_inferred(case: str) -
 
 
 @pytest.mark.parametrize("model", ["field", "paper"])
-def test_inference_is_the_same_alone_and_among_others(model: Model) -> None:
+def test_inference_is_the_same_alone_and_among_others(model: FlightEnsemble) -> None:
     flights = [ROCKET.with_changes(flight_id=str(n), apogee=height) for n, height in enumerate((240.0, 260.0, 280.0))]
     together = infer(flights, catalogue(), model).inferred
     for flight, one in zip(flights, together, strict=True):

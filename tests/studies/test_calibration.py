@@ -7,7 +7,7 @@ import pytest
 
 from fieldkit.model.hyperprior import learned
 from fieldkit.shapes import Array
-from studies.calibration import Ranked, coverage, rank, ranked, table, uniformity
+from studies.calibration import TruthRank, coverage, rank, ranked, table, uniformity
 from tests.effort import THOROUGH
 
 CHECK_SHAPES = False
@@ -17,16 +17,16 @@ CHANCE = 0.001
 
 
 @pytest.fixture(scope="module")
-def found() -> list[Ranked]:
+def found() -> list[TruthRank]:
     return [ranked(number, learned(), rockets=2) for number in range(LEDGERS)]
 
 
-def ranks(found: Sequence[Ranked], figure: str) -> Array:
+def ranks(found: Sequence[TruthRank], figure: str) -> Array:
     return np.array([getattr(one, figure) for one in found])
 
 
 @pytest.mark.parametrize("figure", ["apogee", "log_cd"])
-def test_forecasts_of_drawn_ledgers_are_calibrated(found: list[Ranked], figure: str) -> None:
+def test_forecasts_of_drawn_ledgers_are_calibrated(found: list[TruthRank], figure: str) -> None:
     from scipy.stats import binom
 
     own = ranks(found, figure)
@@ -36,7 +36,7 @@ def test_forecasts_of_drawn_ledgers_are_calibrated(found: list[Ranked], figure: 
         assert low <= coverage(own, level) <= high
 
 
-def test_the_table_has_a_line_for_every_group(found: list[Ranked]) -> None:
+def test_the_table_has_a_line_for_every_group(found: list[TruthRank]) -> None:
     lines = table(found)
     assert lines[2].startswith("all ")
     assert f"{LEDGERS:5d}" in lines[2]

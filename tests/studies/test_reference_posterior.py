@@ -11,7 +11,7 @@ from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model
 from fieldkit.model.scale import Scale
 from fieldkit.shapes import Array
-from studies.generated_ledgers import Recipe, ledger
+from studies.generated_ledgers import LedgerRecipe, ledger
 from studies.reference_posterior.hamiltonian import effective_size, sample, split_r_hat
 from studies.reference_posterior.readouts import linear
 from studies.reference_posterior.summaries import excess_crps
@@ -51,7 +51,7 @@ def plain(motors: Scale | None = None) -> Hyperprior:
 
 
 def linear_target(student: bool, motors: Scale | None = None) -> tuple[Model, Data, Target]:
-    (history,) = ledger(np.random.default_rng(4), [Recipe(4, 2)], learned())
+    (history,) = ledger(np.random.default_rng(4), [LedgerRecipe(4, 2)], learned())
     flights, found = zip(*history.flown, strict=True)
     model = base_model(flights, found, plain(motors))
     data = observe(model.flights, model.found, [True] * len(flights), model.hyperprior)

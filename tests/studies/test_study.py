@@ -16,7 +16,7 @@ from fieldkit.forecast.evaluation.uncalibrated import simulate
 from fieldkit.motors import catalogue
 from studies.histories import histories
 from studies.histories import page as histories_page
-from studies.paper.assumption_steps import Step, step, worlds
+from studies.paper.assumption_steps import AssumptionStep, step, worlds
 from studies.paper.reference import Reference, reference
 from studies.paper.study import parts_of
 from studies.paper.two_flights import MAX_PRIOR_SDS, TwoFlights, two_flights
@@ -39,7 +39,7 @@ def flights() -> Reference:
 
 
 @pytest.fixture(scope="module")
-def steps(flights: Reference) -> tuple[Step, ...]:
+def steps(flights: Reference) -> tuple[AssumptionStep, ...]:
     return tuple(step(world, flights) for world in worlds())
 
 
@@ -68,26 +68,30 @@ def assert_similar(written: str, here: str) -> None:
         assert float(computed) == pytest.approx(float(stated), rel=0.03, abs=0.11)
 
 
-def test_the_parts_add_up_to_the_published_bias(flights: Reference, steps: tuple[Step, ...]) -> None:
+def test_the_parts_add_up_to_the_published_bias(flights: Reference, steps: tuple[AssumptionStep, ...]) -> None:
     assert sum(part.bias for part in parts_of(flights, steps)) == pytest.approx(12.3, abs=0.05)
 
 
 def test_the_profile_causes_most_of_the_bias_and_shrinkage_less_than_a_meter(
-    flights: Reference, steps: tuple[Step, ...]
+    flights: Reference, steps: tuple[AssumptionStep, ...]
 ) -> None:
     biases = [part.bias for part in parts_of(flights, steps)]
     assert sum(biases[:3]) == pytest.approx(13.7, abs=0.1)
     assert 0 < biases[-2] < 1
 
 
-def test_the_profile_of_a_motor_changes_only_flights_on_it(flights: Reference, steps: tuple[Step, ...]) -> None:
+def test_the_profile_of_a_motor_changes_only_flights_on_it(
+    flights: Reference, steps: tuple[AssumptionStep, ...]
+) -> None:
     for motor, (before, after) in enumerate(pairwise(steps[:4])):
         moved = np.abs(after.rebuilt - before.rebuilt) > 1e-6
         assert moved.any()
         assert not moved[flights.motor != motor].any()
 
 
-def test_five_flights_are_below_the_range_of_the_prior_at_first_and_none_later(steps: tuple[Step, ...]) -> None:
+def test_five_flights_are_below_the_range_of_the_prior_at_first_and_none_later(
+    steps: tuple[AssumptionStep, ...],
+) -> None:
     assert [step.below for step in steps] == [5, 5, 3, 0, 0, 0, 0, 0]
 
 

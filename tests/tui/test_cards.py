@@ -14,7 +14,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.tui.flights import logged
 from fieldkit.tui.next import motor_facts
-from fieldkit.tui.next.intervals import Interval, Intervals, bar
+from fieldkit.tui.next.intervals import IntervalBar, Intervals, bar
 from fieldkit.tui.setup import setup_card
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import grouped, placed
@@ -55,7 +55,7 @@ def test_values_from_a_log_are_described_in_words_with_units() -> None:
 
 
 def test_names_in_wide_characters_do_not_shift_columns() -> None:
-    rows = (Interval("飛行機雲 F39", 1.0, 2.0, 3.0), Interval("12 F39", 1.0, 2.0, 3.0))
+    rows = (IntervalBar("飛行機雲 F39", 1.0, 2.0, 3.0), IntervalBar("12 F39", 1.0, 2.0, 3.0))
     drawn = str(Intervals(rows, str, {})).splitlines()
     assert cell_len(drawn[0]) == cell_len(drawn[1]) <= 76
     facts = str(cards.lines("", [("飛行機", "once"), ("F39", "twice")])).splitlines()
@@ -65,7 +65,7 @@ def test_names_in_wide_characters_do_not_shift_columns() -> None:
 @given(st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3), st.integers(10, 200))
 def test_an_interval_on_its_own_scale_spans_the_full_width(ends: list[float], width: int) -> None:
     low, middle, high = sorted(ends)
-    line = bar(Interval("", low, middle, high), low, high, width)
+    line = bar(IntervalBar("", low, middle, high), low, high, width)
     assert len(line) == width
     assert "●" in line
     if high - low > 1e-6 * max(1.0, abs(high)):
@@ -73,13 +73,13 @@ def test_an_interval_on_its_own_scale_spans_the_full_width(ends: list[float], wi
 
 
 def test_an_arrow_points_to_what_is_beyond_a_scale() -> None:
-    assert bar(Interval("", 50.0, 150.0, 250.0), 0.0, 100.0, 11) == "     ├────→"
-    assert bar(Interval("", -50.0, 50.0, 250.0), 0.0, 100.0, 11) == "←────●────→"
-    assert bar(Interval("", 150.0, 180.0, 250.0), 0.0, 100.0, 11) == "          →"
+    assert bar(IntervalBar("", 50.0, 150.0, 250.0), 0.0, 100.0, 11) == "     ├────→"
+    assert bar(IntervalBar("", -50.0, 50.0, 250.0), 0.0, 100.0, 11) == "←────●────→"
+    assert bar(IntervalBar("", 150.0, 180.0, 250.0), 0.0, 100.0, 11) == "          →"
 
 
 def test_intervals_share_one_scale_with_ends_and_ticks_below() -> None:
-    rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
+    rows = (IntervalBar("4 s", -1.5, -0.7, 0.8), IntervalBar("5 s", -1.1, 0.0, 1.8, flown=1.5))
     lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()
     assert lines[0].index("●") < lines[0].index("◎")
     assert lines[1].index("◉") < lines[1].index("◆")

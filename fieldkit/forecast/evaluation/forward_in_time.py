@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 
-from fieldkit.flight import Flight
 from fieldkit.forecast.conformal import stretch, stretched, surprise
 from fieldkit.forecast.evaluation.rivals import MIXED, rival_draws
 from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, ScoredForecast, log_scores, mixed_in, weights_after
@@ -17,12 +16,10 @@ from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
 from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.model.rocket_model import FlownFlight
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.motors import Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
-
-FlownFlight = tuple[Flight, Found]
 
 
 @dataclass(frozen=True, slots=True)

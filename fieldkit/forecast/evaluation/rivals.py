@@ -17,8 +17,8 @@ DRAWS = 400
 FEWEST_RATIOS = 3
 """Minimum number of ratios for a spread of the scalar correction. [1]"""
 
-Draws = Float[Array, "draw"]
-Rival = Callable[[Sequence[Simulated], Simulated], Draws | None]
+RivalDraws = Float[Array, "draw"]
+Rival = Callable[[Sequence[Simulated], Simulated], RivalDraws | None]
 
 
 def own(earlier: Sequence[Simulated], plan: Simulated) -> list[Simulated]:
@@ -26,7 +26,7 @@ def own(earlier: Sequence[Simulated], plan: Simulated) -> list[Simulated]:
     return [one for one in earlier if one.flight.rocket == plan.flight.rocket]
 
 
-def scalar(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
+def scalar(earlier: Sequence[Simulated], plan: Simulated) -> RivalDraws | None:
     """The simulation times the mean ratio of the rocket's earlier flights: one plus their mean relative bias.
 
     With three or more ratios, the log of the next one is normal with their scatter around an uncertain mean.
@@ -44,19 +44,19 @@ def scalar(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
     return np.asarray(middle * np.exp(sd * ndtri((np.arange(DRAWS) + 0.5) / DRAWS)))
 
 
-def last_on_motor(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
+def last_on_motor(earlier: Sequence[Simulated], plan: Simulated) -> RivalDraws | None:
     """The apogee of the rocket's last flight on the same motor type, or else the scalar correction."""
     same = [one for one in own(earlier, plan) if one.found.motor is plan.found.motor]
     return _flown(same[-1]) if same else scalar(earlier, plan)
 
 
-def flight_before(earlier: Sequence[Simulated], plan: Simulated) -> Draws | None:
+def flight_before(earlier: Sequence[Simulated], plan: Simulated) -> RivalDraws | None:
     """The apogee of the rocket's previous flight, on any motor."""
     same = own(earlier, plan)
     return _flown(same[-1]) if same else None
 
 
-def _flown(one: Simulated) -> Draws:
+def _flown(one: Simulated) -> RivalDraws:
     return np.array([one.flight.apogee], float)
 
 
@@ -82,7 +82,7 @@ BAR = "scalar"
 """The main rival, which anyone can compute: a simulation times the mean ratio of the flights so far."""
 
 
-def rival_draws(earlier: Sequence[Simulated], plan: Simulated) -> dict[str, Draws]:
+def rival_draws(earlier: Sequence[Simulated], plan: Simulated) -> dict[str, RivalDraws]:
     """The forecasts of a planned flight by the rivals that have enough data."""
     made = {name: rival(earlier, plan) for name, rival in RIVALS.items()}
     return {name: draws for name, draws in made.items() if draws is not None}

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.reading import Note, Parsed
 from fieldkit.importing.tables.altos import sound
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, first_lines, is_cut, shown
@@ -64,7 +64,7 @@ class Flash:
 
     settings: str
     records: Int[Octets, "record byte"]
-    found: tuple[Found, ...]
+    found: tuple[Parsed, ...]
 
 
 def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.reading import Note, Parsed
 from fieldkit.importing.tables.text import is_cut
 
 MAX_REPORTED = 20
@@ -24,14 +24,14 @@ class Damaged:
         self.first += [error] if len(self.first) < MAX_REPORTED else []
         self.count += 1
 
-    def reported(self, what: str, *, cut: bool = False) -> list[Found]:
+    def reported(self, what: str, *, cut: bool = False) -> list[Parsed]:
         """The first errors and the number of further ones; without the last one if it is only `cut` off."""
-        reported: list[Found] = [error for error in self.first if not (cut and error is self.last)]
+        reported: list[Parsed] = [error for error in self.first if not (cut and error is self.last)]
         more = self.count - cut - len(reported)
         return [*reported, DamagedLog(f"found {more} more damaged {what}")] if more else reported
 
 
-def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
+def damage(damaged: Damaged, what: str, log: bytes) -> list[Parsed]:
     """Report damaged lines; the last one becomes a note if the file ends within it."""
     row = damaged.last.row if damaged.last else None
     cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
@@ -39,7 +39,7 @@ def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
     return [*reported, Note("is cut off at the end of the file, left out", row)] if cut else reported
 
 
-def below(item: Found, rows: int) -> Found:
+def below(item: Parsed, rows: int) -> Parsed:
     """A note or an error about a part of a file, with its row counted from the start of the file."""
     if isinstance(item, Note) and item.row is not None:
         return replace(item, row=item.row + rows)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit import units
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import Found, Note, Reading
+from fieldkit.importing.reading import Note, Parsed, Reading
 from fieldkit.importing.tables.flight_headings import ColumnRole, plain, stated_unit
 from fieldkit.importing.tables.text import shown
 from fieldkit.quantities import counted
@@ -83,7 +83,7 @@ def are_mere_numbers(headings: Sequence[ColumnRole], table: Sequence[TableRow]) 
     return (heading.loose and numbered) or len(set(pairs)) < len(pairs)
 
 
-def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Found]) -> list[Note]:
+def unread_cells(headings: Sequence[ColumnRole], found: Sequence[Parsed]) -> list[Note]:
     """A note for each column whose cells are kept as text in some rows, because they are not what its name promises."""
     notes = []
     for heading in headings:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.reading import Note, Parsed
 from fieldkit.importing.tables.cell import MAX_CELL_VALUE, Channel, converter, gaps, number_in
 from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.importing.tables.table import LogTable
@@ -278,7 +278,7 @@ class Rows:
         *usual, last = [(len(cell.partition(".")[2]), len(cell)) for cell in self.ends]
         return last[0] < min(decimals for decimals, _ in usual) or last[1] < min(size for _, size in usual)
 
-    def _found(self, cut: bool, short: bool) -> Iterator[Found]:
+    def _found(self, cut: bool, short: bool) -> Iterator[Parsed]:
         torn = cut and self.damaged and self.last_damaged == self.last
         reported = [error for error in self.reported if not (torn and error.row == self.last)]
         yield from sorted(reported, key=lambda error: error.row or 0)

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import Found, Reading
+from fieldkit.importing.reading import Parsed, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
 from fieldkit.importing.tables.text import shown
@@ -101,7 +101,7 @@ def read_simulation(
     separator: str | None = ",",
     comment: str = "",
     seconds: bool = False,
-) -> tuple[LogTable, list[Found]]:
+) -> tuple[LogTable, list[Parsed]]:
     """The rows of an export and what was found in them: a simulation for each start of the clock.
 
     `seconds` means that the program's clock has no unit in its header and is in seconds. Raises DamagedLog for an

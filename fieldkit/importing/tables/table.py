@@ -9,7 +9,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.reading import Note, Parsed
 from fieldkit.importing.tables.clocks import credible, restarts
 from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.quantities import counted
@@ -32,7 +32,7 @@ class LogTable:
     rows: Int[Integers, "row"]
     words: Mapping[str, tuple[list[str], Int[Integers, "row"]]] = field(default_factory=dict)
     remarks: tuple[tuple[int, str], ...] = ()
-    found: tuple[Found, ...] = ()
+    found: tuple[Parsed, ...] = ()
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -64,7 +64,7 @@ class LogTable:
             raise DamagedLog(f"found no column of {name}, expected one", row=int(self.rows[0]) if len(self) else 1)
         return self.values[name]
 
-    def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Found]]:
+    def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Parsed]]:
         """Split the table where its clock restarts. Returns the parts, without rows out of order, and everything found.
 
         A part that equals an earlier one is a duplicate and is dropped. Raises DamagedLog without the clock, and for

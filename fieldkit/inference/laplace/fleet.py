@@ -13,18 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.fleet_drift import Period
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import Model, base_model, shared_names
+from fieldkit.model.rocket_model import FlownFlights, Model, base_model, shared_names
 from fieldkit.model.shared_prior import Message, SharedPrior, combined
-from fieldkit.motors import Found
 from fieldkit.shapes import Array
-
-FlownFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

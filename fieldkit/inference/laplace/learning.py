@@ -14,15 +14,15 @@ from types import MappingProxyType
 import numpy as np
 
 from fieldkit.inference.laplace.fit import fit_robustly
-from fieldkit.inference.laplace.fleet import FlownFlights, independent_prior, joint_evidence, merged, message_of
 from fieldkit.inference.laplace.fleet import RocketFit as Alone
+from fieldkit.inference.laplace.fleet import independent_prior, joint_evidence, merged, message_of
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights, standardized_squares
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.fleet_drift import Period, period_of
 from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
-from fieldkit.model.rocket_model import Model, base_model, with_shared
+from fieldkit.model.rocket_model import FlownFlights, Model, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.term_names import fleet_term, is_drift
 from fieldkit.motors.lots import OF_A_LOT

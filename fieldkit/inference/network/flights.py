@@ -13,7 +13,7 @@ from fieldkit.inference.network.field_ensemble import infer_field
 from fieldkit.inference.network.posterior import infer_paper
 from fieldkit.motors import Catalogue, Found
 
-Model = Literal["field", "paper"]
+FlightEnsemble = Literal["field", "paper"]
 """The ensembles to choose from."""
 
 
@@ -47,7 +47,7 @@ class Inferences:
     left_out: tuple[str, ...]
 
 
-def infer(flights: Sequence[Flight], motors: Catalogue, model: Model = "field") -> Inferences:
+def infer(flights: Sequence[Flight], motors: Catalogue, model: FlightEnsemble = "field") -> Inferences:
     """Cd and alpha of every flight that an ensemble can process. Raises DamagedModel."""
     return _paper(flights, motors) if model == "paper" else _field(flights, motors)
 

@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, LOG_PRECISION_RANGE, WIDTH
-from fieldkit.inference.training.fit import Progress
+from fieldkit.inference.training.fit import TrainingProgress
 from fieldkit.shapes import Array, Float
 
 MEMBERS = 5
@@ -26,16 +26,18 @@ MAX_FEATURE_SDS = 8.0
 """Features are clipped to this many standard deviations from their mean. [1]"""
 MAX_GRADIENT_NORM = 5.0
 """Maximum norm of the gradient in a step."""
-Scale = np.ndarray[Any, np.dtype[np.float64]]
+FeatureScale = np.ndarray[Any, np.dtype[np.float64]]
 """One number per feature."""
 
 
-def scaled_features(features: Float[Any, "row feature"], mean: Scale, sd: Scale) -> Float[Any, "row feature"]:
+def scaled_features(
+    features: Float[Any, "row feature"], mean: FeatureScale, sd: FeatureScale
+) -> Float[Any, "row feature"]:
     """Features as the members and the exported graph take them. [1]"""
     return ((features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
 
 
-class Members(nn.Module):  # type: ignore[misc]
+class DensityMembers(nn.Module):  # type: ignore[misc]
     """Members that each map standardized features to their outputs; the first axis is the member.
 
     A member's outputs are the mixture's (see `fieldkit.inference.network.mixture`), then for each readout the mean
@@ -103,8 +105,8 @@ class TrainingPlan:
 
 
 def fit(
-    observe: Callable[[], Batch], plan: TrainingPlan, progress: Progress | None = None
-) -> tuple[Members, Scale, Scale]:
+    observe: Callable[[], Batch], plan: TrainingPlan, progress: TrainingProgress | None = None
+) -> tuple[DensityMembers, FeatureScale, FeatureScale]:
     """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
     `observe()` returns new observations of the same flights. Each member sees them in a different order. `progress`
@@ -113,7 +115,7 @@ def fit(
     batch = observe()
     count = len(batch.features)
     mean, sd = batch.features.mean(axis=0, dtype=np.float64), batch.features.std(axis=0, dtype=np.float64) + 1e-6
-    members = Members(batch.features.shape[1], batch.shown.shape[1])
+    members = DensityMembers(batch.features.shape[1], batch.shown.shape[1])
     optimiser = torch.optim.Adam(members.parameters(), lr=plan.rate)
     rate = OneCycleLR(optimiser, plan.rate, total_steps=plan.epochs * (count // plan.batch), pct_start=0.15)
     for epoch in range(1, plan.epochs + 1):
@@ -137,7 +139,7 @@ def fit(
 
 
 def member_outputs(
-    members: Members, mean: Scale, sd: Scale, features: Float[Array, "flight feature"]
+    members: DensityMembers, mean: FeatureScale, sd: FeatureScale, features: Float[Array, "flight feature"]
 ) -> Float[Array, "flight member part"]:
     """The outputs of trained members, as `fieldkit.inference.network.mixture` reads them."""
     scaled = scaled_features(features, mean, sd)

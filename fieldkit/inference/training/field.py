@@ -14,7 +14,7 @@ from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.network.field_ensemble import INTERVALS, intervals
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, logits
 from fieldkit.inference.training.density import HIDDEN_UNITS, LAYERS, MEMBERS, Batch, TrainingPlan, fit
-from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.fit import TrainingProgress, one_thread
 from fieldkit.inference.training.member_graphs import density_graph
 from fieldkit.inference.training.parts import drop_parts, simulate_parts
 from fieldkit.inference.training.shipping import claim, ship
@@ -46,7 +46,7 @@ def train_field(
     schedule: str = "published",
     effects: Sequence[str] = (),
     cluster: str = "",
-    progress: Progress | None = None,
+    progress: TrainingProgress | None = None,
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, evaluate, and return the results.
 

@@ -10,7 +10,7 @@ from torch.optim.lr_scheduler import OneCycleLR, ReduceLROnPlateau
 
 from fieldkit.inference.training.network import Network
 
-Progress = Callable[[int, int, float], None]
+TrainingProgress = Callable[[int, int, float], None]
 """Callback after each epoch: its number from 1, the number of epochs, and the loss, on validation flights if the recipe
 has them."""
 
@@ -55,7 +55,7 @@ def fit(
     truth: Tensor,
     validation: tuple[Tensor, Tensor],
     schedule: Schedule,
-    progress: Progress | None = None,
+    progress: TrainingProgress | None = None,
 ) -> None:
     """Train every member on its own bootstrap sample of whitened features [flight feature] and truths.
 

@@ -24,7 +24,7 @@ from fieldkit.inference.history.shards import HistoryTable, simulate_table
 from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.network.history_parts import width
 from fieldkit.inference.training.density import scaled_features
-from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.fit import TrainingProgress, one_thread
 from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss
 from fieldkit.inference.training.member_graphs import history_graph
 from fieldkit.inference.training.parts import FOLDER, drop_parts
@@ -72,7 +72,7 @@ def train_history(
     n_train: int = 14_000,
     schedule: str = "published",
     cluster: str = "",
-    progress: Progress | None = None,
+    progress: TrainingProgress | None = None,
 ) -> dict[str, Any]:
     """Simulate the histories of `n_train` rockets, train, export into a new folder, evaluate, and return the results.
 

@@ -9,7 +9,7 @@ import numpy as np
 from onnx import TensorProto, checker, helper, numpy_helper
 from torch import Tensor
 
-from fieldkit.inference.training.density import MAX_FEATURE_SDS, Members
+from fieldkit.inference.training.density import MAX_FEATURE_SDS, DensityMembers
 from fieldkit.inference.training.history_members import HistoryMembers
 from fieldkit.shapes import Array, Float
 
@@ -47,7 +47,7 @@ class _Graph:
         value = self.node("Clip", [value, low, high], "limited")
         return self.node("Cast", [value], "small", to=TensorProto.FLOAT)
 
-    def layers(self, value: str, members: Members | HistoryMembers) -> str:
+    def layers(self, value: str, members: DensityMembers | HistoryMembers) -> str:
         """The outputs of linear layers with a SiLU between them."""
         layers = list(zip(members.weights, members.biases, strict=True))
         for number, (weight, bias) in enumerate(layers):
@@ -73,7 +73,7 @@ class _Graph:
         return bytes(model.SerializeToString(deterministic=True))
 
 
-def density_graph(members: Members, mean: Float[Array, "feature"], sd: Float[Array, "feature"]) -> bytes:
+def density_graph(members: DensityMembers, mean: Float[Array, "feature"], sd: Float[Array, "feature"]) -> bytes:
     """The graph: `features` [flight feature] in float64 in, `parts` [flight member part] out."""
     graph = _Graph()
     value = graph.layers(graph.scaled(mean, sd), members)

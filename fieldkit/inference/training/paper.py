@@ -15,7 +15,7 @@ import torch
 
 from fieldkit.errors import BadValue
 from fieldkit.inference.network.ensemble import Ensemble, from_parts
-from fieldkit.inference.training.fit import BATCH, SCHEDULES, WEIGHT_DECAY, Progress, Schedule, fit, one_thread
+from fieldkit.inference.training.fit import BATCH, SCHEDULES, WEIGHT_DECAY, Schedule, TrainingProgress, fit, one_thread
 from fieldkit.inference.training.graph import graph
 from fieldkit.inference.training.network import network
 from fieldkit.inference.training.shipping import claim, ship
@@ -39,7 +39,7 @@ def train_paper(
     seed: int = 1,
     n_train: int = 10_000,
     schedule: str = "quick",
-    progress: Progress | None = None,
+    progress: TrainingProgress | None = None,
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, and return the results of `fieldkit train --json`.
 

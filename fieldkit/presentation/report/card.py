@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 CARD_DRAWS = 2000
 """Number of draws from a forecast given as a mixture. [1]"""
-Rows = tuple[tuple[str, str], ...]
+CardRows = tuple[tuple[str, str], ...]
 """Title and value."""
 
 
@@ -63,9 +63,9 @@ class Card:
 
     id: str
     flight: Flight
-    readouts: Rows
-    circumstances: Rows
-    learned: Rows
+    readouts: CardRows
+    circumstances: CardRows
+    learned: CardRows
     forecast: CardForecast | None
     trace: HeightTrace | None
     record: Float[Array, "flight"]
@@ -82,7 +82,7 @@ class Card:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Record:
+class _FlownApogees:
     """A rocket's apogees in the order flown [m], which flights are clean, and the index of each by flight_id."""
 
     apogees: Float[Array, "flight"]
@@ -153,9 +153,9 @@ def _card(
     id: str,
     flight: Flight,
     forecast: CardForecast | None,
-    learned: Rows,
+    learned: CardRows,
     trace: HeightTrace | None,
-    record: _Record,
+    record: _FlownApogees,
     system: str,
 ) -> Card:
     return Card(
@@ -173,22 +173,22 @@ def _card(
     )
 
 
-def _record(flights: Sequence[Flight]) -> _Record:
+def _record(flights: Sequence[Flight]) -> _FlownApogees:
     flown = [one for one in flights if one.apogee is not None]
-    return _Record(
+    return _FlownApogees(
         np.array([one.apogee for one in flown], float),
         np.array([one.clean for one in flown], bool),
         {one.flight_id: place for place, one in enumerate(flown)},
     )
 
 
-def _rows(flight: Flight, columns: Sequence[Column], system: str) -> Rows:
+def _rows(flight: Flight, columns: Sequence[Column], system: str) -> CardRows:
     """The recorded numbers, in the units of a system."""
     values = ((column, flight.number(column.name)) for column in columns)
     return tuple((column.title, measure(column, value, system)) for column, value in values if value is not None)
 
 
-def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], Rows]:
+def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> dict[tuple[str, str], CardRows]:
     """Drag and thrust from each flight alone, by rocket and flight_id, of the flights that allow it."""
     try:
         inferred = FlightInference(ledger, motors).infer(flights).inferred
@@ -197,7 +197,7 @@ def _learned(ledger: Ledger, flights: Sequence[Flight], motors: Catalogue) -> di
     return {_identity(one.flight): _drag_and_thrust(one) for one in inferred}
 
 
-def _drag_and_thrust(one: "Inferred") -> Rows:
+def _drag_and_thrust(one: "Inferred") -> CardRows:
     thrust = ("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}")
     if not np.isfinite(one.cd):
         return (thrust,)

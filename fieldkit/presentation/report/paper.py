@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fieldkit import __version__
 from fieldkit.flight.short_name import flight_label
 from fieldkit.presentation.report.book import FlightReport, table
-from fieldkit.presentation.report.card import Card, Rows
+from fieldkit.presentation.report.card import Card, CardRows
 from fieldkit.presentation.report.loop.pictures import PICTURES
 from fieldkit.presentation.report.pictures import forecast, forecasts_and_apogees, log
 from fieldkit.presentation.report.style import A4, FAINT_COLOR, GRID_COLOR, INK_COLOR, shortened
@@ -132,7 +132,7 @@ def _figures(part: "SubFigure", rows: Sequence[tuple[str, str]]) -> None:
         part.text(LEFT_EDGE + step * place, 0.18, what, fontsize=8.5, color=FAINT_COLOR, va="center")
 
 
-def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
+def _columns(part: "SubFigure", columns: Sequence[tuple[str, CardRows]]) -> None:
     """Two lists of figures next to each other."""
     most = max((len(rows) for _, rows in columns), default=1)
     step = min(0.085, 0.86 / max(most + 1, 1))

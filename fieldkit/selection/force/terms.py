@@ -11,7 +11,7 @@ from fieldkit.physics.state import Force, State
 from fieldkit.selection.force.climb import Missing
 from fieldkit.shapes import Array, Float
 
-Column = Callable[[Missing], Float[Array, "time"]]
+TermColumn = Callable[[Missing], Float[Array, "time"]]
 """The missing force along a climb for a strength of one in the term's unit. [m/s^2]"""
 
 
@@ -25,7 +25,7 @@ class ForceTerm:
     name: str
     effect: str
     unit: str
-    column: Column
+    column: TermColumn
     random_draw_sd: float = 0.0
 
 
@@ -56,7 +56,7 @@ def library() -> list[ForceTerm]:
     ]
 
 
-def _seen(logged: LoggedForce) -> Column:
+def _seen(logged: LoggedForce) -> TermColumn:
     """The missing force along a climb by an effect on the setup with a strength of one. [m/s^2]"""
 
     def column(at: Missing) -> Float[Array, "time"]:
@@ -76,7 +76,7 @@ def _seen(logged: LoggedForce) -> Column:
     return column
 
 
-def _pushed(force: Force) -> Column:
+def _pushed(force: Force) -> TermColumn:
     """The missing force along a climb by an effect on the acceleration with a strength of one. [m/s^2]"""
 
     def column(at: Missing) -> Float[Array, "time"]:

@@ -19,14 +19,14 @@ from fieldkit.safe_text import printable
 from fieldkit.services.after_flight import Outcome, outcome
 from fieldkit.services.next_suggestion import Suggestion, suggestion
 from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
-from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.plots import Plot, draw_density
 
-Draw = Callable[[Any, Any], None]
+DrawPlot = Callable[[Any, Any], None]
 MAX_EARLIER = 24
 """Number of earlier forecasts drawn. [1]"""
 WORKING = "comparing with the forecast ..."
@@ -129,8 +129,8 @@ class AfterCard(VerticalScroll, can_focus=True):
         advice = suggestion_line(found.next, system)
         self._put(".facts", cards.lines("", facts))
         rows = [
-            Interval("forecast", *outcome.forecast, outcome.flight.apogee),
-            Interval("next", *outcome.next_flight),
+            IntervalBar("forecast", *outcome.forecast, outcome.flight.apogee),
+            IntervalBar("next", *outcome.next_flight),
         ]
         self._put(".bars", _drawn(rows, system, "90% interval, ● median, ◆ flown"))
         self._put(".next", hanging([f"Suggested  {advice}"]))
@@ -140,7 +140,7 @@ class AfterCard(VerticalScroll, can_focus=True):
             self._put(".earlier", _drawn(_rows(found.earlier), system, "Earlier forecasts of this rocket"))
         self.text = "\n".join([self.text, cards.as_text("", facts), advice])
 
-    def _hill(self, draw: Draw | None) -> None:
+    def _hill(self, draw: DrawPlot | None) -> None:
         plot = self.query_one(Plot)
         plot.show(draw)
         plot.visible = draw is not None
@@ -149,10 +149,10 @@ class AfterCard(VerticalScroll, can_focus=True):
         self.query_one(place, Static).update(content)  # type: ignore[arg-type]  # text or what draws itself
 
 
-def _rows(earlier: Sequence[SavedForecast]) -> list[Interval]:
+def _rows(earlier: Sequence[SavedForecast]) -> list[IntervalBar]:
     """Newest first."""
     return [
-        Interval(
+        IntervalBar(
             f"{one.flight.flight_id if one.flight else ''} {one.made.payload.get('motor', '')}",
             *one.interval,
             one.flown,
@@ -161,7 +161,7 @@ def _rows(earlier: Sequence[SavedForecast]) -> list[Interval]:
     ]
 
 
-def _drawn(rows: Sequence[Interval], system: str, title: str) -> Intervals:
+def _drawn(rows: Sequence[IntervalBar], system: str, title: str) -> Intervals:
     return Intervals(tuple(rows), partial(_height, system), {}, title)
 
 

@@ -15,7 +15,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services.manual_entry import weighed
 from fieldkit.services.typed_flight import TypedEstimate, TypedFlight
 from fieldkit.tui.asking import go_on
-from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.page import PageScreen
 
 PAUSE = 0.15
@@ -91,7 +91,7 @@ class EstimateLine(Static):
     def _drawn(self, name: str, interval: tuple[float, float, float], room: int) -> str:
         """An interval on the widest scale used so far for this flight, so that it visibly narrows as readouts are
         typed."""
-        row = Interval(name, *interval)
+        row = IntervalBar(name, *interval)
         low, high = self._scales.get(name, row.ends)
         low, high = self._scales[name] = min(low, row.low), max(high, row.high)
         return bar(row, low, high, room)

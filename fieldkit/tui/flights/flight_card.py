@@ -12,7 +12,7 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
-from fieldkit.tui.flights.flight_rows import Row
+from fieldkit.tui.flights.flight_rows import FlightRow
 from fieldkit.tui.flights.log_plot import Drawn, draw_trace
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
@@ -39,7 +39,7 @@ class FlightCard(VerticalScroll):
         yield Static(id="card")
         yield Static(id="setup")
 
-    def show(self, row: Row | None, build: Sequence[Row], system: str) -> None:
+    def show(self, row: FlightRow | None, build: Sequence[FlightRow], system: str) -> None:
         """Show a flight, and the flights of its build in the order flown; None for no flight."""
         for name, blocks in (("card", _figures), ("setup", _setup)):
             self.query_one(f"#{name}", Static).update(stacked(blocks(row, system)) if row is not None else "")
@@ -72,20 +72,20 @@ class FlightCard(VerticalScroll):
             plot.show(draw)
 
 
-def _figures(row: Row, system: str) -> Iterable[Hanging]:
+def _figures(row: FlightRow, system: str) -> Iterable[Hanging]:
     yield cards.lines(cards.heading(row.flight, row.id), ())
     yield cards.lines("Readouts", cards.readouts(row.flight, system), 20)
     if row.flight.tags:
         yield cards.lines("Tags", cards.tags(row.flight))
 
 
-def _setup(row: Row, system: str) -> Iterable[Hanging]:
+def _setup(row: FlightRow, system: str) -> Iterable[Hanging]:
     yield cards.lines("Setup and conditions", cards.circumstances(row.flight, system), 20)
     if row.flight.extra:
         yield cards.lines("Other data", logged.beside(row.flight.extra, system), 20)
 
 
-def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:
+def _draw_course(row: FlightRow, known: Sequence[FlightRow], plt: Any, ink: Any) -> None:
     """Draw Cd of each flight in order, with a vertical line at the current one and their ids below."""
     drags = [one.drag or 0.0 for one in known]
     plt.scatter(list(range(len(known))), drags, marker="●", color=ink.line)

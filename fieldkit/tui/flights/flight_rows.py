@@ -21,7 +21,7 @@ screens of 100 columns, and of 120 with the card beside it. [cell]"""
 
 
 @dataclass(slots=True, eq=False)
-class Row:
+class FlightRow:
     """A flight with its results; `place` is its index in the order flown, `miss` is flown minus forecast [m]; `drag`
     (Cd [1]) and `thrust` (relative to the certified one [1]) are added later.
 
@@ -47,8 +47,8 @@ class Shown:
 
     title: str
     width: int
-    text: Callable[[Row, str], str]
-    order: Callable[[Row], Any]
+    text: Callable[[FlightRow, str], str]
+    order: Callable[[FlightRow], Any]
     right: bool = False
     falls: bool = False
     """Whether the first sort by this column puts the largest first."""
@@ -65,14 +65,14 @@ def _number(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)
 
 
-def _miss(row: Row, system: str) -> str:
+def _miss(row: FlightRow, system: str) -> str:
     if row.miss is None:
         return ""
     sign = "+" if row.miss >= 0 else "-"
     return sign + number(cards.APOGEE, abs(row.miss), system) + "*" * row.stale
 
 
-def _date(form: str) -> Callable[[Row, str], str]:
+def _date(form: str) -> Callable[[FlightRow, str], str]:
     return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
 
 
@@ -151,21 +151,21 @@ def _drawn(room: int, scale: HeightScale, system: str) -> Shown:
     )
 
 
-def read_rows(ledger: Ledger, motors: Catalogue) -> list[Row]:
+def read_rows(ledger: Ledger, motors: Catalogue) -> list[FlightRow]:
     """Every flight in the order flown, with its saved forecast and the error of that."""
     flights = ledger.flights()
     forecasts = by_flight(list_forecasts(ledger, motors))
     rows = []
     for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         one = forecasts.get((flight.rocket, flight.flight_id))
-        row = Row(id, place, flight, hay=haystack(id, flight))
+        row = FlightRow(id, place, flight, hay=haystack(id, flight))
         if one:
             row.miss, row.stale, row.forecast = one.miss, one.stale, one.interval
         rows.append(row)
     return rows
 
 
-def scale_of(rows: Iterable[Row], target: float | None) -> HeightScale:
+def scale_of(rows: Iterable[FlightRow], target: float | None) -> HeightScale:
     """The scale of all forecasts and flown apogees. [m]"""
     return HeightScale.of(((row.forecast, row.flight.apogee) for row in rows), target)
 
@@ -186,7 +186,7 @@ def headings(shown: Sequence[Shown], place: int, *, falls: bool) -> list[Head]:
     ]
 
 
-def same_build(rows: Iterable[Row], row: Row) -> list[Row]:
+def same_build(rows: Iterable[FlightRow], row: FlightRow) -> list[FlightRow]:
     """The flights of the same rocket in the same configuration."""
     name = (row.flight.rocket, row.flight.config)
     return [one for one in rows if (one.flight.rocket, one.flight.config) == name]

@@ -26,7 +26,7 @@ from fieldkit.tui.flights.log_view import LogLook, LogView, look_at_flight
 from fieldkit.tui.flights.removal import REMOVE, close, leave, remove
 from fieldkit.tui.flights.tag_screen import TagScreen
 from fieldkit.tui.help import Help
-from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
@@ -237,7 +237,7 @@ class FlightScreen(PageScreen):
             return
         system, flown = self.resources.settings.units, self._flight.apogee
         low, high = number(cards.APOGEE, facts.low, system), measure(cards.APOGEE, facts.high, system)
-        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
+        parts: cards.Styled = [("Forecast and flown", "b $primary"), "\n"]
         parts += [f"{printable(line)}\n" for line in facts.by.splitlines()]
         parts.append((f"{measure(cards.APOGEE, facts.middle, system)}, 90% in {low} to {high}", "b"))
         if flown is not None:
@@ -245,7 +245,7 @@ class FlightScreen(PageScreen):
             off = measure(cards.APOGEE, abs(flown - facts.middle), system)
             way = "higher" if flown >= facts.middle else "lower"
             parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
-        row = Interval("", facts.low, facts.middle, facts.high, flown)
+        row = IntervalBar("", facts.low, facts.middle, facts.high, flown)
         parts.append(("\n" + bar(row, *row.ends, 36), "$accent"))
         place.update(content := Content.assemble(*parts))
         self._text.append(content.plain)

@@ -19,7 +19,7 @@ from fieldkit.services.inferred import FlightInference
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.flight_card import FlightCard
-from fieldkit.tui.flights.flight_rows import Row, Shown, columns, headings, read_rows, same_build, scale_of
+from fieldkit.tui.flights.flight_rows import FlightRow, Shown, columns, headings, read_rows, same_build, scale_of
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_help import FLIGHTS_HELP
 from fieldkit.tui.flights.log_plot import Drawn, drawn
@@ -70,7 +70,7 @@ class FlightsScreen(PageScreen):
 
     def __init__(self) -> None:
         super().__init__()
-        self._rows: dict[str, Row] = {}
+        self._rows: dict[str, FlightRow] = {}
         self._asked: set[str] = set()
         self._inference: FlightInference | None = None
         self._order, self._down = "date", True
@@ -99,7 +99,7 @@ class FlightsScreen(PageScreen):
         """Show the same rows in other units."""
         self._refill()
 
-    def _have(self, rows: list[Row]) -> None:
+    def _have(self, rows: list[FlightRow]) -> None:
         self._inference = None  # messages of other rockets may have changed
         known = {row.id: row for row in self._rows.values() if row.thrust is not None}
         for row in rows:
@@ -121,14 +121,14 @@ class FlightsScreen(PageScreen):
             self.ask(partial(self._inferred, waiting), self._have_drag, "drag", in_turn=True)
         return bool(waiting)
 
-    def _inferred(self, rows: Sequence[Row]) -> list[tuple[Row, Inferred]]:
+    def _inferred(self, rows: Sequence[FlightRow]) -> list[tuple[FlightRow, Inferred]]:
         if self._inference is None:
             self._inference = FlightInference(self.resources.ledger, self.resources.motors)
         owners = {id(row.flight): row for row in rows}
         found = self._inference.infer([row.flight for row in rows]).inferred
         return [(owners[id(one.flight)], one) for one in found]
 
-    def _have_drag(self, found: list[tuple[Row, Inferred]]) -> None:
+    def _have_drag(self, found: list[tuple[FlightRow, Inferred]]) -> None:
         for row, one in found:
             row.drag, row.thrust = one.cd if isfinite(one.cd) else None, one.alpha
         self.query_one(Table).refresh()
@@ -174,12 +174,12 @@ class FlightsScreen(PageScreen):
         self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · apogee in {unit}"))
         self._beside()
 
-    def _row(self) -> Row | None:
+    def _row(self) -> FlightRow | None:
         """The flight under the cursor; None if there is none, or if the page is being closed and its table is gone."""
         tables = self.query(Table)
         return self._rows.get(tables.first().current) if tables else None
 
-    async def _row_read(self) -> Row | None:
+    async def _row_read(self) -> FlightRow | None:
         """The flight under the cursor, once the flights are read: a key may be typed ahead."""
         await self.settled("ask")
         return self._row()

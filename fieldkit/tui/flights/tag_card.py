@@ -12,7 +12,7 @@ from textual.widgets import Static
 from fieldkit.flight import KNOWN_TAGS, TAGS
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.quantities import counted, measure, with_sd
-from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.plots import Plot, draw_density
 
@@ -38,13 +38,13 @@ class Shift:
             ("based on", counted(one.rests_on, "clean flight")),
         ]
 
-    def apogee(self, name: str) -> Interval:
+    def apogee(self, name: str) -> IntervalBar:
         """The next apogee as a line. [m]"""
-        return Interval(name, *(float(x) for x in self.forecast.apogee_quantiles()))
+        return IntervalBar(name, *(float(x) for x in self.forecast.apogee_quantiles()))
 
-    def drag(self, name: str) -> Interval:
+    def drag(self, name: str) -> IntervalBar:
         """Cd as a line."""
-        return Interval(name, *(float(x) for x in np.quantile(self.forecast.cd, (0.05, 0.5, 0.95))))
+        return IntervalBar(name, *(float(x) for x in np.quantile(self.forecast.cd, (0.05, 0.5, 0.95))))
 
 
 class TagCard(VerticalScroll):

@@ -12,7 +12,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.presentation import home_text
 from fieldkit.quantities import number
 from fieldkit.safe_text import printable
-from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.widgets.big import Big
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class HomeCard(Vertical):
     HomeCard.-plain Horizontal, HomeCard.-plain .bar { display: none; }
     HomeCard.-plain > .last { height: auto; text-wrap: wrap; }
     """
-    interval: Interval | None = None
+    interval: IntervalBar | None = None
 
     def __init__(self, **rest: Any) -> None:
         super().__init__(**rest)
@@ -58,7 +58,7 @@ class HomeCard(Vertical):
         self._heading.update(lines(heading))
         self._last.update(lines(last))
 
-    def figure(self, heading: str, value: str, words: Iterable[str], interval: Interval | None, last: str) -> None:
+    def figure(self, heading: str, value: str, words: Iterable[str], interval: IntervalBar | None, last: str) -> None:
         """Show a number, the text beside it, and its interval."""
         self._fill()
         self.remove_class("-plain")
@@ -104,7 +104,7 @@ class NextCard(HomeCard):
         title, words = home_text.forecast_title(forecast), home_text.forecast_lines(forecast, system)
         big = number(APOGEE, middle, system)
         self.border_subtitle = "Flown? a to add it"
-        self.figure(title, big, words, Interval("", low, middle, high), weather)
+        self.figure(title, big, words, IntervalBar("", low, middle, high), weather)
 
 
 class LastCard(HomeCard):
@@ -122,7 +122,7 @@ class LastCard(HomeCard):
             self.say("Nothing has flown yet.")
             return
         forecast, apogee = last.forecast, last.flight.apogee
-        interval = Interval("", *forecast.interval, flown=apogee) if forecast is not None else None
+        interval = IntervalBar("", *forecast.interval, flown=apogee) if forecast is not None else None
         words: Sequence[str] = list(home_text.flown_lines(last, system))
         title, day = home_text.flown_title(last), home_text.day_line(view.on(today), system)
         self.figure(title, number(APOGEE, apogee, system), words, interval, day)

@@ -27,7 +27,6 @@ from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.hanging import Hanging
 
-Parts = list[str | tuple[str, str]]
 MAX_LISTED, MAX_NOTES = 200, 6
 """Flights or rejected rows, and notes, that are listed. [1]"""
 NAME_WIDTH = 44
@@ -154,7 +153,7 @@ def _bring_in(
 
 def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content:
     """The format of a file, how many flights it would add, and notes; or why it cannot be read."""
-    parts: Parts = [(printable(look.path.name), "b $primary")]
+    parts: cards.Styled = [(printable(look.path.name), "b $primary")]
     receipt = look.receipt
     if look.start is not None:
         parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]

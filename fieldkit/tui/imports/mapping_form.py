@@ -22,6 +22,7 @@ from fieldkit.services.pickers import OfferedAnswer, Source, among
 from fieldkit.tui.add.fields import Field, Form
 from fieldkit.tui.help import Help
 from fieldkit.tui.imports.import_help import MAPPING_ABOUT, MAPPINGS_HELP
+from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import HelpedModal
 from fieldkit.tui.widgets.table import Head, Table
@@ -107,7 +108,7 @@ def _first_rows(columns: TableColumns, used: set[int | None]) -> Content:
         min(MAX_CELL, max(len(printable(line[place])) for line in lines if place < len(line)))
         for place in range(len(columns.names))
     ]
-    parts: list[str | tuple[str, str]] = []
+    parts: cards.Styled = []
     for number, line in enumerate(lines):
         parts.append("\n" if number else "")
         for place, (cell, width) in enumerate(zip(line, widths, strict=False)):

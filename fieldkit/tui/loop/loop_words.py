@@ -25,14 +25,13 @@ MAX_BARS = 60
 """Number of latest flights whose errors are drawn: a row of 80 columns has room for them. [1]"""
 EVEN_LOG_BAYES_FACTOR = 0.5
 """Below this log Bayes factor the evidence counts as even. [nat]"""
-Parts = list[str | tuple[str, str]]
 
 
 def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
     """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
     the test that would decide, the consequences of accepting it, and the errors on held-out flights."""
     diagnosis = found.diagnosis
-    parts: Parts = [
+    parts: cards.Styled = [
         (f"Verdict: {diagnosis.effect}", "b $primary"),
         "\n",
         printable(in_system(diagnosis.why, system)),
@@ -116,7 +115,7 @@ def fingerprint(found: Findings, turn: int, width: int) -> Content:
     name = 20
     cells = max(1, min(LONGEST_BAR, (width - name - 2 * FIGURE_CELLS - len(" similar")) // 4))
     wide = FIGURE_CELLS + 2 * cells
-    parts: Parts = [(printable(trial.candidate.place.in_words), "b $primary")]
+    parts: cards.Styled = [(printable(trial.candidate.place.in_words), "b $primary")]
     parts.append(f"\n{'in expected scatter':{name}}{'predicted':^{wide}}{'observed':^{wide}}")
     for mark in marks:
         title = BY_NAME[mark.readout].title
@@ -155,7 +154,7 @@ def effect_at_length(diagnosis: Diagnosis, row: str, system: str) -> Content:
     place, (mean, sd) = item.best.candidate.place, item.best.strength()
     effect = effects().get(place.effect)
     words = place.in_words
-    parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
+    parts: cards.Styled = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
     parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
     parts.append(f"\nstrength  {strength_in_words(mean, sd, item.best.unit, system)}")
     parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")

@@ -10,7 +10,7 @@ from fieldkit.quantities import measure
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast
 from fieldkit.shapes import Array, Float
 from fieldkit.tui.next.answer import Answer
-from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.plots import draw_density
 
@@ -21,7 +21,7 @@ MAX_DRAWN_FORECASTS = 24
 def of_delays(answer: Answer, judged: Delays) -> Answer:
     """When each delay fires, relative to apogee, and below it the coast to apogee with the delays."""
     rows = tuple(
-        Interval(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
+        IntervalBar(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
         for one in sorted(judged.delays, key=lambda one: one.delay)
     )
     if not rows:
@@ -56,7 +56,7 @@ def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
 def saved_forecast_plot(answer: Answer, found: Sequence[SavedForecast], system: str) -> Answer:
     """The saved forecasts, newest first, and the apogees flown."""
     rows = tuple(
-        Interval(f"{one.made.at.astimezone():%m-%d} {one.made.payload.get('motor', '')}", *one.interval, one.flown)
+        IntervalBar(f"{one.made.at.astimezone():%m-%d} {one.made.payload.get('motor', '')}", *one.interval, one.flown)
         for one in reversed([one for one in found if one.state in LISTED_STATES][-MAX_DRAWN_FORECASTS:])
     )
     return _against_flown(answer, rows, system)
@@ -65,11 +65,13 @@ def saved_forecast_plot(answer: Answer, found: Sequence[SavedForecast], system: 
 def of_forecasts(answer: Answer, rows: Sequence[Forecast], system: str) -> Answer:
     """Each flight with its forecast from the earlier ones, the newest first."""
     last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MAX_DRAWN_FORECASTS:])]
-    drawn = tuple(Interval(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last)
+    drawn = tuple(
+        IntervalBar(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last
+    )
     return _against_flown(answer, drawn, system)
 
 
-def _against_flown(answer: Answer, rows: tuple[Interval, ...], system: str) -> Answer:
+def _against_flown(answer: Answer, rows: tuple[IntervalBar, ...], system: str) -> Answer:
     if not rows:
         return answer
     title = "Forecast and flown: 90% of flights should fall on the line; ● median, ◆ flown"

@@ -23,7 +23,7 @@ Bounds = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Interval:
+class IntervalBar:
     """A line: its name, the 5%, median and 95%, and the result, if known."""
 
     name: str
@@ -44,7 +44,7 @@ class Intervals(Visual):
     """A title, lines of intervals and the scale below them; `spelled` formats a value, and `marks` are common values by
     their names."""
 
-    rows: tuple[Interval, ...]
+    rows: tuple[IntervalBar, ...]
     spelled: Callable[[float], str]
     marks: Mapping[str, float]
     title: str = ""
@@ -91,7 +91,7 @@ class Intervals(Visual):
         return line
 
 
-def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
+def bar(row: IntervalBar, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
     """An interval on a scale from `start` to `end`, `width` cells wide: `├──●──┤`, with `◎` at the marks (`◉` on the
     median) and `◆` at the result; an arrow points to an end of the interval beyond the scale."""
     line = [" "] * width
@@ -129,7 +129,7 @@ class HeightScale:
         """A forecast, a flown apogee, or both; empty if neither is known."""
         marks = (self.target,) if self.target else ()
         if bounds is not None:
-            return bar(Interval("", *bounds, flown), self.low, self.high, width, marks)
+            return bar(IntervalBar("", *bounds, flown), self.low, self.high, width, marks)
         if flown is None:
             return ""
         line = [" "] * width

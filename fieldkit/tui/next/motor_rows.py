@@ -12,7 +12,7 @@ from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.settings import Settings
-from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.table import Cells, Head
@@ -141,7 +141,7 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
     mark = " ◎ target" if target else ""
 
     def text(one: MotorChoice | QuickChoice) -> str:
-        return bar(Interval("", *one.interval), 0.0, top, width, (target,) if target else ())
+        return bar(IntervalBar("", *one.interval), 0.0, top, width, (target,) if target else ())
 
     return _of_any(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
 

@@ -15,7 +15,6 @@ from fieldkit.tui.next import motor_rows
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
 
-Pairs = list[tuple[str, str]]
 QUICK = "quick answer by the network, not yet checked by the fit"
 """What the card of a quick answer says instead of safety checks."""
 WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
@@ -39,7 +38,7 @@ def interval(apogee: Three, system: str) -> str:
     return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90% {low}-{high}"
 
 
-def figures(plan: Plan, one: MotorChoice, system: str) -> Pairs:
+def figures(plan: Plan, one: MotorChoice, system: str) -> list[tuple[str, str]]:
     """The figures below the density, name and value."""
     prediction = one.prediction
     fires = [f"{delay:g} s {motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
@@ -61,7 +60,7 @@ def figures(plan: Plan, one: MotorChoice, system: str) -> Pairs:
     ]
 
 
-def quick_figures(plan: Plan, one: QuickChoice, system: str) -> Pairs:
+def quick_figures(plan: Plan, one: QuickChoice, system: str) -> list[tuple[str, str]]:
     """The figures of a quick answer, name and value."""
     return [
         ("✗ fit", plan.misfit(one.motor)),
@@ -71,7 +70,7 @@ def quick_figures(plan: Plan, one: QuickChoice, system: str) -> Pairs:
     ]
 
 
-def checks(one: MotorChoice, system: str) -> Pairs:
+def checks(one: MotorChoice, system: str) -> list[tuple[str, str]]:
     """The safety checks, each with its figures and its limit, in the units of a system."""
     lines = [
         (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_units(line.finding, system)}")

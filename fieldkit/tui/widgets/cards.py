@@ -13,6 +13,8 @@ from fieldkit.tui.flights import logged
 from fieldkit.tui.widgets.hanging import Hanging
 
 Pairs = Sequence[tuple[str, str]]
+Styled = list[str | tuple[str, str]]
+"""Texts, some with their style, from which a `Content` is assembled."""
 
 
 def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:

@@ -13,7 +13,7 @@ import pytest
 
 from fieldkit.shapes import Array
 from studies.reference_posterior.sampler import FIGURES, summary_of_fit
-from studies.reference_posterior.summaries import Reference, excess_crps, off, quantiles, read
+from studies.reference_posterior.summaries import ReferencePosterior, excess_crps, off, quantiles, read
 
 CHECK_SHAPES = False
 REFERENCES = read(Path(__file__).with_name("reference_posteriors.json"))
@@ -34,7 +34,7 @@ def forecasts() -> dict[str, Array]:
     return {one.name: summary_of_fit(one.case, DRAWS, 0) for one in REFERENCES}
 
 
-def gaps(one: Reference, forecasts: dict[str, Array]) -> Array:
+def gaps(one: ReferencePosterior, forecasts: dict[str, Array]) -> Array:
     return np.abs(off(quantiles(forecasts[one.name]), one.quantiles))
 
 
@@ -45,7 +45,7 @@ def test_there_are_references_for_twenty_drawn_histories_and_for_difficult_ones(
 
 
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
-def test_the_stored_references_are_consistent(one: Reference) -> None:
+def test_the_stored_references_are_consistent(one: ReferencePosterior) -> None:
     """The stored draws come from the posterior with the stored quantiles."""
     below = (one.draws[:, None] < one.quantiles).mean(axis=0)
     np.testing.assert_allclose(below, np.array([[0.05], [0.5], [0.95]]) + np.zeros(3), atol=0.17)
@@ -54,7 +54,9 @@ def test_the_stored_references_are_consistent(one: Reference) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
-def test_the_fit_is_as_close_to_the_exact_posterior_as_measured(one: Reference, forecasts: dict[str, Array]) -> None:
+def test_the_fit_is_as_close_to_the_exact_posterior_as_measured(
+    one: ReferencePosterior, forecasts: dict[str, Array]
+) -> None:
     most = np.array([FARTHEST[figure] for figure in FIGURES]).T
     assert (gaps(one, forecasts) < most).all()
 
@@ -66,7 +68,7 @@ def test_half_of_all_quantiles_are_closer_than_that(figure: str, forecasts: dict
 
 
 @pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
-def test_the_forecast_scores_as_well_as_the_exact_one(one: Reference, forecasts: dict[str, Array]) -> None:
+def test_the_forecast_scores_as_well_as_the_exact_one(one: ReferencePosterior, forecasts: dict[str, Array]) -> None:
     assert excess_crps(np.exp(forecasts[one.name][:, 0]), np.exp(one.draws[:, 0])) < CRPS
 
 

@@ -67,11 +67,11 @@ def test_the_loss_agrees_with_torchs_distributions() -> None:
 
 def test_the_exported_graph_agrees_with_the_network(tmp_path: Path) -> None:
     from fieldkit.inference.network.ensemble import from_parts
-    from fieldkit.inference.training.density import Members
+    from fieldkit.inference.training.density import DensityMembers
     from fieldkit.inference.training.member_graphs import density_graph
 
     torch.manual_seed(4)
-    members, rng = Members(6, 2), np.random.default_rng(5)
+    members, rng = DensityMembers(6, 2), np.random.default_rng(5)
     features = rng.normal(size=(9, 6))
     mean, sd = features.mean(axis=0), features.std(axis=0)
     content = density_graph(members, mean, sd)

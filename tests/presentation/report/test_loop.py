@@ -33,7 +33,7 @@ from fieldkit.selection.fingerprint import marks
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.next_experiment import BALLAST, Advice, Explanation, divergence, informative_readouts, options
 from fieldkit.selection.unexplained import Leftover, leftover
-from fieldkit.selection.verdict import Verdict
+from fieldkit.selection.verdict import LoopVerdict
 from fieldkit.services import close_loop, forecasts
 from fieldkit.services.findings import Findings, distinct, findings
 from tests.commands import Run
@@ -182,7 +182,8 @@ def test_nothing_is_plotted_if_forecasts_do_not_change(found: Findings) -> None:
     plain = replace(found, diagnosis=replace(found.diagnosis, averaged=((1.0, ()),)))
     assert list(misses_drawn(plain)) == []
     assert (
-        list(misses_drawn(replace(found, diagnosis=replace(found.diagnosis, verdict=Verdict("none", 0.9, ""))))) == []
+        list(misses_drawn(replace(found, diagnosis=replace(found.diagnosis, verdict=LoopVerdict("none", 0.9, "")))))
+        == []
     )
     assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use the plain model"]
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 NINE_OF_TEN = 1.645
 """Half width of the central 90% interval of a normal distribution, in standard deviations. [1]"""
-Draw = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
+DrawFindings = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
 
 
 def residuals(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
@@ -195,7 +195,7 @@ def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUni
     panels[1].legend(loc="best", fontsize=8)
 
 
-PICTURES: Mapping[str, tuple[Draw, tuple[float, float]]] = {
+PICTURES: Mapping[str, tuple[DrawFindings, tuple[float, float]]] = {
     "residuals": (residuals, (7.6, 3.0)),
     "forward": (forward, (7.6, 2.9)),
     "fingerprints": (fingerprints, (7.6, 3.6)),
