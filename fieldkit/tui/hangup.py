@@ -3,8 +3,6 @@ that displays the app in a browser."""
 
 import os
 import sys
-from threading import Thread
-from time import sleep
 
 try:
     from select import POLLERR, POLLHUP, poll
@@ -13,8 +11,6 @@ except ImportError:  # Windows, which ends the app itself when its console close
 
 CHECK_INTERVAL = 1.0
 """Time between checks that the other end is still there. [s]"""
-GRACE = 5.0
-"""Time for the app to exit by itself after the other end is gone. [s]"""
 
 
 def terminal() -> int | None:
@@ -37,19 +33,3 @@ def nobody_looks(error: BaseException) -> bool:
     failed."""
     held = terminal()
     return isinstance(error, BrokenPipeError) or (held is not None and gone(held))
-
-
-def never_outlive(terminal: int) -> None:
-    """End this process soon after the other end is gone, whatever keeps it alive: a computing thread, an open question,
-    an event loop left idle by a write error.
-
-    Typed text is already saved, and an incomplete change of the ledger is rolled back.
-    """
-    Thread(target=_end_after, args=(terminal,), name="hangup", daemon=True).start()
-
-
-def _end_after(terminal: int) -> None:
-    while not gone(terminal):
-        sleep(CHECK_INTERVAL)
-    sleep(GRACE)
-    os._exit(1)

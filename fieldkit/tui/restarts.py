@@ -4,7 +4,7 @@ import time
 
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.hangup import gone, never_outlive, terminal
+from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.surviving import Whereabouts
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
@@ -19,8 +19,6 @@ def run(where: str | None) -> None:
     began: list[float] = []
     place: Whereabouts | None = None
     held = terminal()
-    if held is not None:
-        never_outlive(held)
     while True:
         app = FieldkitApp(where, stays=True, back=place)
         app.run()

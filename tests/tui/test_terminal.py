@@ -104,7 +104,8 @@ def test_a_day_at_the_field_using_only_keys(terminal: Terminal, tmp_path: Path) 
 
 @pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals here")
-def test_the_app_ends_when_its_terminal_disappears_without_a_signal(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("keys", "shown"), [(b"a923ft", b"923"), (b"5S", b"searching")], ids=["typing", "computing"])
+def test_the_app_ends_when_its_terminal_disappears_without_a_signal(tmp_path: Path, keys: bytes, shown: bytes) -> None:
     season(tmp_path / "ledger.db")
     held, given = os.openpty()
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
@@ -117,13 +118,14 @@ def test_the_app_ends_when_its_terminal_disappears_without_a_signal(tmp_path: Pa
         painted = b""
         while b"No flights yet today" not in painted:
             painted += os.read(held, 65536)
-        os.write(held, b"a923ft")
-        while b"923" not in painted:
+        os.write(held, keys)
+        while shown not in painted:
             painted += os.read(held, 65536)
         os.close(held)
         try:
             app.wait(PATIENCE)
         finally:
             app.kill()
+    assert app.returncode == 0
     with Ledger.open(tmp_path / "ledger.db") as ledger:
-        assert (ledger.draft(DRAFT) or {}).get("apogee", "").startswith("92")
+        assert shown != b"923" or (ledger.draft(DRAFT) or {}).get("apogee", "").startswith("92")
