@@ -23,6 +23,7 @@ from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import observe
+from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.motors import Found, catalogue
 from fieldkit.scoring.proper_scores import crps
 from fieldkit.selection.diagnose import diagnose
