@@ -7,8 +7,8 @@ prediction covers all parts.
 
 import hashlib
 import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from fieldkit import __version__
 from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, LOGGED, Column, Flight
@@ -31,6 +31,37 @@ OF_THE_CLIMB = ("rail_direction", "wind_aloft", "wind_aloft_height", STABILITY)
 """Extra columns that change the simulated climb."""
 USED_IN_FIT, FLOWN_ONLY = "+", "-"
 """Prefixes of a flight's digest: used in the fit, or only counted as flown."""
+
+
+@dataclass(frozen=True, slots=True)
+class InputChange:
+    """A changed input: its name and its texts before and after, or in one phrase what happened to it."""
+
+    name: str
+    old: str = ""
+    new: str = ""
+    of: str = ""
+
+    def words(self, system: str = "") -> str:
+        """`dry mass was 322 g, now 330 g`, in the units of a system, by default in those of the flight table."""
+        if self.old == self.new:
+            return self.name
+        if self.name == "thrust":
+            return "the motor's thrust curve changed"
+        column = next((column for column in COLUMNS if column.header == self.name), None)
+        before, after = (_shown(text, column, system) for text in (self.old, self.new))
+        return f"{self.of}{column.title.lower() if column else self.name} was {before}, now {after}"
+
+
+def _shown(text: str, column: Column | None, system: str) -> str:
+    """A text of a part with its unit, in the units of a system if it is given."""
+    if not text:
+        return "not given"
+    if column is None:
+        return text
+    if not system:
+        return f"{text} {spelled(column.unit)}"
+    return significant(column, unit(column.quantity, column.unit).to_si(float(text)), system)
 
 
 def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
@@ -72,12 +103,12 @@ def design_parts(start: Start | None, plan: Flight) -> dict[str, dict[str, str]]
     return {"design": {DRAG: known.get(DRAG, ""), **taken}}
 
 
-def design_changes(made: SourceDigests, start: Start | None) -> Iterator[str]:
-    """What changed in the rocket's design, one phrase each."""
+def design_changes(made: SourceDigests, start: Start | None) -> Iterator[InputChange]:
+    """What changed in the rocket's design, one by one."""
     now = _design(start)
     for name, old in made.get("design", {}).items():
         if old != now.get(name, ""):
-            yield f"the design's {_change(name, old, now.get(name, ''))}"
+            yield InputChange(name, old, now.get(name, ""), of="the design's ")
 
 
 def _design(start: Start | None) -> dict[str, str]:
@@ -108,8 +139,8 @@ def motor_digest(motor: Motor) -> str:
     return _short(json.dumps([f"{number:.6g}" for number in numbers]))
 
 
-def plan_changes(made: SourceDigests, now: SourceDigests, *, flown: bool) -> Iterator[str]:
-    """What the user changed in a plan, one phrase each.
+def plan_changes(made: SourceDigests, now: SourceDigests, *, flown: bool) -> Iterator[InputChange]:
+    """What the user changed in a plan, one by one.
 
     For a flown flight only values that both have are compared: a temperature that the forecast lacked is not a change.
     """
@@ -118,42 +149,15 @@ def plan_changes(made: SourceDigests, now: SourceDigests, *, flown: bool) -> Ite
             old = made[part].get(name, "")
             if old == new or (flown and not (old and new)):
                 continue
-            yield _change(name, old, new)
+            yield InputChange(name, old, new)
 
 
-def _change(name: str, old: str, new: str) -> str:
-    """`dry mass was 322 g, now 330 g`."""
-    if name == "thrust":
-        return "the motor's thrust curve changed"
-    column = next((column for column in COLUMNS if column.header == name), None)
-    title, unit = (column.title.lower(), f" {spelled(column.unit)}") if column else (name, "")
-    before, after = (f"{text}{unit}" if text else "not given" for text in (old, new))
-    return f"{title} was {before}, now {after}"
+def model_changes(made: SourceDigests, now: SourceDigests) -> Iterator[InputChange]:
+    """What changed in the model and its flights, one by one."""
+    return map(InputChange, _model_phrases(made, now))
 
 
-_VALUES_CHANGED = re.compile(r"(?P<of>(?:the design's )?)(?P<title>.+) was (?P<old>.+), now (?P<new>.+)")
-
-
-def change_in_system(phrase: str, system: str) -> str:
-    """A change with its values in the units of a system: `dry mass was 11.36 oz, now 11.64 oz`."""
-    found = _VALUES_CHANGED.fullmatch(phrase)
-    column = next((one for one in COLUMNS if found and one.title.lower() == found["title"]), None)
-    if found is None or column is None:
-        return phrase
-    before, after = (_in_system(found[key], column, system) for key in ("old", "new"))
-    return f"{found['of']}{found['title']} was {before}, now {after}"
-
-
-def _in_system(text: str, column: Column, system: str) -> str:
-    """A value as `_change` writes it, in the unit of a system; `not given` and names do not change."""
-    number, _, name = text.partition(" ")
-    if name != spelled(column.unit):
-        return text
-    return significant(column, unit(column.quantity, column.unit).to_si(float(number)), system)
-
-
-def model_changes(made: SourceDigests, now: SourceDigests) -> Iterator[str]:
-    """What changed in the model and its flights, one phrase each."""
+def _model_phrases(made: SourceDigests, now: SourceDigests) -> Iterator[str]:
     for name, old in made["model"].items():
         new = now["model"].get(name, "")
         if name == "version" and old != new:

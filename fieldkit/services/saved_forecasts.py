@@ -15,8 +15,8 @@ from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, lapsed
 from fieldkit.services.match_forecasts import made_for, residual, resolved
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import (
+    InputChange,
     SourceDigests,
-    change_in_system,
     design_changes,
     model_changes,
     model_parts,
@@ -33,13 +33,13 @@ LISTED_STATES: tuple[ForecastState, ...] = ("open", "stale", "flown")
 class SavedForecast:
     """A saved prediction, its flight, and what changed before that flight was added.
 
-    `changes` are phrases, empty if all inputs are unchanged. `over` means that no flight will be compared with it
+    `changes` is empty if all inputs are unchanged. `over` means that no flight will be compared with it
     anymore, because a later prediction replaced it or two weeks have passed.
     """
 
     made: StoredPrediction
     flight: Flight | None
-    changes: tuple[str, ...]
+    changes: tuple[InputChange, ...]
     over: ForecastState | None = None
 
     @property
@@ -75,9 +75,9 @@ class SavedForecast:
         """Flown minus forecast. [m]"""
         return residual(self.flight, self.made) if self.flight else None
 
-    def changes_in(self, system: str) -> tuple[str, ...]:
-        """The changes with their values in the units of a system."""
-        return tuple(change_in_system(one, system) for one in self.changes)
+    def changes_in(self, system: str = "") -> tuple[str, ...]:
+        """The changes in words, in the units of a system, by default in those of the flight table."""
+        return tuple(one.words(system) for one in self.changes)
 
     def json(self) -> dict[str, Any]:
         """The prediction, the digest of its inputs, and its outcome."""
@@ -89,7 +89,7 @@ class SavedForecast:
             "digest": self.made.digest,
             "state": self.state,
             "stale": self.stale,
-            "changes": list(self.changes),
+            "changes": list(self.changes_in()),
             "flown": {"flight_id": self.flight.flight_id, "apogee_m": self.flown, "miss_m": self.miss}
             if self.flight
             else None,
@@ -151,7 +151,9 @@ def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, ForecastStat
     return {one.number: "replaced" for one in named if last[one.rocket, one.flight_id] != one.number}
 
 
-def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:
+def _changes(
+    prediction: StoredPrediction, flight: Flight | None, past: Past, motors: Catalogue
+) -> Iterator[InputChange]:
     """What changed in the plan, and in the model as of when the flight was added, or now."""
     made: SourceDigests | None = prediction.payload.get("made_from")
     if made is None:
@@ -164,7 +166,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
     yield from model_changes(made, now if not flown else {**now, "model": now["model"] | {"fieldkit": ""}})
 
 
-def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
+def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[InputChange]:
     """What changed in the rocket's design while the prediction is open; the design at a past flight is not saved."""
     made: SourceDigests | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):

@@ -17,7 +17,7 @@ from fieldkit.presentation.finals_text import finals_headers
 from fieldkit.presentation.forecast_text import ejection_in_words, in_words, rests_in_words
 from fieldkit.presentation.report.finals_card import finals_card
 from fieldkit.presentation.report.paper import moment_in_words
-from fieldkit.services.provenance import change_in_system
+from fieldkit.services.provenance import InputChange
 from tests.commands import Run
 
 CHECK_SHAPES = False
@@ -62,17 +62,25 @@ def test_ounces_keep_their_decimals_in_the_limits_of_a_rule() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "american"),
+    ("change", "words", "american"),
     [
-        ("dry mass was 322 g, now 340 g", "dry mass was 11.36 oz, now 11.99 oz"),
-        ("the design's diameter was 66 mm, now 50.8 mm", "the design's diameter was 2.598 in, now 2 in"),
-        ("temperature was not given, now 20 °C", "temperature was not given, now 68 °F"),
-        ("motor was AeroTech F24W, now AeroTech F39T", "motor was AeroTech F24W, now AeroTech F39T"),
-        ("the plain model replaced by model version 1", "the plain model replaced by model version 1"),
+        (("dry_mass_g", "322", "340"), "dry mass was 322 g, now 340 g", "dry mass was 11.36 oz, now 11.99 oz"),
+        (
+            ("diameter_mm", "66", "50.8", "the design's "),
+            "the design's diameter was 66 mm, now 50.8 mm",
+            "the design's diameter was 2.598 in, now 2 in",
+        ),
+        (("temperature_c", "", "20"), "temperature was not given, now 20 °C", "temperature was not given, now 68 °F"),
+        (("motor", "AeroTech F24W", "AeroTech F39T"), "motor was AeroTech F24W, now AeroTech F39T", None),
+        (("thrust", "0f3a", "91bc"), "the motor's thrust curve changed", None),
+        (("the plain model replaced by model version 1",), "the plain model replaced by model version 1", None),
     ],
 )
-def test_the_reason_why_a_forecast_is_stale_is_in_the_flyers_units(change: str, american: str) -> None:
-    assert change_in_system(change, "US") == american
+def test_the_reason_why_a_forecast_is_stale_is_in_the_flyers_units(
+    change: tuple[str, ...], words: str, american: str | None
+) -> None:
+    assert InputChange(*change).words() == words
+    assert InputChange(*change).words("US") == (american or words)
 
 
 @pytest.mark.parametrize("suffix", EDGES)
