@@ -61,7 +61,7 @@ def processes(count: int) -> Executor:
 
 def _end_with_parent() -> None:
     """Terminate this process as soon as its parent has ended."""
-    from multiprocessing import connection, parent_process
+    from multiprocessing import connection, parent_process  # a worker has imported it
 
     if (parent := parent_process()) is None:
         return

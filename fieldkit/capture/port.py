@@ -74,7 +74,7 @@ class Port:
 
 def ports() -> list[Port]:
     """The serial ports of this computer, those of known loggers first."""
-    from serial.tools import list_ports
+    from serial.tools import list_ports  # takes 3 ms to import, and the help does not need it
 
     found = [
         Port(one.device, one.vid, one.pid, one.serial_number or "", one.description if one.description != "n/a" else "")

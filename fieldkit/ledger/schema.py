@@ -57,7 +57,7 @@ def missing(connection: Connection) -> str:
 def upgrade(connection: Connection, step: str = "head") -> None:
     """Create or upgrade the tables to the newest version, or to an older one."""
     from alembic import command  # takes 0.09 s to import
-    from alembic.config import Config
+    from alembic.config import Config  # takes 0.2 s more
 
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))

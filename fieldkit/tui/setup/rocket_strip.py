@@ -46,7 +46,7 @@ class RocketStrip(Horizontal):
         if facts is None:
             return
         from fieldkit.tui.widgets.hanging import stacked  # imported with the facts
-        from fieldkit.tui.widgets.plots import Plot
+        from fieldkit.tui.widgets.plots import Plot  # before the first paint it would take 0.1 s
 
         text = next(iter(self.query(Static)), None)
         if text is None:
