@@ -7,8 +7,6 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.tui.widgets import cards
-
 CHOICES = (
     ("f", "Fly", "choose a motor"),
     ("a", "Add", "add a flight"),
@@ -33,7 +31,7 @@ class Choice(Static):
 
     def render(self) -> Content:
         """Its description is shown if there is room."""
-        parts: cards.Styled = [(f" {self._key} ", "b reverse"), (f" {self._name}", "b")]
+        parts: list[str | tuple[str, str]] = [(f" {self._key} ", "b reverse"), (f" {self._name}", "b")]
         return Content.assemble(*parts, f"  {self._about}" if self.size.width > LONG_CHOICE_WIDTH else "")
 
     async def on_click(self) -> None:
