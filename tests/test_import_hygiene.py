@@ -112,6 +112,20 @@ def test_the_engine_names_no_effect() -> None:
         assert not names & {node.value for node in nodes if isinstance(node, ast.Constant)}, file
 
 
+def test_the_engine_names_no_parser() -> None:
+    """In `capture` and `openrocket` the same words name devices and a program."""
+    names = {file.stem for file in (ROOT / "parsers").glob("*.py")}
+    assert len(names) > 25
+    found = [
+        f"{file.relative_to(ROOT)}: {node.value}"
+        for file in (ROOT / "fieldkit").rglob("*.py")
+        if file.relative_to(ROOT).parts[1] not in ("capture", "openrocket")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and node.value in names
+    ]
+    assert found == []
+
+
 def test_no_modules_import_each_other_in_a_circle() -> None:
     """Imports for type checkers and inside functions count too."""
     graph = {name: set(imported(file)) - {name} for name, file in MODULES.items()}

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from fieldkit import units
 from fieldkit.flight import BY_NAME, FIGURES_BY_NAME
 from fieldkit.flight.event_names import event_title
+from fieldkit.importing.recognize import parsers
 from fieldkit.presentation.home_text import sparkline
 from fieldkit.quantities import ShownUnits, counted, in_system, measure, number, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
@@ -110,7 +111,9 @@ def _rounded(value: float) -> float:
 def in_a_line(one: FileView, system: str = "SI") -> str:
     """A file in one line, with its format and its apogee: `f6.pf2: PerfectFlite .pf2, apogee 245.4 m`; of a flight
     table also the columns of which only the text is stored."""
-    texts = [column.name for column in one.columns if column.source == "text"] if one.format == "flight_table" else []
+    parser = parsers().get(one.format)
+    of_flights = parser is not None and parser.maps == "flights"
+    texts = [column.name for column in one.columns if column.source == "text"] if of_flights else []
     stored = f"; stored as text: {', '.join(map(printable, texts[:MAX_TEXTS]))}" if texts else ""
     more = f" and {len(texts) - MAX_TEXTS} more" if len(texts) > MAX_TEXTS else ""
     return f"{one.file}: {one.title}{_apogees(one, ShownUnits(system))}{stored}{more}"
