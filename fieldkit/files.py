@@ -32,7 +32,7 @@ _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7
 """First bytes of SQLite's rollback journal, and of its write-ahead log in both byte orders."""
 COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
 """Suffixes of the files that SQLite and fieldkit store next to a ledger."""
-_BINARY = getattr(os, "O_BINARY", 0)
+_BINARY_MODE = getattr(os, "O_BINARY", 0)
 """Keeps Windows from changing line endings."""
 _STREAM = re.compile(r"(/dev/stdin)|(/dev/stdout|-)|(/dev/stderr)|/(?:dev|proc/self)/fd/([0-9]{1,6})")
 """Names of the open streams of this process; `-` is its output, as for most commands."""
@@ -177,7 +177,7 @@ def _into_stream(file: Path) -> int:
     if (number := _stream(file)) is not None:
         return os.dup(number)
     if not file.is_fifo():
-        return os.open(file, os.O_WRONLY | _BINARY)
+        return os.open(file, os.O_WRONLY | _BINARY_MODE)
     try:
         pipe = os.open(file, os.O_WRONLY | os.O_NONBLOCK)
     except OSError as error:
@@ -201,7 +201,7 @@ def _written_beside(file: Path, content: bytes) -> Path:
     """A new file in the folder of another one, with its content flushed to the disk."""
     new = file.with_name(f".{file.name[:40]}.{os.urandom(8).hex()}.new")
     try:
-        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as out:
+        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY_MODE, 0o666), "wb") as out:
             out.write(content)
             out.flush()
             os.fsync(out.fileno())

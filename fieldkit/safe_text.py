@@ -8,7 +8,7 @@ The ledger stores the original text; screens and messages show it through `print
 import re
 import unicodedata
 
-_BLANK = {ord(c): " " for c in "\t\n\v\f\r\x1c\x1d\x1e\x1f\x85\u2028\u2029"}
+_BLANKS = {ord(c): " " for c in "\t\n\v\f\r\x1c\x1d\x1e\x1f\x85\u2028\u2029"}
 _JOINERS = "\u200c\u200d"
 """Zero-width (non-)joiners shape letters and emoji and cannot move the text around them."""
 
@@ -29,7 +29,7 @@ def printable(text: str) -> str:
     Line breaks and tabs become spaces; an escape sequence shows as `␛[31m`, an invisible or direction-changing
     character as its number, `<U+202E>`. Other text is unchanged.
     """
-    return text if text.isprintable() else "".join(map(_picture, text.translate(_BLANK)))
+    return text if text.isprintable() else "".join(map(_picture, text.translate(_BLANKS)))
 
 
 def whole_number(text: str) -> int | None:

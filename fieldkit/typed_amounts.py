@@ -23,7 +23,7 @@ _NUMBER = re.compile(rf"([+-]?)\s*({_AMOUNT})\s*([^\d\s].*)?$")
 _TWO_NUMBERS = re.compile(
     rf"([+-]?)\s*(\d+)\s*([a-z']+\.?)[\s,]*(?:and )?\s*({_AMOUNT})\s*([a-z'\"]+\.?)?$", re.IGNORECASE
 )
-_GROUPED = re.compile(r"[1-9]\d{0,2}([.,])\d{3}(?:\1\d{3})*")
+_GROUPED_THOUSANDS = re.compile(r"[1-9]\d{0,2}([.,])\d{3}(?:\1\d{3})*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ def value_of(digits: str, *, customary: bool) -> float:
             raise BadValue(f"found {digits[:40]!r}, expected a number")
         return sum(map(float, whole)) + float(above) / float(below)
     digits = digits.replace(" ", "")
-    grouped = _GROUPED.match(digits)
+    grouped = _GROUPED_THOUSANDS.match(digits)
     if grouped:
         mark, rest = grouped[1], digits[grouped.end() :]
         several = rest.startswith((",", ".")) or grouped[0].count(mark) > 1

@@ -176,7 +176,7 @@ _ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split
 """Other spellings of units, or of a part of one, such as the `sec` of `ft/sec`."""
 CUSTOMARY_UNITS = frozenset({"ft", "in", "yd", "mi", "mph", "fps", "ft/s", "lb", "lbs", "oz", "inhg", "f", "°f", "psi"})
 """Units of flyers who write a decimal point."""
-_SMALLER = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
+_SMALLER_UNIT = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
 """The unit that may follow a larger one, as in `12 ft 6 in`."""
 MAX_TYPED_VALUE = 1e30
 """Limit of the magnitude of a typed number, in SI."""
@@ -239,7 +239,7 @@ def parse(text: str, quantity: str, default: str) -> float:
 def typed_unit(text: str, default: str) -> str:
     """The unit of a typed number as `parse` reads it: its own, the first of two, or `default`."""
     two = typed_in_two(text)
-    if two and plain(two.unit) in _SMALLER:
+    if two and plain(two.unit) in _SMALLER_UNIT:
         return plain(two.unit)
     one = typed_amount(text)
     return one.unit if one and one.unit else default
@@ -267,7 +267,7 @@ def _in_two(text: str, quantity: str) -> float | None:
         return None
     larger = plain(typed.unit)
     larger = "min" if quantity == "time" and larger == "m" else larger
-    smaller = _SMALLER.get(larger, "")
+    smaller = _SMALLER_UNIT.get(larger, "")
     if smaller not in UNITS[quantity] or plain(typed.more_unit or smaller) != smaller:
         return None
     more = UNITS[quantity][smaller].to_si(value_of(typed.more, customary=True))

@@ -44,7 +44,7 @@ ROCKET = ("RocketID", "Name", "Weight")
 """Columns of the launches file, and of the rockets file."""
 COPIED_FIELDS = ("LaunchNumber", "DelayNote")
 """Columns that are stored as unknown ones."""
-SPELLED = {name.lower(): name for name in (*LAUNCH, *ROCKET)}
+SPELLED_COLUMNS = {name.lower(): name for name in (*LAUNCH, *ROCKET)}
 """The names of the columns by their lower-case spelling, because programs that edit a table may change the case."""
 STAGE_MARK = re.compile(r"\s+[\xbd?]\s+")
 DEVICE = "AltimeterTwo"
@@ -70,7 +70,7 @@ def _kind(header: list[str]) -> str | None:
 
 def _named(header: list[str]) -> list[str]:
     """The names of a header, those of the journal in its own spelling."""
-    return [SPELLED.get(name.lower(), name) for name in map(str.strip, header) if name]
+    return [SPELLED_COLUMNS.get(name.lower(), name) for name in map(str.strip, header) if name]
 
 
 def read(log: bytes) -> list[Parsed]:

@@ -22,8 +22,8 @@ from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
 NAMES = ("met", "acc", "vel", "ialt", "palt")
 RAW_COLUMNS = ("met", "acc(hi)")
-_INTERPRETED = re.compile(r"^\s*(?:#[\s,;]*)?MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
-RESTING = 25
+_INTERPRETED_HEADER = re.compile(r"^\s*(?:#[\s,;]*)?MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
+RESTING_SAMPLES = 25
 """Number of samples at the start, half a second, that are assumed to be on the pad. [1]"""
 
 
@@ -31,7 +31,7 @@ def _interpreted(head: bytes) -> tuple[int, str | None] | None:
     """The row of the interpreted header and the separator of the cells below it (None: whitespace), or None."""
     lines = lines_of(decode(head[:HEAD]))
     for row, line in enumerate(lines, start=1):
-        if match := _INTERPRETED.match(line):
+        if match := _INTERPRETED_HEADER.match(line):
             below = next((one for one in lines[row:] if one.strip() and not one.startswith("#")), "")
             separators = [mark for mark in SEPARATORS if below.count(mark) == len(NAMES) - 1]
             return row, separators[0] if separators else None if below else match[1].strip() or None
@@ -67,7 +67,7 @@ def read(log: bytes) -> list[Parsed]:
 
 def _series(table: LogTable, notes: list[Parsed]) -> Series:
     series = table.series()
-    level = float(np.median(table.values["acc"][:RESTING])) / STANDARD_GRAVITY
+    level = float(np.median(table.values["acc"][:RESTING_SAMPLES])) / STANDARD_GRAVITY
     if abs(level - 1) < 0.2:
         return replace(series, felt=table.values["acc"])
     if abs(level) < 0.2:

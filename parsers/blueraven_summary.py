@@ -32,8 +32,8 @@ EVENTS = {
 }
 """Lines that state the time of an event: its name."""
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_FIRST = re.compile(r'^"?Max Altitude"?[,;\t]', re.M | re.I)
-_THEN = re.compile(r'^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.I)
+_FIRST_LINE = re.compile(r'^"?Max Altitude"?[,;\t]', re.M | re.I)
+_LATER_LINE = re.compile(r'^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.I)
 _MARK = re.compile(r"[,;\t]")
 _PADDING = " \t\r\n\f\v,;"
 """Characters at the end of a line, from cells that a spreadsheet added."""
@@ -42,8 +42,8 @@ _DATE = re.compile(r"(\d{1,2})-([A-Za-z]{3})-(\d{2}|\d{4})$")
 
 def recognises(head: bytes) -> bool:
     text = "\n".join(lines_of(decode(head)))
-    first = _FIRST.search(text)
-    return first is not None and _THEN.search(text, first.end()) is not None
+    first = _FIRST_LINE.search(text)
+    return first is not None and _LATER_LINE.search(text, first.end()) is not None
 
 
 def read(log: bytes) -> list[Parsed]:

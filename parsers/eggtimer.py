@@ -32,7 +32,7 @@ EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "d
 """Columns of events, with the names of the events."""
 ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
 """Names of the column of altitudes, with the unit in each; "" if it has none."""
-CLASSIC = {"t", "alt", "vraw", "vfilt"}
+CLASSIC_COLUMNS = {"t", "alt", "vraw", "vfilt"}
 """Columns of the Classic."""
 SPEEDS = ("fveloc", "veloc", "vfilt")
 """Columns with a speed, of which the first is used."""
@@ -52,7 +52,7 @@ _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]
 def _fits(names: Sequence[str]) -> bool:
     if len(names) < 3 or "t" not in names or _height(names) is None:
         return False
-    return set(names) >= CLASSIC or ("veloc" in names and bool({"lda", "n-o", "apogee"} & set(names)))
+    return set(names) >= CLASSIC_COLUMNS or ("veloc" in names and bool({"lda", "n-o", "apogee"} & set(names)))
 
 
 def _height(names: Sequence[str]) -> int | None:
@@ -146,7 +146,7 @@ def _spelled_unit(head: Header) -> str:
 
 def _unit(table: LogTable, head: Header) -> InferredUnit:
     """The unit of the heights of a table. Raises DamagedLog if it cannot be determined."""
-    if set(head.names) >= CLASSIC:
+    if set(head.names) >= CLASSIC_COLUMNS:
         return InferredUnit("ft", "as the Classic prints it")
     if spelled := _spelled_unit(head):
         return InferredUnit(spelled, "as its column says")

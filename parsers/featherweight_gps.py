@@ -30,7 +30,7 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "vertv": ("gps_speed", Unit(FOOT)),
     "fix": ("fix", Unit(1.0)),
 }
-RECEIVED = ("alt", "lat", "lon", "vertv", "fix")
+RECEIVER_COLUMNS = ("alt", "lat", "lon", "vertv", "fix")
 """What a receiver records about its own position; height comes first."""
 GROUND = {"tracker", "date", "time"}
 DAY = 86_400.0
@@ -105,10 +105,13 @@ def _receivers(head: Header) -> list[Header]:
     starts = [place for place, name in enumerate(head.names) if name == "alt"]
     if len(starts) < 2:
         return [head]
-    first = min(place for place, name in enumerate(head.names) if name in RECEIVED)
+    first = min(place for place, name in enumerate(head.names) if name in RECEIVER_COLUMNS)
     edges = [first, *starts[1:], len(head.names)]
     hidden = [
-        tuple("" if name in RECEIVED and not begin <= place < end else name for place, name in enumerate(head.names))
+        tuple(
+            "" if name in RECEIVER_COLUMNS and not begin <= place < end else name
+            for place, name in enumerate(head.names)
+        )
         for begin, end in pairwise(edges)
     ]
     return [replace(head, names=names) for names in hidden]

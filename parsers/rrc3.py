@@ -24,7 +24,7 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
-NEEDED = {"time", "altitude", "pressure", "velocity", "events"}
+NEEDED_COLUMNS = {"time", "altitude", "pressure", "velocity", "events"}
 """Columns without which a table is not from this program; others may be missing, or additional."""
 WORDS = ("temperature", "events")
 """Columns read as words, because without a temperature the event takes its place."""
@@ -43,7 +43,7 @@ TAIL, JUMP = 3, 5_000.0
 
 
 def _fits(names: Sequence[str]) -> bool:
-    return set(names) >= NEEDED
+    return set(names) >= NEEDED_COLUMNS
 
 
 def recognises(head: bytes) -> bool:

@@ -32,7 +32,7 @@ from fieldkit.quantities import counted
 from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float
 
-ALWAYS = ("delay", "coast_drag", "burn_impulse")
+PERMANENT_QUANTITIES = ("delay", "coast_drag", "burn_impulse")
 """Quantities in every model: the delay does not affect the climb, and the others can only be measured in logs."""
 CAUSES: Mapping[str, tuple[str, ...]] = {
     "launch angle and weathercocking": (),
@@ -128,11 +128,11 @@ def _at_an_angle(flown: Sequence[FlownFlight]) -> list[FlownFlight]:
 def restricted(quantities: Sequence[str]) -> Hyperprior:
     """The learned hyperprior with some quantities free, without prior means from flights."""
     whole = learned()
-    free = {*quantities, *ALWAYS}
+    free = {*quantities, *PERMANENT_QUANTITIES}
     sds = {name: sd for name, sd in whole.sds.items() if name.partition(".")[0] in free or name.endswith(".flight")}
     for name in free & set(FLEET_SD):
         sds[f"{name}.fleet"] = FLEET_SD[name]
-    for name in free & (set(OBSERVED_READOUTS) - {"apogee_to_eject", *ALWAYS}):
+    for name in free & (set(OBSERVED_READOUTS) - {"apogee_to_eject", *PERMANENT_QUANTITIES}):
         sds[f"{name}.fleet"] = WIDE_DEVICE_SD
     unknown_area = whole.unknown_area
     if "drag" not in free:

@@ -99,7 +99,7 @@ def _files_quickly_made_and_written() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("fieldkit.ledger.opening.upgrade", upgrade)
-        patch.setattr("fieldkit.ledger.opening.SYNCHRONOUS", "OFF")
+        patch.setattr("fieldkit.ledger.opening.SYNCHRONOUS_MODE", "OFF")
         patch.setattr(os, "fsync", lambda _: None)
         yield
 

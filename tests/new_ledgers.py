@@ -11,7 +11,7 @@ from sqlalchemy import Connection, create_engine
 from fieldkit.ledger import opening, schema
 
 UPGRADE = schema.upgrade
-SYNCHRONOUS = opening.SYNCHRONOUS
+SYNCHRONOUS = opening.SYNCHRONOUS_MODE
 """What a command uses; ledgers of tests do not survive a power failure."""
 
 

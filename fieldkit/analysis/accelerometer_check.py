@@ -36,7 +36,7 @@ sensors rather than measured in the airframe, and is trusted only if it is on ti
 _MAX_BLUR = 0.05
 """Such a delay as a fraction of the boost, if that is longer: a filter blurs thrust by about as much as it delays it,
 which a long boost shows as well as before. [1]"""
-_HANGING_TIME, _LEVEL, _QUIET = 3.0, 0.7, 3.0
+_HANGING_TIME, _LEVEL, _MAX_SPREAD = 3.0, 0.7, 3.0
 """How long after apogee the rocket hangs or lies, with its axis anywhere but upright [s]. If an acceleration has
 gravity removed, its median from then on is near zero and its spread is small [m/s^2]."""
 _PAD = 0.1
@@ -47,7 +47,7 @@ _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
 """Fewest samples [1] and smallest climb [m] that can be compared."""
 _CORRELATION_TIME = 0.5
 """Correlation time of the errors of heights. [s]"""
-_SPARSE = 0.2
+_MAX_SAMPLE_INTERVAL = 0.2
 """Longest sample interval at which an accelerometer still captures the whole boost. [s]"""
 _MAX_SHIFT, _STEP = 1.5, 0.02
 """Range of clock shifts to try, and the step. [s]"""
@@ -131,7 +131,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
         return None
     felt = (push.time > lift.time - _MAX_SHIFT) & (push.time < end + _MAX_SHIFT)
     time, net = push.time[felt], net[felt]
-    if time.size < _MIN_SAMPLES or inside.sum() < _MIN_SAMPLES or np.diff(time).max() > _SPARSE:
+    if time.size < _MIN_SAMPLES or inside.sum() < _MIN_SAMPLES or np.diff(time).max() > _MAX_SAMPLE_INTERVAL:
         return None
     speed = running_integral(net, time)
     climb = running_integral(speed, time)
@@ -189,7 +189,9 @@ def _is_derived(push: Push, seen: Outline) -> bool:
     """Whether an acceleration lacks the gravity that a sensor along the axis measures on the way down."""
     after_apogee = push.felt[push.time > seen.top + _HANGING_TIME] - GRAVITY
     return bool(
-        after_apogee.size >= _MIN_SAMPLES and abs(np.median(after_apogee)) < _LEVEL and mad_sd(after_apogee) < _QUIET
+        after_apogee.size >= _MIN_SAMPLES
+        and abs(np.median(after_apogee)) < _LEVEL
+        and mad_sd(after_apogee) < _MAX_SPREAD
     )
 
 

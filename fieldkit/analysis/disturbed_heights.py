@@ -16,7 +16,7 @@ from fieldkit.shapes import Flags
 
 _MAX_ACCELERATION = 2000.0
 """Acceleration that no hobby airframe survives. [m/s^2]"""
-_LASTS = 15.0
+_LASTING_TIME = 15.0
 """A level that lasts longer than this is not a temporary fault. [s]"""
 _BACK = 0.5
 """A fault's return step equals its first step to within this fraction. [1]"""
@@ -25,14 +25,14 @@ _MAX_STEP_GAP = 3
 _MIN_STEP = 10.0
 """Smaller steps are left to the fit. [m]"""
 _SPEED_OF_SOUND = 335.0
-_FAST = 0.4 * _SPEED_OF_SOUND
+_NEAR_SONIC_SPEED = 0.4 * _SPEED_OF_SOUND
 """Mean speed from before an apparent fall to after it above which the rocket was near the speed of sound. The mean over
 such a climb is lower than the speed of sound. [m/s]"""
-_AROUND = 0.5
+_CLIMB_RATE_TIME = 0.5
 """Time before and after a step over which the climb rate shows whether the rocket was near the speed of sound. [s]"""
 _MARGIN = 0.15
 """How long before and after an apparent fall shocks disturb the pressure. [s]"""
-_ABOVE = 12.0
+_MIN_FALL_SDS = 12.0
 """Smallest apparent fall, as a multiple of the noise of a sample. [1]"""
 _FALL = 5.0
 """Smallest apparent fall, however small the noise. [m]"""
@@ -64,7 +64,7 @@ def _steps(track: Heights) -> Flags:
             wrong[begin + 1 : jumps[back][0] + 1] = True
             place = back + 1
             continue
-        if place == len(jumps) - 1 and size > 0 and track.time[-1] - track.time[begin] < _LASTS:
+        if place == len(jumps) - 1 and size > 0 and track.time[-1] - track.time[begin] < _LASTING_TIME:
             wrong[begin + 1 :] = True
         place += 1
     return wrong
@@ -73,7 +73,7 @@ def _steps(track: Heights) -> Flags:
 def _cancels(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
     """Whether a later step reverses an earlier one. Disturbances by shocks in a fast climb do not count."""
     before, after = there[0], back[0] + 1
-    climbs = track.height[after] - track.height[before] > _FAST * (track.time[after] - track.time[before])
+    climbs = track.height[after] - track.height[before] > _NEAR_SONIC_SPEED * (track.time[after] - track.time[before])
     return _reverses(track, there, back) and not climbs
 
 
@@ -81,7 +81,7 @@ def _reverses(track: Heights, there: tuple[int, float], back: tuple[int, float])
     """Whether a later step is about as large as an earlier one, and opposite. Its height is in m."""
     lasts = track.time[back[0] + 1] - track.time[there[0]]
     opposite = abs(there[1] + back[1]) < _BACK * max(abs(there[1]), abs(back[1]))
-    return bool(lasts < _LASTS and there[1] * back[1] < 0 and opposite)
+    return bool(lasts < _LASTING_TIME and there[1] * back[1] < 0 and opposite)
 
 
 def lasting_step(track: Heights, begin: float, end: float) -> tuple[float, float] | None:
@@ -107,8 +107,8 @@ def _is_fast_around(track: Heights, place: int) -> bool:
     """Whether the heights climb near the speed of sound shortly before or after a step."""
     time, height = track.time, track.height
     before, after = max(place - _MAX_STEP_GAP, 0), min(place + 1 + _MAX_STEP_GAP, time.size - 1)
-    ends = np.interp((time[before] - _AROUND, time[after] + _AROUND), time, height)
-    return bool(max(height[before] - ends[0], ends[1] - height[after]) > _FAST * _AROUND)
+    ends = np.interp((time[before] - _CLIMB_RATE_TIME, time[after] + _CLIMB_RATE_TIME), time, height)
+    return bool(max(height[before] - ends[0], ends[1] - height[after]) > _NEAR_SONIC_SPEED * _CLIMB_RATE_TIME)
 
 
 def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
@@ -140,10 +140,10 @@ def _shocks(track: Heights) -> Flags:
         return wrong
     climb = height[: top + 1]
     highest = np.maximum.accumulate(climb)
-    for first, last in _runs(highest - climb > max(_ABOVE * track.noise, _FALL)):
+    for first, last in _runs(highest - climb > max(_MIN_FALL_SDS * track.noise, _FALL)):
         before = int(np.searchsorted(highest, highest[first]))
         after = min(last + 1, top)
-        if climb[after] - climb[before] > _FAST * (time[after] - time[before]):
+        if climb[after] - climb[before] > _NEAR_SONIC_SPEED * (time[after] - time[before]):
             begin = np.searchsorted(time, time[before] - _MARGIN)
             wrong[begin : np.searchsorted(time, time[after] + _MARGIN)] = True
     return wrong

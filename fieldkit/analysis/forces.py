@@ -41,11 +41,11 @@ _BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
 """Relative error of a burn time from heights only, and from a barometer disturbed by shocks. [1]"""
 _MIN_FELT_FRACTION = 0.9
 """Fraction of a climb that an accelerometer must have recorded to be trusted instead of the heights. [1]"""
-_MOSTLY = 0.5
+_MAIN_FRACTION = 0.5
 """Fraction of a speed that satellites must contribute to be named as its source. [1]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
-_AVERAGED = 0.06
+_AVERAGING_TIME = 0.06
 """Longest interval over which sensors average their own samples. [s]"""
 _CHERNOFF_SD = 0.513
 """Standard deviation of Chernoff's distribution (Groeneboom and Wellner, Journal of Computational and Graphical
@@ -183,7 +183,7 @@ def boost_event(
             * value
         )
         off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
-        value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MOSTLY else "")
+        value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MAIN_FRACTION else "")
         spread = float(
             np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late, faded * FADE_SD / FADE])
         )
@@ -221,7 +221,7 @@ def _gained_between(push: Push, begin: float, burnout: float) -> float:
     first, last = np.searchsorted(push.time, (begin, burnout))
     inside = slice(max(first - 1, 0), last + 1)
     intervals, jumps = np.diff(push.time[inside]), np.diff(push.felt[inside])
-    wide = intervals > _AVERAGED
+    wide = intervals > _AVERAGING_TIME
     return float(np.linalg.norm(jumps[wide] * intervals[wide]) / np.sqrt(12))
 
 

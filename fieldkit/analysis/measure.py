@@ -27,7 +27,7 @@ from fieldkit.analysis.notes import (
     OTHER_FLIGHT,
     REJECTED_NOTE,
     SLANTED_NOTE,
-    UNCHECKED,
+    UNCHECKED_NOTE,
 )
 from fieldkit.analysis.phases import Outline, is_similar, next_flight, outline, rest_in_climb
 from fieldkit.analysis.records import Event, HeightTrack, Recorded
@@ -178,7 +178,7 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
         return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
     found = _agreement(track, push, seen, rise) if push is not None and rise is not None else None
     if push is not None and found is None and unchecked(push, seen, rise):
-        return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED),))
+        return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED_NOTE),))
     if push is None or rise is None:
         return _Trust(push)
     if found is None:

@@ -25,6 +25,8 @@ FILLED_NOTE = (
 )
 ENDS_IN_BOOST = "the accelerometer's samples end in the boost: it is measured from heights only"
 REJECTED_NOTE = "the acceleration {}: it is not used; the boost is measured from heights only"
-UNCHECKED = "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"
+UNCHECKED_NOTE = (
+    "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"
+)
 SLANTED_NOTE = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
 NO_LANDING = "the log ends before landing: no duration"

@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 
 _REFLECTED, _EXPANDED, _CONTRACTED, _SHRUNK = 1.0, 2.0, 0.5, 0.5
-_CLOSE = 1e-4
+_TOLERANCE = 1e-4
 """Convergence tolerance: size of the simplex and spread of its values. [unit of each]"""
 _DAMPING, _EASED, _HARDENED = 1e-2, 1 / 3, 4.0
 """Damping of the first step, relative to the diagonal, and its factors after a successful and a failed step. [1]"""
@@ -35,7 +35,7 @@ def nelder_mead(
     while spent < evaluations:
         order = np.argsort(costs, kind="stable")
         corners, costs = corners[order], costs[order]
-        if np.abs(corners[1:] - corners[0]).max() <= _CLOSE and costs[-1] - costs[0] <= _CLOSE:
+        if np.abs(corners[1:] - corners[0]).max() <= _TOLERANCE and costs[-1] - costs[0] <= _TOLERANCE:
             break
         middle = corners[:-1].mean(axis=0)
         away = middle - corners[-1]

@@ -30,7 +30,7 @@ _WINDOW, _TRANSONIC_SPEED, _TRANSONIC_WINDOW = 0.25, 270.0, 1.0
 this length to both sides [s]."""
 LONGEST_CLIMB = 120.0
 """Longest time from lift-off to apogee. [s]"""
-_DOWN, _LEAST_NEXT, _MIN_NEXT = 0.25, 0.3, 20
+_LANDED_FRACTION, _LEAST_NEXT, _MIN_NEXT = 0.25, 0.3, 20
 """Below this fraction of its climb a rocket is down; the next flight of a log climbs at least by this fraction of the
 climb and of its speed, and has at least so many samples. [1]"""
 
@@ -103,7 +103,7 @@ def next_flight(track: Heights, seen: Outline) -> float | None:
     after = int(np.searchsorted(track.time, seen.top))
     low = np.minimum.accumulate(seen.calm[after:])
     again = np.flatnonzero(
-        (low - seen.pad < _DOWN * gain)
+        (low - seen.pad < _LANDED_FRACTION * gain)
         & (seen.calm[after:] - low > max(LEAST_GAIN, 8 * track.noise, _LEAST_NEXT * gain))
     )
     if not again.size:
@@ -123,7 +123,7 @@ def rest_in_climb(track: Heights, seen: Outline) -> float | None:
     first, top = np.searchsorted(track.time, (seen.top - LONGEST_CLIMB, seen.top))
     time, calm = track.time[first:top], seen.calm[first:top] - seen.pad
     high, least = np.maximum.accumulate(calm), max(LEAST_GAIN, 8 * track.noise)
-    down = (high > least) & (calm < _DOWN * high)
+    down = (high > least) & (calm < _LANDED_FRACTION * high)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], down, [False])).astype(int))).reshape(-1, 2)
     rests = [slice(*edge) for edge in edges.tolist() if np.ptp(time[slice(*edge)]) > _BETWEEN_FLIGHTS]
     if not rests:

@@ -43,7 +43,7 @@ _COAST_NOISE, _FUSED_NOISES = 5.0, (3.0, 0.3)
 [m^2/s^5]"""
 _PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """Process noise of the acceleration on the pad, and once a parachute may be out. [m^2/s^5]"""
-_FOLLOWED = 5.0
+_FOLLOWED_TIMES = 5.0
 """Time constants after which a first-order lag has followed a step to 1%. [1]"""
 _FELT_LATER = 2.0
 """How long after a parachute may be out a shock is still that of the first one [s]."""
@@ -73,7 +73,7 @@ def lags(grid: Grid, marks: Marks, lag: float) -> Float[Array, "interval"]:
 
     In the smooth parts of a flight, what lags is as smooth as what does not.
     """
-    follows = (grid.middles > (marks.lift or grid.start)) & (grid.middles < marks.burnout + _FOLLOWED * lag)
+    follows = (grid.middles > (marks.lift or grid.start)) & (grid.middles < marks.burnout + _FOLLOWED_TIMES * lag)
     return np.where(follows, lag, 0.0)
 
 

@@ -24,7 +24,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 SOURCE = CHANNEL_TITLES["gps_altitude_msl"]
-_QUIET = 0.75
+_TRUSTED_MACH = 0.75
 """Fraction of the speed of sound up to which a barometer is trusted when satellite data exist. [1]"""
 _MAX_HOLE = 1.5
 """Longest gap between samples in which a barometer is trusted. [s]"""
@@ -41,7 +41,7 @@ _DELAY_SD, _SPEED_SCALE_SD = 0.1, 0.03
 """Variation of a delay within a flight [s], and relative error of the scale of a speed [1]."""
 _UNDER_THRUST = 3.0
 """Factor by which a receiver's error grows under thrust. [1]"""
-_SIGNIFICANT = 2.0
+_SIGNIFICANT_SDS = 2.0
 """Number of standard deviations from zero at which a pressure error is significant. [1]"""
 _STUDENT_DOF, _ROUNDS = 4.0, 6
 _FAST_COAST, _MIN_FAST = 0.3, 4
@@ -130,7 +130,7 @@ def _static_error_over_delays(every: Sequence[_Alignment], best: _Alignment) -> 
     within = weight @ np.array([one.static_sd**2 for _, one in fitted])
     sd = float(np.sqrt(within + weight @ (static - mean) ** 2))
     delay_sd = float(np.sqrt(weight @ (delays - weight @ delays) ** 2))
-    return (best.static if abs(mean) > _SIGNIFICANT * sd else 0.0), delay_sd
+    return (best.static if abs(mean) > _SIGNIFICANT_SDS * sd else 0.0), delay_sd
 
 
 def _receiver(clocks: Sequence[Series]) -> _Receiver | None:
@@ -175,7 +175,7 @@ def _is_quiet(track: Heights, seen: Outline, time: Float[Array, "sample"], climb
     has_samples = track.time[place] - track.time[place - 1] < max(_MAX_HOLE, 3 * median_step(track.time))
     inside = (time > track.time[0]) & (time < track.time[-1])
     pushed = (time > _begin(seen) - 0.5) & (time < seen.fastest + 1)
-    return np.asarray(has_samples & inside & ~pushed & (np.abs(climbs) < _QUIET * SPEED_OF_SOUND))
+    return np.asarray(has_samples & inside & ~pushed & (np.abs(climbs) < _TRUSTED_MACH * SPEED_OF_SOUND))
 
 
 def _aligned(

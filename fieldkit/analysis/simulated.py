@@ -16,7 +16,7 @@ from fieldkit.flight import Series
 from fieldkit.shapes import Array, Flags, Float
 
 SOURCE = "simulation"
-_MOVING = 0.3
+_MOVING_SPEED = 0.3
 """Vertical speed above which the rocket has left the pad. [m/s]"""
 
 
@@ -37,7 +37,7 @@ def simulated(clocks: Sequence[Series], stated: Mapping[str, float]) -> Recorded
     acceleration = _channel(series, "acceleration", there)
     acceleration = np.gradient(speed, _rising(time)) if acceleration is None else acceleration
     moments = {"apogee": float(time[np.argmax(height)]), **stated}
-    moments.setdefault("liftoff", _first(time, speed > _MOVING))
+    moments.setdefault("liftoff", _first(time, speed > _MOVING_SPEED))
     moments.setdefault("burnout", _burnout(series, there, time, speed, moments["apogee"]))
     events = {name: Event(when, _step(time, when), SOURCE) for name, when in moments.items()}
     figures = _figures(time, height, speed, acceleration, events)

@@ -27,7 +27,7 @@ deviations the climb rate must be above zero [1]."""
 _LARGEST_SD, _COASTED = 0.01, 0.5
 """Largest standard deviation of an apogee after the end of a log, as a fraction of it [1]. Shortest coast that shows
 that the end was not in the boost [s]."""
-_RISING = 3.0
+_RISING_SPEED = 3.0
 """If the rocket was slower than this when the gap began, it was already at apogee. [m/s]"""
 _SPEED_ERROR = 0.02
 """Smallest relative error of a speed. [1]"""
@@ -80,7 +80,7 @@ def accelerates(ascent: Ascent, moment: float) -> bool:
 
 
 def unseen_apogee(
-    track: Heights, seen: Outline, ascent: Ascent, gap: tuple[float, float], slowest: float = _RISING
+    track: Heights, seen: Outline, ascent: Ascent, gap: tuple[float, float], slowest: float = _RISING_SPEED
 ) -> tuple[Event, Figure, tuple[float, float]] | None:
     """Apogee in a gap, and the heights that it lies between [m]; None if the rocket had reached its top before: it was
     slower than `slowest` [m/s].
@@ -123,5 +123,5 @@ def apogee_after_end(track: Heights, seen: Outline, ascent: Ascent) -> tuple[Eve
     fastest = float(ascent.time[int(np.argmax(ascent.speed))])
     if end - fastest < _COASTED or accelerates(ascent, end):
         return None
-    found = unseen_apogee(track, seen, ascent, (end, np.inf), slowest=-_RISING)
+    found = unseen_apogee(track, seen, ascent, (end, np.inf), slowest=-_RISING_SPEED)
     return found if found is not None and found[1].sd < _LARGEST_SD * found[1].value else None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fieldkit.cli.screen import measured, print_table, progress, say, say_report, say_wrapped, system
-from fieldkit.cli.studies import HOW, studies_are_here
+from fieldkit.cli.studies import HOW_TO_INSTALL, studies_are_here
 from fieldkit.errors import LedgerError
 from fieldkit.files import replace
 from fieldkit.progress import ReportProgress, part
@@ -145,7 +145,7 @@ def _profile(paper: "PaperReport | None") -> None:
     say("5. What the reference paper's published thrust profile costs")
     say()
     if paper is None:
-        say_wrapped(f"   Computed by the studies, which are not in the installed program; {HOW}")
+        say_wrapped(f"   Computed by the studies, which are not in the installed program; {HOW_TO_INSTALL}")
         say()
         return
     profile, bias = paper.thrust_profile, paper.thrust_profile["exact_posterior_bias_m"]

@@ -27,7 +27,7 @@ OPTION_HELP = {
     "notes": "Free text.",
 }
 """Help of the text columns of a flight."""
-TYPED = {
+TYPED_EXAMPLES = {
     "dry_mass": "11.4oz",
     "diameter": "2.6in",
     "site_elevation": "700ft",
@@ -54,7 +54,7 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
         name = header.rpartition("_")[0]
         flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
         column = flight.BY_NAME[name]
-        typed = f", or with a unit: {TYPED[name]}" if name in TYPED else ""
+        typed = f", or with a unit: {TYPED_EXAMPLES[name]}" if name in TYPED_EXAMPLES else ""
         own.append(_option(name, flags, f"{column.help[:-1]}; in {_unit(column.unit)}{typed}.", panel))
     keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
     command.__signature__ = inspect.Signature(keyword)  # type: ignore[attr-defined]  # read by typer

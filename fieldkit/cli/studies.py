@@ -4,7 +4,7 @@ from importlib.util import find_spec
 
 from fieldkit.errors import FieldkitError
 
-HOW = "from a checkout of fieldkit: pip install -e ."
+HOW_TO_INSTALL = "from a checkout of fieldkit: pip install -e ."
 """How to install the studies."""
 
 
@@ -19,4 +19,4 @@ def studies_are_here() -> bool:
 def need_studies() -> None:
     """Raise FieldkitError that says what to install if the studies are missing."""
     if not studies_are_here():
-        raise FieldkitError(f"the studies are not in the installed program; {HOW}")
+        raise FieldkitError(f"the studies are not in the installed program; {HOW_TO_INSTALL}")

@@ -7,7 +7,7 @@ from typing import Any
 
 from fieldkit.flight.flight import Flight
 
-STAGED = "staged"
+STAGED_TAG = "staged"
 """The tag of a flight on several stages, whose dry mass may include boosters that another plan does not carry."""
 INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
 """Fields that a plan inherits from earlier flights if it has no value of its own."""
@@ -50,7 +50,7 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
     same_config = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED_FIELDS:
-        like = [flight for flight in same_config if name != "dry_mass" or STAGED not in flight.tags]
+        like = [flight for flight in same_config if name != "dry_mass" or STAGED_TAG not in flight.tags]
         value = next((v for flight in reversed(like) if (v := flight.number(name)) is not None), None)
         if plan.number(name) is None and value is not None:
             missing[name] = value

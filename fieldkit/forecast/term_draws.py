@@ -17,7 +17,7 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 MAX_REJECTIONS = 50
 """Maximum number of repetitions of a draw out of bounds, which is then moved to them. [1]"""
-_GROUPED = re.compile("( of | on )")
+_GROUP_SEPARATOR = re.compile("( of | on )")
 """What separates a quantity from the group of flights, whose name may contain either."""
 
 
@@ -57,7 +57,7 @@ def _level(name: str) -> str:
     """The common name of the terms of one random effect, such as `thrust of` for every motor."""
     if name == fleet_term(name.partition(" of ")[0]):
         return name
-    quantity, between, _ = _GROUPED.split(name, 1) if _GROUPED.search(name) else (name, "", "")
+    quantity, between, _ = _GROUP_SEPARATOR.split(name, 1) if _GROUP_SEPARATOR.search(name) else (name, "", "")
     return quantity + between
 
 

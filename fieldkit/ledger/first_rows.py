@@ -12,9 +12,9 @@ from urllib.parse import quote
 from fieldkit.flight import Flight
 from fieldkit.paths import data_file, expanded
 
-NEWEST = """SELECT flight_id, rocket, config, motor, apogee, date_time, log FROM flights
+SELECT_NEWEST = """SELECT flight_id, rocket, config, motor, apogee, date_time, log FROM flights
 ORDER BY date_time DESC, entry DESC LIMIT ?"""
-UNUSUAL = """SELECT EXISTS (SELECT 1 FROM flights WHERE date_time IS NULL OR flight_id LIKE '%/%')
+HAS_UNUSUAL = """SELECT EXISTS (SELECT 1 FROM flights WHERE date_time IS NULL OR flight_id LIKE '%/%')
 OR EXISTS (SELECT 1 FROM flights GROUP BY flight_id HAVING count(*) > 1)"""
 """Whether flights without a date, or with ids that are not unique or contain a slash, make a list more than a sort by
 date."""
@@ -32,9 +32,9 @@ def first_rows(where: str | Path | None, most: int) -> list[tuple[str, Flight]]:
     try:
         file = quote(str(expanded(where).absolute()))
         with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True, timeout=0)) as connection:
-            if connection.execute(UNUSUAL).fetchone() != (0,):
+            if connection.execute(HAS_UNUSUAL).fetchone() != (0,):
                 return []
-            return [_listed(*row) for row in connection.execute(NEWEST, (most,))]
+            return [_listed(*row) for row in connection.execute(SELECT_NEWEST, (most,))]
     except (sqlite3.Error, TypeError, ValueError):
         return []
 

@@ -26,7 +26,7 @@ from fieldkit.quantities import counted
 MIN_DATABASE_SIZE = 512
 """Minimum size of a SQLite database with content; SQLite treats a smaller file as empty. [byte]"""
 
-SYNCHRONOUS = "EXTRA"
+SYNCHRONOUS_MODE = "EXTRA"
 """SQLite's setting with which a finished command survives a power failure."""
 _LOCK = 0x666B  # any number that no other program on the server is likely to use
 
@@ -50,7 +50,7 @@ def connect(url: URL) -> Engine:
 
 def _prepare_sqlite(connection: object, _entry: ConnectionPoolEntry) -> None:
     connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are started below
-    for setting in ("foreign_keys = ON", f"synchronous = {SYNCHRONOUS}"):
+    for setting in ("foreign_keys = ON", f"synchronous = {SYNCHRONOUS_MODE}"):
         connection.execute(f"PRAGMA {setting}")  # type: ignore[attr-defined]
 
 

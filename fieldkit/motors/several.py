@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.flight.start import STAGED
+from fieldkit.flight.start import STAGED_TAG
 from fieldkit.integrals import running_integral
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor
 from fieldkit.motors.names import MAX_NAME, count_first, is_cluster
@@ -59,7 +59,7 @@ def tag_of_several(motor: str) -> str:
     """The tag of a flight on several motors by the text of its motor; empty for a single one."""
     if not names_several(motor):
         return ""
-    return STAGED if names_stages(motor) else "cluster"
+    return STAGED_TAG if names_stages(motor) else "cluster"
 
 
 def tagged(flight: Flight) -> Flight:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.physics.standard_atmosphere import (
     GAS_CONSTANT,
-    HYDROSTATIC,
+    HYDROSTATIC_EXPONENT,
     LAPSE,
     STANDARD_PRESSURE,
     STANDARD_TEMPERATURE,
@@ -45,7 +45,7 @@ class Air:
             return np.asarray(np.exp(exponent, out=exponent))
         exponent = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
         np.log1p(exponent, out=exponent)
-        exponent *= HYDROSTATIC - 1
+        exponent *= HYDROSTATIC_EXPONENT - 1
         return np.asarray(np.exp(exponent, out=exponent))
 
     def sinking_path(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
@@ -57,7 +57,7 @@ class Air:
         if self.scale_height is not None:
             scale = 2 * self.scale_height
             return np.asarray(-scale * np.expm1(-height / scale))
-        power = 0.5 * (HYDROSTATIC + 1)
+        power = 0.5 * (HYDROSTATIC_EXPONENT + 1)
         colder = np.log1p(np.maximum(height * (-LAPSE / self.temperature), -0.9))
         return np.asarray(self.temperature / (-LAPSE * power) * np.expm1(power * colder))
 
@@ -80,7 +80,7 @@ def station_pressure(pressure: Float[Array, "*#draw"], elevation: Float[Array, "
     Weather reports reduce it to sea level (QNH); a barometer at the pad reads it directly. The value is interpreted as
     whichever of the two it is closer to at this elevation [m].
     """
-    standard = (1 - LAPSE * elevation / STANDARD_TEMPERATURE) ** HYDROSTATIC
+    standard = (1 - LAPSE * elevation / STANDARD_TEMPERATURE) ** HYDROSTATIC_EXPONENT
     reduced = np.abs(pressure - STANDARD_PRESSURE) <= np.abs(pressure - STANDARD_PRESSURE * standard)
     result: Float[Array, "*draw"] = np.where(reduced, pressure * standard, pressure)
     return result
@@ -112,7 +112,7 @@ def density_altitude(density: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
     Density there is proportional to temperature to the power g/(R L) - 1.
     """
     sea_level = STANDARD_PRESSURE / (GAS_CONSTANT * STANDARD_TEMPERATURE)
-    return np.asarray(STANDARD_TEMPERATURE / LAPSE * (1 - (density / sea_level) ** (1 / (HYDROSTATIC - 1))))
+    return np.asarray(STANDARD_TEMPERATURE / LAPSE * (1 - (density / sea_level) ** (1 / (HYDROSTATIC_EXPONENT - 1))))
 
 
 def altimeter_gain(
@@ -128,7 +128,7 @@ def altimeter_gain(
     elevation = np.nan_to_num(np.asarray(elevation, float), nan=0.0)
     kelvin = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
     pascal = station_pressure(np.where(np.isnan(pressure), STANDARD_PRESSURE, pressure), elevation)
-    return STANDARD_TEMPERATURE * (pascal / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / kelvin
+    return STANDARD_TEMPERATURE * (pascal / STANDARD_PRESSURE) ** (1 / HYDROSTATIC_EXPONENT) / kelvin
 
 
 def wind_at(

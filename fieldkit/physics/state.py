@@ -123,16 +123,16 @@ class Setup:
         air = replace(self.air, density=change(self.air.density), temperature=change(self.air.temperature))
         forces = tuple((force, change(strength)) for force, strength in self.forces)
         arrays = {name: change(getattr(self, name)) for name in PER_DRAW}
-        none: dict[str, Any] = {name: np.zeros(1, getattr(self, name).dtype) for name in RECORDED}
+        none: dict[str, Any] = {name: np.zeros(1, getattr(self, name).dtype) for name in RECORDED_ENTRIES}
         return replace(self, air=air, forces=forces, **arrays, **none)
 
 
-RECORDED = ("recorded_wind", "temperature_recorded")
+RECORDED_ENTRIES = ("recorded_wind", "temperature_recorded")
 """The entries that only effects read, before the flight; a flat setup has none of them."""
 PER_DRAW = tuple(
     f.name
     for f in fields(Setup)
-    if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", "closed_coast", *RECORDED)
+    if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride", "closed_coast", *RECORDED_ENTRIES)
 )
 """The entries with one value per draw that the simulator reads."""
 _per_draw = attrgetter(*PER_DRAW)

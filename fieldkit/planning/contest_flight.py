@@ -22,7 +22,7 @@ EGG_COUNTS = {"one": 1, "two": 2, "both": 2, "three": 3}
 """Numbers of eggs that are written as words. [1]"""
 _BARE_COUNT = re.compile(r"(?:\d{1,2}|" + "|".join(EGG_COUNTS) + r")(?:\s+eggs?)?")
 """A count of eggs without their condition."""
-_COUNTED = re.compile(r"(?:(all|\d{1,2}|" + "|".join(EGG_COUNTS) + r")\s+)?(?:eggs?\s+)?(.*)", re.DOTALL)
+_COUNTED_EGGS = re.compile(r"(?:(all|\d{1,2}|" + "|".join(EGG_COUNTS) + r")\s+)?(?:eggs?\s+)?(.*)", re.DOTALL)
 NO_SCORE_TAGS = {"cracked_egg": "a cracked egg", "damaged": "a damaged rocket", "disqualified": "disqualified"}
 """Tags of a flight without a score, with the reason."""
 NOT_TRUE = ("", "no", "n", "false", "f", "0", "-", "none")
@@ -79,7 +79,7 @@ def _why_not_whole(text: str, wanted: int) -> str:
     without their condition does not mean that."""
     if text in ("", "-"):
         return ""
-    found = _COUNTED.fullmatch(text.casefold())
+    found = _COUNTED_EGGS.fullmatch(text.casefold())
     if _BARE_COUNT.fullmatch(text.casefold()):
         return f"eggs: {text[:30]}, which does not say intact or cracked"
     if found is None or found[2] not in WHOLE_EGGS:

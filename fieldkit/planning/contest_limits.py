@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 
 _DELAYS = re.compile(r"[\d.,]")
 """Characters of a list of delays that are read with the letters: `3,6,9T`."""
-LOADABLE = "L"
+LOADABLE_SUFFIX = "L"
 """Last letter of a motor that is sold loaded too: `F42T/L`."""
 
 
@@ -56,7 +56,7 @@ def _is_listed(motor: Motor, line: str) -> bool:
         return False
     if not (letters or on_list.maker):
         return False
-    return letters in ("", own.letters) or letters + LOADABLE == own.letters
+    return letters in ("", own.letters) or letters + LOADABLE_SUFFIX == own.letters
 
 
 def allowed(

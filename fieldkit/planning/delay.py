@@ -107,10 +107,10 @@ def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
 
 def _is_dms(motor: Motor) -> bool:
     """Whether a single-use motor is sold to be drilled, according to its designation."""
-    return "DMS" in motor.designation.upper() or bool(_DRILLABLE.search(motor.designation))
+    return "DMS" in motor.designation.upper() or bool(_DRILLABLE_DELAY.search(motor.designation))
 
 
-_DRILLABLE = re.compile(r"-\d+A$")
+_DRILLABLE_DELAY = re.compile(r"-\d+A$")
 """The longest delay of an adjustable motor, at the end of its designation: `H283ST-15A`."""
 
 

@@ -29,7 +29,7 @@ from fieldkit.units import DEGREE
 WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
 """Standard deviation of the log of the actual wind speed relative to the declared one, as in the training of the
 networks, and of its direction [rad], a judgment."""
-CALM = 0.3
+CALM_WIND = 0.3
 """Wind below which air is called calm (Beaufort force 0); within this limit the wind is unknown. [m/s]"""
 CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY = 0.08, 0.16
 """Standard deviation of the log of the drift during the climb relative to its forecast, with and without a known static
@@ -162,7 +162,7 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     )
     sideways = np.broadcast_to(np.nan_to_num(prediction.across), (count,))
     across = climb * sideways + stronger * (down.along * np.sin(turned) + down.across * np.cos(turned))
-    if prediction.plan.wind is not None and prediction.plan.wind < CALM:
+    if prediction.plan.wind is not None and prediction.plan.wind < CALM_WIND:
         drift, (ahead, aside) = _drift(down_in), _within_calm(rng, count)
         along, across = along + ahead * drift, across + aside * drift
     return Landing(along, across, prediction.rise_time + down.time, down, down_in, prediction.plan.wind)
@@ -175,8 +175,8 @@ def _drift(down_in: Callable[[WindProfile], DescentResult]) -> Float[Array, "dra
 
 
 def _within_calm(rng: np.random.Generator, count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-    """Components of the wind in calm air: evenly spread over a disk of radius `CALM`. [m/s]"""
-    speed, angle = CALM * np.sqrt(rng.uniform(size=count)), rng.uniform(0, 2 * np.pi, count)
+    """Components of the wind in calm air: evenly spread over a disk of radius `CALM_WIND`. [m/s]"""
+    speed, angle = CALM_WIND * np.sqrt(rng.uniform(size=count)), rng.uniform(0, 2 * np.pi, count)
     return speed * np.cos(angle), speed * np.sin(angle)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fieldkit.forecast.evaluation.rivals import BAR, LABELS, MIXED
+from fieldkit.forecast.evaluation.rivals import BAR, LABELS, MIXTURE
 from fieldkit.quantities import counted
 from fieldkit.scoring.bootstrap import MIN_FLIGHTS_FOR_VERDICT
 
@@ -71,7 +71,7 @@ def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
             f"{way.coverage90:.0%}",
         )
         for way in found.ways
-        if way.name != LABELS[MIXED] or not _mixes_nothing(found)
+        if way.name != LABELS[MIXTURE] or not _mixes_nothing(found)
     ]
 
 
@@ -93,12 +93,12 @@ def too_few(found: "ScoreReport") -> str:
 
 def compared(found: "ScoreReport") -> list["Against"]:
     """The rivals to show: all, but the mixture with them only if it differs from the model's own forecasts."""
-    return [one for one in found.against if one.rival != MIXED or not _mixes_nothing(found)]
+    return [one for one in found.against if one.rival != MIXTURE or not _mixes_nothing(found)]
 
 
 def _mixes_nothing(found: "ScoreReport") -> bool:
     """Whether the mixture gave every flight the model's own forecast."""
-    return all(one.crps.interval == (0.0, 0.0) for one in found.against if one.rival == MIXED)
+    return all(one.crps.interval == (0.0, 0.0) for one in found.against if one.rival == MIXTURE)
 
 
 def verdict_lines(found: "ScoreReport") -> Iterator[str]:

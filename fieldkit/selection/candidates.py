@@ -16,7 +16,7 @@ EACH_GROUP = "each"
 """The place of an effect with a separate strength in every group."""
 
 
-SMOOTHLY = ", smoothly"
+SMOOTH_SUFFIX = ", smoothly"
 """Suffix of the name of a pattern that is a smooth function of a number."""
 LASTING_PREFIX = "every flight from "
 """Start of the name of a lasting change, before the flight at which it starts."""
@@ -44,8 +44,8 @@ class Place:
         if self.effect:
             title = effects()[self.effect].title if self.effect in effects() else self.effect
             return f"{title}{f' ({self._group})' if self.where else ''}{self._since}"
-        if self.where.endswith(SMOOTHLY):
-            return f"a trend with {self.where.removesuffix(SMOOTHLY)}"
+        if self.where.endswith(SMOOTH_SUFFIX):
+            return f"a trend with {self.where.removesuffix(SMOOTH_SUFFIX)}"
         return self.where.replace(LASTING_PREFIX, "a change from flight ", 1)
 
     @property

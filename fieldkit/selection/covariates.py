@@ -15,7 +15,7 @@ from fieldkit.flight import MEASURED, READOUTS, Flight
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
-FITTED = ("cd", "alpha")
+FITTED_FIGURES = ("cd", "alpha")
 """Names of figures that are fitted to a flight's readouts, as in forecasts and documents."""
 LENGTHS = {"m": 1.0, "ft": 0.3048}
 """Last words of headers of lengths, with their units in meters."""
@@ -51,7 +51,7 @@ def _outcomes() -> Iterator[frozenset[str]]:
     for column in MEASURED:
         yield _words(column.name)
         yield _words(column.title)
-    for name in FITTED:
+    for name in FITTED_FIGURES:
         yield frozenset({name})
 
 

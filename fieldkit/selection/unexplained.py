@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.selection.candidates import LASTING_PREFIX, SMOOTHLY
+from fieldkit.selection.candidates import LASTING_PREFIX, SMOOTH_SUFFIX
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.recorded_columns import column_in_words, value_in_words
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
@@ -63,8 +63,8 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
     pattern = next((item for item in diagnosis.ranking if not item.effect), None)
     if pattern is not None and pattern.probability > 0.5:
         place, weight = pattern.best.candidate.place.where, pattern.best.candidate.terms[0].weight
-        if place.endswith(SMOOTHLY):
-            return Leftover(place.removesuffix(SMOOTHLY), np.zeros(len(error), bool), 0.0, 0.0)
+        if place.endswith(SMOOTH_SUFFIX):
+            return Leftover(place.removesuffix(SMOOTH_SUFFIX), np.zeros(len(error), bool), 0.0, 0.0)
         sorts = set(np.unique(weight)) <= {0.0, 1.0}
         name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its median"
         return _compared(name, weight > (0 if sorts else np.median(weight)), error)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.quantities import with_sd
-from fieldkit.selection.candidates import SMOOTHLY
+from fieldkit.selection.candidates import SMOOTH_SUFFIX
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.trial import Trial
@@ -20,7 +20,7 @@ COST_OF_FALSE_NAME = 2.0
 """Ratio of the cost of a false name to that of a missed one. [1]"""
 NAMING_PROBABILITY = COST_OF_FALSE_NAME / (COST_OF_FALSE_NAME + 1.0)
 """Minimum posterior probability for a name. [1]"""
-CREDIBLE = 0.9
+CREDIBLE_LEVEL = 0.9
 """Posterior probability of the credible sets that give a verdict's alternatives, the same as for all intervals. [1]"""
 
 
@@ -85,7 +85,7 @@ def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, .
     total, singles, joined = 0.0, [], []
     undecided = set(_undecided(posterior))
     for members, chance in posterior.sets.items():
-        if total > CREDIBLE:
+        if total > CREDIBLE_LEVEL:
             break
         total += chance
         known = members - {UNEXPLAINED}
@@ -117,7 +117,7 @@ def _unexplained(posterior: SetPosterior) -> str:
     likely = next((members for members in posterior.sets if members), frozenset[str]())
     if UNEXPLAINED in likely:
         best = posterior.best(likely)
-        where = next(place.where for place in best.places if not place.effect).removesuffix(SMOOTHLY)
+        where = next(place.where for place in best.places if not place.effect).removesuffix(SMOOTH_SUFFIX)
         return f"misses follow {where}, and no known effect explains them"
     names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
     return f"the flights differ from the model, but no known effect is probable enough to name ({names})"

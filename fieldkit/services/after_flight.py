@@ -14,7 +14,7 @@ from fieldkit.services.forecasts import forecast_from_others, predict_plans
 from fieldkit.services.plausible_flights import plausible
 from fieldkit.services.saved_forecasts import of_flight
 
-SURPRISING = 0.001
+SURPRISING_PROBABILITY = 0.001
 """Probability that the apogee of a good flight is questioned because it is too low, and because it is too high. [1]"""
 
 
@@ -62,7 +62,7 @@ def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Three
     made = _forecast(ledger, motors, flight)
     if made is None or flight.apogee is None:
         return None
-    low, high = quantiles(made.apogee, np.array([SURPRISING, 1 - SURPRISING])).tolist()
+    low, high = quantiles(made.apogee, np.array([SURPRISING_PROBABILITY, 1 - SURPRISING_PROBABILITY])).tolist()
     return None if low <= flight.apogee <= high else made.apogee_quantiles()
 
 

@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.plausibility import middles
-from fieldkit.flight.start import STAGED
+from fieldkit.flight.start import STAGED_TAG
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger, StoredPrediction
 from fieldkit.motors import Catalogue, Motor, is_cluster
@@ -26,7 +26,7 @@ WEATHER = ("wind", "temperature")
 """Questions about the day."""
 DRAFT = "add"
 UNITS = "units"
-STARTED = "add started"
+STARTED_DRAFT = "add started"
 """Names under which the ledger saves the draft, the units that were typed last, and the day on which the draft was
 started."""
 PLAN = "plan"
@@ -35,7 +35,7 @@ FLOWN_BEFORE = "flown_before"
 """Key of the flights with readouts that a saved forecast did not use, such as those without a mass."""
 LAPSES = timedelta(days=14)
 """A forecast without a flight's name is for a flight at most this much later."""
-RETRIED = timedelta(days=1)
+RETRY_PERIOD = timedelta(days=1)
 """Longest time between an entry and one that repeats it without saying when it was flown."""
 BUILD = ("dry_mass", "diameter")
 """Questions that the last flight of the same build answers."""
@@ -129,7 +129,7 @@ def _of_last_build(ledger: Ledger, flight: Flight, name: str) -> str:
     staged = names_stages(flight.motor)
 
     def weighs_the_same(one: Flight) -> bool:
-        return one.config == flight.config and (STAGED in one.tags) == staged
+        return one.config == flight.config and (STAGED_TAG in one.tags) == staged
 
     same = (one for one in reversed(ledger.flights(flight.rocket)) if one.number(name) is not None)
     last = next((one for one in same if name != "dry_mass" or weighs_the_same(one)), None)
@@ -248,7 +248,7 @@ def id_and_time(ledger: Ledger, flight: Flight) -> str:
 def _is_of_last_day(flight: Flight) -> bool:
     """Whether a flight was flown, or entered without a time, in the last day; a retry may come after midnight."""
     flown = flight.date_time
-    return flown is not None and abs(datetime.now(flown.tzinfo) - flown) <= RETRIED
+    return flown is not None and abs(datetime.now(flown.tzinfo) - flown) <= RETRY_PERIOD
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:

@@ -14,7 +14,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.file_lock import hold
 from fieldkit.ledger import Ledger
 from fieldkit.paths import data_file
-from fieldkit.services.manual_entry import DRAFT, STARTED
+from fieldkit.services.manual_entry import DRAFT, STARTED_DRAFT
 
 MAX_DRAFTS = 20
 """Number of apps on one ledger with separate drafts; later ones share the first. [1]"""
@@ -26,7 +26,7 @@ class OwnDraft:
     file, None without one."""
 
     name: str = DRAFT
-    started: str = STARTED
+    started: str = STARTED_DRAFT
     lock: int | None = None
 
     def release(self) -> None:
@@ -48,7 +48,7 @@ def take_draft(ledger: Ledger) -> OwnDraft:
         except FieldkitError:
             break
         if lock is not None:
-            free.append(OwnDraft(DRAFT + suffix, STARTED + suffix, lock))
+            free.append(OwnDraft(DRAFT + suffix, STARTED_DRAFT + suffix, lock))
             if ledger.draft(free[-1].name) is not None:
                 return _only(free[-1], free)
     return _only(free[0], free) if free else OwnDraft()

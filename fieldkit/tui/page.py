@@ -27,7 +27,7 @@ LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priorit
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
 
-ANNOUNCED = " ..."
+ANNOUNCED_END = " ..."
 """The end of a text that announces an answer."""
 NO_ANSWER = "not available because of an error"
 """The text in its place if there is an error."""
@@ -130,11 +130,11 @@ class PageScreen(AskingScreen):
     def unanswered(self) -> None:
         """Replace every text that announces an answer, such as `computing ...`."""
         for table in self.query(Table):
-            if table.empty.endswith(ANNOUNCED):
+            if table.empty.endswith(ANNOUNCED_END):
                 table.empty = NO_ANSWER
                 table.refresh()
         for text in self.query("#body Static").results(Static):
-            if str(text.content).endswith(ANNOUNCED):
+            if str(text.content).endswith(ANNOUNCED_END):
                 text.update(NO_ANSWER)
 
     def redraw(self) -> None:

@@ -13,7 +13,7 @@ from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
 
 ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit report`."
-WRITING = "Writing the report ..."
+WRITING_TEXT = "Writing the report ..."
 
 
 def ask_report(page: PageScreen, what: str) -> None:
@@ -55,10 +55,10 @@ def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
 
     def written(files: list[Path] | FileTaken) -> None:
         if isinstance(files, FileTaken):
-            page.field_app.withdraw(WRITING)
+            page.field_app.withdraw(WRITING_TEXT)
             _ask_to_replace(page, what, path, files.file)
         else:
             page.show_notice(f"Wrote the report to {path if path in files else files[0]}")
 
-    page.show_notice(WRITING)
+    page.show_notice(WRITING_TEXT)
     page.ask(work, written, "report")

@@ -11,9 +11,9 @@ from studies.generated_ledgers import SUBSETS, GeneratedHistory, LedgerRecipe, l
 from studies.reference_posterior.sampler import Case
 
 SEED = 18
-DRAWN = 20
+DRAWN_HISTORIES = 20
 """Number of histories from random recipes."""
-HARD = {
+HARD_RECIPES = {
     "apogees alone, six flights": LedgerRecipe(6, readouts=SUBSETS["apogee"]),
     "one flight, apogee alone": LedgerRecipe(1, readouts=SUBSETS["apogee"]),
     "one flight, all readouts": LedgerRecipe(1),
@@ -34,14 +34,19 @@ FLEET = (
 
 def cases(hyperprior: Hyperprior) -> Iterator[tuple[str, Case]]:
     """Every case and its name."""
-    for number in range(DRAWN):
+    for number in range(DRAWN_HISTORIES):
         rng = np.random.default_rng([SEED, number])
         recipe = random_recipe(rng)
         name = f"{number + 1}: {recipe.flights} flights, {recipe.motors} motors, {_subset(recipe)}"
         yield name, _case(ledger(rng, [recipe], hyperprior)[-1], hyperprior)
-    for number, (name, recipe) in enumerate(HARD.items()):
-        yield name, _case(ledger(np.random.default_rng([SEED, DRAWN + number]), [recipe], hyperprior)[-1], hyperprior)
-    histories = ledger(np.random.default_rng([SEED, DRAWN + len(HARD)]), FLEET, hyperprior)
+    for number, (name, recipe) in enumerate(HARD_RECIPES.items()):
+        yield (
+            name,
+            _case(
+                ledger(np.random.default_rng([SEED, DRAWN_HISTORIES + number]), [recipe], hyperprior)[-1], hyperprior
+            ),
+        )
+    histories = ledger(np.random.default_rng([SEED, DRAWN_HISTORIES + len(HARD_RECIPES)]), FLEET, hyperprior)
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
     last = histories[-1]
     yield "two flights, three other rockets", Case(last.flown, last.plan, hyperprior, shared)

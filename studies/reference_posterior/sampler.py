@@ -27,7 +27,7 @@ TRANSITIONS = 300
 MIN_EFFECTIVE_DRAWS = 700
 """Minimum effective number of draws of the slowest figure: the error of a 5% quantile is then 2.5% of the 90% interval.
 [1]"""
-WIDER = 1.3
+STARTING_WIDTH = 1.3
 """Width of the chains' starting points relative to the fit's posterior. [1]"""
 FIGURES = ("log_apogee", "log_cd", "log_alpha")
 """Of the next flight: log of its apogee [m], and of the rocket's Cd and thrust factor on it, without scatter. [1]"""
@@ -96,7 +96,7 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
         chains = hamiltonian.sample(whitened, _inside(whitened, position), WARM_UP, TRANSITIONS, rng)
         return _sampled(case, target, chains, middle + chains.positions @ root), chains.positions[-1]
 
-    found, last = run(density, rng.normal(size=(CHAINS, density.dimension)) * WIDER)
+    found, last = run(density, rng.normal(size=(CHAINS, density.dimension)) * STARTING_WIDTH)
     return found if found.effective > MIN_EFFECTIVE_DRAWS else run(replace(density, exact_force=True), last)[0]
 
 

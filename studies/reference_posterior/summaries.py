@@ -17,7 +17,7 @@ from fieldkit.shapes import Array, Float
 from studies.reference_posterior.sampler import FIGURES, Case, SampledPosterior, next_flight, quantiles, summary_of_fit
 
 LEVELS = (0.05, 0.5, 0.95)
-THINNED = 200
+STORED_DRAWS = 200
 """Number of stored draws of each posterior."""
 DIGITS = 4
 """Decimals of stored logarithms."""
@@ -46,7 +46,7 @@ def summarized(
 ) -> ReferencePosterior:
     """The stored summary of a case."""
     figures = next_flight(case, exact.terms, exact.scales, seed)
-    thin = figures[np.linspace(0, len(figures) - 1, THINNED).astype(int)]
+    thin = figures[np.linspace(0, len(figures) - 1, STORED_DRAWS).astype(int)]
     by_linear = quantiles(next_flight(case, linear.terms, linear.scales, seed), LEVELS)
     forecast = summary_of_fit(case, len(figures), seed)
     excess = excess_crps(np.exp(forecast[:, 0]), np.exp(figures[:, 0]))

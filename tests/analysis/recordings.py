@@ -9,7 +9,7 @@ from fieldkit.flight import Series
 from fieldkit.motors import Motor
 from fieldkit.physics.standard_atmosphere import (
     GRAVITY,
-    HYDROSTATIC,
+    HYDROSTATIC_EXPONENT,
     LAPSE,
     STANDARD_TEMPERATURE,
     height_pressure,
@@ -114,7 +114,7 @@ def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) 
         return rocket.mass + motor.casing_mass + motor.propellant_mass * left
 
     def felt(t: float, h: float, v: float) -> float:
-        rho = 1.225 * (1 - LAPSE * (h + rocket.elevation) / STANDARD_TEMPERATURE) ** (HYDROSTATIC - 1)
+        rho = 1.225 * (1 - LAPSE * (h + rocket.elevation) / STANDARD_TEMPERATURE) ** (HYDROSTATIC_EXPONENT - 1)
         mach = abs(v) / 335.0
         area = rocket.area * (1 + 0.6 / (1 + np.exp(-(mach - 0.98) / 0.03)))
         since = (t - rocket.burn - rocket.delay) / rocket.opening

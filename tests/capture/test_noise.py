@@ -68,7 +68,7 @@ def test_each_sample_is_read_once_if_a_mawd_is_asked_again_during_its_answer(tmp
 def test_each_sample_is_read_once_if_a_mawd_was_asked_again_too_early(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mawd, "NOISY", 0.1)
+    monkeypatch.setattr(mawd, "NOISE_WAIT", 0.1)
     device = interrupted(devices.mawd(HEIGHTS), b"Sample interval", BABBLE * 40, 40, 0.03)
     (log,) = logs_in(heard(device, "mawd", tmp_path, QUICK).file)
     assert [int(row) for row in mawd._ROW.findall(log.content)] == HEIGHTS

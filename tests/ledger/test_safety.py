@@ -61,7 +61,7 @@ def test_a_killed_process_loses_at_most_the_command_in_flight(tmp_path: Path) ->
 
 
 def test_a_finished_change_is_on_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(opening, "SYNCHRONOUS", SYNCHRONOUS)
+    monkeypatch.setattr(opening, "SYNCHRONOUS_MODE", SYNCHRONOUS)
     extra = 3  # also the folder, which names the rollback journal
     with opening.connect(make_url(f"sqlite:///{tmp_path / 'ledger.db'}")).connect() as connection:
         assert connection.exec_driver_sql("PRAGMA synchronous").scalar() == extra

@@ -16,7 +16,7 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.motors.catalogue import catalogue
 from fieldkit.services import close_loop
 from fieldkit.services.findings import Findings
-from fieldkit.services.manual_entry import STARTED
+from fieldkit.services.manual_entry import STARTED_DRAFT
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.flights.flights_page import FlightsScreen
@@ -245,8 +245,8 @@ async def test_a_draft_of_yesterday_is_a_flight_of_yesterday(file: Path) -> None
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("200"))
     with Ledger.open(file) as ledger:
-        assert ledger.draft(STARTED) == {"date_time": f"{date.today()}"}
-        ledger.keep_draft(STARTED, {"date_time": yesterday})
+        assert ledger.draft(STARTED_DRAFT) == {"date_time": f"{date.today()}"}
+        ledger.keep_draft(STARTED_DRAFT, {"date_time": yesterday})
     async with opened(file, page="add") as pilot:
         await press(pilot, "ctrl+s", "_")
         assert "Saved flight 13" in words(pilot)

@@ -19,9 +19,9 @@ from fieldkit.quantities import counted
 
 ANSWER = 3.0
 """Longest pause of the unit within an answer. [s]"""
-QUIET = 0.2
+QUIET_TIME = 0.2
 """Silence before a command. [s]"""
-NOISY = 60.0
+NOISE_WAIT = 60.0
 """Longest wait for the end of an answer with noise in it, before its command is sent again. [s]"""
 TRIES = 3
 """Number of times that a command is sent until the answer is complete. [1]"""
@@ -72,7 +72,7 @@ def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
 
 def _quiet(link: Link, attempt: int) -> Dialogue[None]:
     """Wait for silence before a command: the answer to an earlier attempt may still be coming, among noise."""
-    yield from link.drain(QUIET, NOISE if attempt == 1 else NOISY / QUIET)
+    yield from link.drain(QUIET_TIME, NOISE if attempt == 1 else NOISE_WAIT / QUIET_TIME)
 
 
 def _count(link: Link) -> Dialogue[int]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 
 from fieldkit.forecast.conformal import stretch, stretched, surprise
-from fieldkit.forecast.evaluation.rivals import MIXED, rival_draws
+from fieldkit.forecast.evaluation.rivals import MIXTURE, rival_draws
 from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, ScoredForecast, log_scores, mixed_in, weights_after
 from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.forecast.predict import predict
@@ -61,9 +61,9 @@ class Forecast:
     @property
     def issued(self) -> tuple[float, float, float]:
         """The 5, 50 and 95% quantiles of the mixture, or of the model without one, before the correction. [m]"""
-        if MIXED not in self.rivals:
+        if MIXTURE not in self.rivals:
             return self.interval
-        low, middle, high = quantiles(self.rivals[MIXED], LEVELS).tolist()
+        low, middle, high = quantiles(self.rivals[MIXTURE], LEVELS).tolist()
         return low, middle, high
 
 
@@ -160,7 +160,7 @@ def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
         weights = weights_after((one.scored for one in found), first=not row.earlier)
         mixture = mixed_in(row.draws, row.rivals, weights)
         scores = log_scores(row.draws, row.rivals, row.flown)
-        found.append(replace(row, rivals={**row.rivals, MIXED: mixture}, log_scores=scores))
+        found.append(replace(row, rivals={**row.rivals, MIXTURE: mixture}, log_scores=scores))
     return found
 
 

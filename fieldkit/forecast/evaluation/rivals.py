@@ -67,7 +67,7 @@ RIVALS: Mapping[str, Rival] = {
     "flight_before": flight_before,
     "fleet_ratio": fleet_ratio,
 }
-MIXED = "stacked"
+MIXTURE = "stacked"
 """The mixture of the model with some rivals, weighted by their forecasts of earlier flights."""
 LABELS: Mapping[str, str] = {
     "uncalibrated": "uncalibrated",
@@ -75,7 +75,7 @@ LABELS: Mapping[str, str] = {
     "last_on_motor": "last on motor, else scalar",
     "flight_before": "flight before",
     "fleet_ratio": "fleet ratio",
-    MIXED: "mixed with rivals",
+    MIXTURE: "mixed with rivals",
 }
 """Names of the rivals in tables."""
 BAR = "scalar"

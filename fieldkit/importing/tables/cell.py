@@ -39,7 +39,7 @@ class Channel:
         return not (self.suffix or self.clock)
 
 
-_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
+_GROUPED_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
 """A number whose thousands a spreadsheet has separated: `1,234.5`."""
 _CLOCK = re.compile(
     r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2})(?:[.,](\d{1,9})|:(\d{3}))? ?([AaPp][Mm])?"
@@ -68,7 +68,7 @@ def number_in(cell: str, channel: Channel) -> float | None:
 
 def is_grouped(number: str) -> bool:
     """Whether a number has commas between its thousands, as in `1,234.5`."""
-    return _GROUPED.fullmatch(number) is not None
+    return _GROUPED_THOUSANDS.fullmatch(number) is not None
 
 
 def _seconds(cell: str) -> float | None:

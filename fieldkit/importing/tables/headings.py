@@ -57,7 +57,7 @@ def _set(words: str) -> frozenset[str]:
 
 
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
-_ABOVE = re.compile(r"(.*?)\s{1,4}((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
+_HEIGHT_ZERO = re.compile(r"(.*?)\s{1,4}((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `ft AGL`, `m above sea level`."""
 _REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
 """Words of a pressure that is that of the day, not that of a sample."""
@@ -72,7 +72,7 @@ def heading(spelled: str) -> Heading:
     for match in reversed(list(_BRACKETS.finditer(spelled))):
         inside = match[1].strip()
         if inside.lower() not in _QUALIFIERS:
-            above = _ABOVE.fullmatch(inside)
+            above = _HEIGHT_ZERO.fullmatch(inside)
             unit, zero = (above[1], above[2]) if above else (inside, "")
             name = f"{spelled[: match.start()]} {zero} {spelled[match.end() :]}"
             break

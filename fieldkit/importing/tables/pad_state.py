@@ -50,7 +50,7 @@ def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] 
 
 BOOST = 0.4
 """Averaging time that distinguishes a boost from the shock of a charge, which is stronger and shorter. [s]"""
-PUSHED = 2.0 * STANDARD_GRAVITY
+BOOST_FORCE = 2.0 * STANDARD_GRAVITY
 """Smallest specific force of a boost. [m/s^2]"""
 ONE_G_RANGE = (0.6, 1.2)
 """Reading of an accelerometer on the pad along the direction of the later thrust. [g]"""
@@ -70,7 +70,7 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
     lasts = np.maximum(clock[after] - clock, 1e-9)
     push = np.where(lasts > BOOST / 2, np.linalg.norm(total[:, after] - total, axis=0) / lasts, 0.0)
     strongest = int(np.argmax(push))
-    if push[strongest] < PUSHED:
+    if push[strongest] < BOOST_FORCE:
         return None
     direction = (total[:, after[strongest]] - total[:, strongest]) / lasts[strongest] / push[strongest]
     before = clock < clock[strongest] - 1.0
@@ -91,7 +91,7 @@ def _is_full(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Flags
     for axis in axes:
         magnitude = np.abs(axis)
         there = np.isfinite(magnitude) & np.isfinite(time)
-        pushed = magnitude[there].max(initial=0.0) > PUSHED
+        pushed = magnitude[there].max(initial=0.0) > BOOST_FORCE
         if pushed and is_clipped(Push(time[there], magnitude[there], False, ""), -np.inf, np.inf):
             full |= magnitude >= np.nanmax(magnitude)
     return full

@@ -39,7 +39,7 @@ STEPS_AT_MIDDLE = {"stretch": 0.05, "opening": 0.3, "tilt": 1.0}
 """Finite-difference step of the other properties, whose derivatives are simulated at the middle drag only."""
 DELAY_STEP = 0.08
 """Step of the log delay to both sides, because readouts have a kink when ejection is at apogee. [1]"""
-GROWN = 8.0
+GROWN_FLIGHTS = 8.0
 """Number of earlier flights for the step of an effect that grows from flight to flight. [1]"""
 IN_LOG = np.array([name in FROM_LOGS for name in OBSERVED_READOUTS])
 """Readouts that only the samples of a log provide; the history network does not use them."""
@@ -72,7 +72,7 @@ def secant(effect: Effect) -> tuple[float, ...]:
     prior = effect.prior
     if effect.starts:
         return effect.starts
-    return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN if effect.grows else 1.0), 1e-6, None)),)
+    return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN_FLIGHTS if effect.grows else 1.0), 1e-6, None)),)
 
 
 def respond(

@@ -51,7 +51,7 @@ LEGEND = (
     f"the median. checks: {MARKS['unsafe']} unsafe, {MARKS['caution']} caution, {MARKS['unknown']} not checked."
 )
 """What the columns mean, below the notes."""
-UNCHECKED = f"{MARKS['unknown']} not checked, or to be checked by you: "
+UNCHECKED_LABEL = f"{MARKS['unknown']} not checked, or to be checked by you: "
 LINE, LINES = 165, 53
 """Length of the lines below the table [character], and the number of lines on a page without a table."""
 TABLE_TOP, ROW_HEIGHT, LINE_HEIGHT, FOOT_OF_PAGE = 0.85, 0.034, 0.0155, 0.08
@@ -221,12 +221,12 @@ def _plan_rows(planned: Sequence[PlannedFlight], own: Sequence[str], shown: Show
     differ, the recommended rail angle, its safety checks that did not pass, and the names of its own unknown ones."""
     unknown = [[line.name for line in one.lines if line.verdict == "unknown"] for one in planned]
     shared = [name for name in unknown[0] if len(planned) > 1 and all(name in names for names in unknown)]
-    lines_below = [f"every flight  {UNCHECKED}{', '.join(shared)}"] if shared else []
+    lines_below = [f"every flight  {UNCHECKED_LABEL}{', '.join(shared)}"] if shared else []
     for one, day, names in zip(planned, own, unknown, strict=True):
         rail = [rail_in_words(choice, shown) for choice in one.rail[:1]] or [f"none: {one.no_rail}"] * bool(one.no_rail)
         lines_below.append(f"{one.name}{f'  recommended rail: {rail[0]}' if rail else ''}")
         lines_below += [f"   {day}"] if day else []
         lines_below += [f"   {line.words(shown.system, source=False)}" for line in one.lines if line.failed]
         if rest := [name for name in names if name not in shared]:
-            lines_below.append(f"   {UNCHECKED}{', '.join(rest)}")
+            lines_below.append(f"   {UNCHECKED_LABEL}{', '.join(rest)}")
     return [row for text in lines_below for row in fill(printable(text), LINE, subsequent_indent="      ").splitlines()]

@@ -54,11 +54,11 @@ def _asked() -> Iterable[Question]:
 
 BY_NAME = {question.name: question for question in _asked()}
 """Every question by its name."""
-READ = tuple(column.name for column in READOUTS)
+READOUT_QUESTIONS = tuple(column.name for column in READOUTS)
 """The questions about readouts, in the order of the altimeter."""
 BODY = ("dry_mass", "diameter")
 """Needed for Cd and the next forecast; asked before saving if the ledger does not know them."""
-MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ, *BODY))
+MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READOUT_QUESTIONS, *BODY))
 """The other questions, asked below the button."""
 TODAY = "today"
 """The default date."""
@@ -149,7 +149,7 @@ def summary(flight: Flight) -> str:
     """The flight in one line: `Astra A on F24-4W: 10 of 10 readouts`."""
     build = " ".join(part for part in (flight.rocket or "rocket not named", flight.config) if part)
     motor = f" on {flight.motor}" if flight.motor else ""
-    return f"{build}{motor}: {len(flight.readouts())} of {len(READ)} readouts"
+    return f"{build}{motor}: {len(flight.readouts())} of {len(READOUT_QUESTIONS)} readouts"
 
 
 def lacks(flight: Flight) -> str:
@@ -253,7 +253,7 @@ class Draft:
                 flight, added = enter(self._resources.ledger, typed, self._resources.own_draft.name)
                 self.flight, self._dated = self.flight + 1, False
         except FieldkitError as error:
-            return Saved(wrong=READ[0] if typed.rocket else "rocket", trouble=str(error))
+            return Saved(wrong=READOUT_QUESTIONS[0] if typed.rocket else "rocket", trouble=str(error))
         motors = self._resources.motors
         excluded = implausible_flights([flight], motors) + excluded_readouts([flight], motors) if added.new else []
         return Saved(

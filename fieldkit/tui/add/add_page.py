@@ -17,7 +17,7 @@ from fieldkit.services.manual_entry import kind, typed_unit, with_unit
 from fieldkit.tui.add.add_form import (
     BY_NAME,
     MORE_FIELDS,
-    READ,
+    READOUT_QUESTIONS,
     Answered,
     Draft,
     FormStart,
@@ -43,7 +43,7 @@ class AddScreen(PageScreen):
     """The form: set-up above, the current field large, the ten readouts, the rest below."""
 
     NAME = "add"
-    AUTO_FOCUS = f"#in-{READ[0]}"  # accepts input while the ledger is still being read
+    AUTO_FOCUS = f"#in-{READOUT_QUESTIONS[0]}"  # accepts input while the ledger is still being read
     TITLE = "Add a flight"
     ABOUT = ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -101,7 +101,7 @@ class AddScreen(PageScreen):
     def _take_up(self, start: FormStart) -> None:
         """Fill the lines that are still empty, and go to the first empty question."""
         self._units = dict(start.units) | self._units
-        ahead = self.field(READ[0]).typed
+        ahead = self.field(READOUT_QUESTIONS[0]).typed
         self._sheet.fill(start.draft)
         self._sheet.touched |= start.draft.keys() & BY_NAME.keys()
         self._sheet.fill(start.offers, self.resources.settings.units)
@@ -112,7 +112,7 @@ class AddScreen(PageScreen):
         if start.draft and isinstance(self.focused, AfterCard):  # its flight was undone
             self._saving.leave_card()
             self.set_focus(self._sheet.button)
-        first = self.field(READ[0]).line
+        first = self.field(READOUT_QUESTIONS[0]).line
         if self.focused is first and not ahead:
             self._to_first()
         self._look()
@@ -216,7 +216,7 @@ class AddScreen(PageScreen):
             await self.action_save()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
             self.set_focus(self._sheet.button)
-        elif isinstance(self.focused, Input) and self.focused.id == f"in-{READ[-1]}":
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{READOUT_QUESTIONS[-1]}":
             self.set_focus(self._sheet.after_readouts())
         else:
             self.focus_next()
@@ -270,7 +270,7 @@ class AddScreen(PageScreen):
     def action_start_again(self) -> None:
         """Discard the draft; undo restores it."""
         self._sheet.clear()
-        self.set_focus(self.field(READ[0]).line)
+        self.set_focus(self.field(READOUT_QUESTIONS[0]).line)
         self.change(self._draft.forget, self._forgotten)
 
     def _forgotten(self, any_was: bool) -> None:

@@ -11,7 +11,7 @@ from fieldkit.flight.makers import motor_name
 from fieldkit.importing.manual_entry import Question, read_answer
 from fieldkit.quantities import measure
 from fieldkit.services.manual_entry import typed_unit
-from fieldkit.tui.add.add_form import BODY, BY_NAME, MORE_FIELDS, READ, SETUP
+from fieldkit.tui.add.add_form import BODY, BY_NAME, MORE_FIELDS, READOUT_QUESTIONS, SETUP
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
@@ -66,7 +66,7 @@ class Sheet:
             yield EstimateLine()
         with VerticalScroll(id="fields", can_focus=False):
             with Vertical(id="readouts"):
-                for name in (*READ, *BODY):
+                for name in (*READOUT_QUESTIONS, *BODY):
                     yield Field(BY_NAME[name])
                 yield SaveButton(self.touched)
             with Vertical(id="more"):
@@ -125,8 +125,8 @@ class Sheet:
         """The first empty field to ask about: rocket or motor, else the first readout without a value; the first
         readout if none is empty."""
         named = [name for name in ("rocket", "motor") if not self.field(name).line.value]
-        unread = [name for name in READ if not self.field(name).line.value]
-        return self.field((named or unread or READ)[0]).line
+        unread = [name for name in READOUT_QUESTIONS if not self.field(name).line.value]
+        return self.field((named or unread or READOUT_QUESTIONS)[0]).line
 
     def after_readouts(self) -> Widget:
         """Where Enter leads after the last readout: to a mass or diameter that is not known, else to the button."""

@@ -29,7 +29,7 @@ from fieldkit.tui.widgets.plots import Plot, draw_density
 DrawPlot = Callable[[Any, Any], None]
 MAX_EARLIER = 24
 """Number of earlier forecasts drawn. [1]"""
-WORKING = "comparing with the forecast ..."
+WORKING_TEXT = "comparing with the forecast ..."
 NO_FORECAST = "No forecast to compare with: without a motor and a dry mass the flight has no Cd."
 
 
@@ -115,7 +115,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         self.query_one(Big).show(number(cards.APOGEE, flight.apogee, system) if flight.apogee is not None else "")
         for place in (".bars", ".next", ".earlier"):
             self._put(place, "")
-        self._put(".facts", WORKING)
+        self._put(".facts", WORKING_TEXT)
         self._hill(None)
         self.text = heading
 

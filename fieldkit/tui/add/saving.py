@@ -5,7 +5,7 @@ from functools import partial
 
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
-from fieldkit.tui.add.add_form import READ, Answered, Draft, Saved
+from fieldkit.tui.add.add_form import READOUT_QUESTIONS, Answered, Draft, Saved
 from fieldkit.tui.add.add_sheet import Sheet
 from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
 from fieldkit.tui.page import PageScreen
@@ -88,7 +88,7 @@ class Saving:
         if yes:
             self.save(answered, confirmed=True)
         else:
-            self._page.set_focus(self._sheet.field(READ[0]).line)
+            self._page.set_focus(self._sheet.field(READOUT_QUESTIONS[0]).line)
 
     def _compare(self, id: str, flight: Flight) -> None:
         """Show forecast and flown, and the next forecast, as soon as they are computed."""

@@ -13,12 +13,12 @@ from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup.setup_lists import answer_of, same
 
-ASKED = {question.name for question in QUESTIONS}
+ASKED_NAMES = {question.name for question in QUESTIONS}
 EDIT_QUESTIONS = (
     *QUESTIONS[:3],
     DATE,
     *QUESTIONS[3:],
-    *(Question(column.name, column.title, column.help) for column in CONDITIONS if column.name not in ASKED),
+    *(Question(column.name, column.title, column.help) for column in CONDITIONS if column.name not in ASKED_NAMES),
 )
 """The editable fields of a flight, in the order of the Add page."""
 

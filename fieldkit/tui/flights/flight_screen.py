@@ -36,9 +36,9 @@ from fieldkit.tui.widgets.plots import Plot
 
 MIN_LINES_FOR_ROCKET = 50
 """Minimum height of a terminal that shows the rocket below a flight without a log. [cell]"""
-EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
+EMPTY_WIDGETS = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
 """Widgets that are empty until the flight is read."""
-PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
+PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY_WIDGETS, "")
 """Texts of widgets until the flight is read."""
 
 

@@ -31,7 +31,7 @@ MAX_LISTED, MAX_NOTES = 200, 6
 """Flights or rejected rows, and notes, that are listed. [1]"""
 NAME_WIDTH = 44
 """Cells for the names of flights, before their apogees."""
-UP = Path("..")
+PARENT_FOLDER = Path("..")
 """The row that leads to the folder above."""
 
 
@@ -85,7 +85,7 @@ def listed(folder: Path) -> list[Path]:
     """The folder above, folders, and files, without hidden ones. Raises FieldkitError if they cannot be read."""
     try:
         found = [path for path in folder.iterdir() if not path.name.startswith(".")]
-        return [UP, *sorted(found, key=lambda path: (not isdir(path), path.name.lower()))]
+        return [PARENT_FOLDER, *sorted(found, key=lambda path: (not isdir(path), path.name.lower()))]
     except OSError as error:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
@@ -226,7 +226,7 @@ def in_a_line(given: Mapping[str, str]) -> str:
 
 def name_and_size(path: Path) -> tuple[str, str]:
     """A file's name and size; folders end in a slash."""
-    if path == UP:
+    if path == PARENT_FOLDER:
         return "../", ""
     if isdir(path):
         return f"{path.name}/", ""

@@ -27,7 +27,7 @@ from fieldkit.tui.imports.file_panel import FilePanel
 from fieldkit.tui.imports.given_form import ask_given
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
-    UP,
+    PARENT_FOLDER,
     Look,
     ReadOptions,
     by_keys,
@@ -134,7 +134,7 @@ class ImportScreen(PageScreen):
         """Read the file under the cursor without storing anything."""
         table = self.query_one("#files", Table)
         path = table.current
-        is_folder = path is None or path == UP or isdir(path)
+        is_folder = path is None or path == PARENT_FOLDER or isdir(path)
         table.enter = "Open" if is_folder else "Import"
         self.query_one(KeyBar).follow()
         self._look = None
@@ -158,7 +158,7 @@ class ImportScreen(PageScreen):
     async def _chosen(self) -> None:
         """Open the folder, or store the file."""
         path = self.query_one("#files", Table).current
-        if path == UP:
+        if path == PARENT_FOLDER:
             self.action_up()
         elif path is not None and isdir(path):
             self.go(path)
@@ -193,7 +193,7 @@ class ImportScreen(PageScreen):
     def action_mark(self) -> None:
         """Mark or unmark the file under the cursor for reading together with others."""
         path, marked = self.query_one("#files", Table).current, self._reading.marked
-        if path is None or path == UP or isdir(path):
+        if path is None or path == PARENT_FOLDER or isdir(path):
             return
         marked = tuple(one for one in marked if one != path) if path in marked else (*marked, path)
         self._reading = replace(self._reading, marked=marked)
@@ -259,7 +259,7 @@ class ImportScreen(PageScreen):
     async def action_columns(self) -> None:
         """Map the columns of a table."""
         path = self.query_one("#files", Table).current
-        if path is None or path == UP or isdir(path):
+        if path is None or path == PARENT_FOLDER or isdir(path):
             self.complain("No table under the cursor")
             return
         ask_columns(self, path, self._columns_named)

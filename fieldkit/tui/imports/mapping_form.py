@@ -37,7 +37,7 @@ _ABOUT = {
     LIFTOFF_MASS: "Mass with the motor; the motor's mass is subtracted.",
     MOTOR_MASS: "Mass of the loaded motor.",
 }
-_HOW = "Choose its column with ↓, then its unit if the name lacks one."
+_HOW_TO_CHOOSE = "Choose its column with ↓, then its unit if the name lacks one."
 FIRST_FIELDS = ("rocket", "motor", "apogee", "dry_mass", "date_time")
 """The fields of a flight that are asked first, because a forecast needs them."""
 MAX_CELL = 16
@@ -63,7 +63,7 @@ class MappingForm(Form):
 
     def __init__(self, columns: TableColumns) -> None:
         names = tuple(dict.fromkeys([*FIRST_FIELDS, *FLIGHT_COLUMNS]) if columns.of == "flights" else QUANTITIES)
-        questions = [Question(name, _title(name), f"{_about(name)} {_HOW}") for name in names]
+        questions = [Question(name, _title(name), f"{_about(name)} {_HOW_TO_CHOOSE}") for name in names]
         texts = {name: column for name, column in columns.read_as.items() if name in names}
         super().__init__(
             f"Each row is one of the {columns.of} of this table", questions, texts, {}, _reader(columns), None

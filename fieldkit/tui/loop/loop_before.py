@@ -13,7 +13,7 @@ from fieldkit.tui.setup.setup_card import draw_apogees
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 
-RARE = 2.0
+RARE_SDS = 2.0
 """Standard deviations of a prior that an effect rarely exceeds. [1]"""
 
 
@@ -49,7 +49,7 @@ def rows_before(tried: Sequence[Effect], system: str) -> dict[str, tuple[str, ..
 def _size(effect: Effect, system: str) -> str:
     """The strength that an effect rarely exceeds by its prior: `10% of the height`."""
     prior = effect.prior
-    ends = np.clip([prior.mean - RARE * prior.sd, prior.mean + RARE * prior.sd], prior.low, prior.high)
+    ends = np.clip([prior.mean - RARE_SDS * prior.sd, prior.mean + RARE_SDS * prior.sd], prior.low, prior.high)
     largest = float(np.max(np.abs(effect.strength(ends))))
     whole = effect.unit.removeprefix("fraction ")
     if whole != effect.unit:

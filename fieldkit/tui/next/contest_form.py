@@ -22,20 +22,20 @@ DAY = (
 )
 """Questions about a contest day."""
 
-WEIGHED = Question(
+WEIGHED_QUESTION = Question(
     "lift_off_mass", "Lift-off mass", "On the scale with this motor: sets the dry mass of the plan. Empty: as planned."
 )
 
 
 def questions(site: Site) -> tuple[Question, ...]:
     """The questions about the day; about the site only if it has a name to save it under."""
-    return (*DAY, *(site_form.ROOM if site.name else ()), WEIGHED)
+    return (*DAY, *(site_form.ROOM if site.name else ()), WEIGHED_QUESTION)
 
 
 def read(motor: Motor, system: str, name: str, text: str, unit: str) -> object:
     """The value of an answer; for a lift-off mass, the dry mass under a motor [kg]. Raises BadValue, with masses in the
     units of a system."""
-    if name != WEIGHED.name:
+    if name != WEIGHED_QUESTION.name:
         return read_part(name, text, unit)
     mass = read_lift_off_mass(text, unit)
     try:
@@ -57,14 +57,18 @@ def texts(day: Day, site: Site, system: str) -> dict[str, str]:
 
 def units(system: str) -> dict[str, str]:
     """The units of numbers typed without one."""
-    own = {"target": unit_of(cards.APOGEE, system), "length": "mm", WEIGHED.name: unit_of(cards.DRY_MASS, system)}
+    own = {
+        "target": unit_of(cards.APOGEE, system),
+        "length": "mm",
+        WEIGHED_QUESTION.name: unit_of(cards.DRY_MASS, system),
+    }
     return site_form.units(system) | own
 
 
 def answered(values: dict[str, Any], day: Day, site: Site, system: str) -> tuple[Day, Site]:
     """The day and the site from the answers of the form; an answer with the same text was not changed."""
     shown, unit = texts(day, site, system), units(system)
-    asked = [question.name for question in questions(site) if question != WEIGHED]
+    asked = [question.name for question in questions(site) if question != WEIGHED_QUESTION]
     new = {name: values[name] for name in asked if values[name] != read_part(name, shown[name], unit.get(name, ""))}
     room = site_form.room_names()
     return (

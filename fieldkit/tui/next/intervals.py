@@ -14,7 +14,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.safe_text import printable
 
-FLOWN = "◆"
+FLOWN_MARK = "◆"
 """The mark of a flight's result, which is neither an error (✗) nor unsafe."""
 TARGET = "◎"
 """The mark of a target."""
@@ -106,7 +106,7 @@ def bar(row: IntervalBar, start: float, end: float, width: int, marks: tuple[flo
             at = _cell(mark, start, end, width)
             line[at] = TARGET if line[at] != "●" else "◉"
     if row.flown is not None:
-        line[_cell(row.flown, start, end, width)] = FLOWN
+        line[_cell(row.flown, start, end, width)] = FLOWN_MARK
     return "".join(line)
 
 
@@ -133,7 +133,7 @@ class HeightScale:
         if flown is None:
             return ""
         line = [" "] * width
-        for value, sign in (*((mark, TARGET) for mark in marks), (flown, FLOWN)):
+        for value, sign in (*((mark, TARGET) for mark in marks), (flown, FLOWN_MARK)):
             line[_cell(value, self.low, self.high, width)] = sign
         return "".join(line)
 
@@ -142,13 +142,13 @@ def heading(width: int, scale: HeightScale, system: str) -> str:
     """The heading of a column of forecasts and flown apogees in a width [cell], with a target if there is one, and with
     the ends of the scale if there is room."""
     aim, sign = (f", target {TARGET}", f" {TARGET}") if scale.target else ("", "")
-    long = f"forecast, flown {FLOWN}{aim}"
+    long = f"forecast, flown {FLOWN_MARK}{aim}"
     low, high = (number(BY_NAME["apogee"], end, system) for end in (scale.low, scale.high))
     unit = spelled(unit_of(BY_NAME["apogee"], system))
     low, last = f"{low} {unit}", f"{high} {unit}"
     if scale.low < scale.high != 1.0 and len(low) + len(long) + len(last) + 4 <= width:
         return f"{low}{long:^{width - len(low) - len(last)}}{last}"
-    return long if len(long) <= width else f"forecast {FLOWN}{sign}"
+    return long if len(long) <= width else f"forecast {FLOWN_MARK}{sign}"
 
 
 def _cell(value: float, start: float, end: float, width: int) -> int:

@@ -249,7 +249,7 @@ class PlanScreen(PageScreen):
             return
         day, site = contest_form.answered(values, *known, self.resources.settings.units)
         self._view = 2 if day != known[0] and self._view == 0 else self._view
-        weighed = cast("float | None", values[contest_form.WEIGHED.name])
+        weighed = cast("float | None", values[contest_form.WEIGHED_QUESTION.name])
 
         changed = day if day != known[0] else None, site if site != known[1] else None
         work = partial(keep_day, self.resources.ledger, season, *changed, weighed)

@@ -42,7 +42,7 @@ from fieldkit.tui.widgets.tabs import TabLine
 KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 """Names of the lists."""
 
-EMPTY = (
+EMPTY_LISTS = (
     "No matching motor; / changes the search",
     "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
     "No sites yet.\n\ni Add   save the elevation, size and ceiling of a field\n2 Add   enter a flight with its site",
@@ -158,7 +158,7 @@ class SetupScreen(PageScreen):
         self.query_one(Table).set_class(KINDS[self._kind] == "Settings", "-settings")
         heads, keys, cells, name = self._list()
         table = self.query_one(Table)
-        table.enter, table.empty = "Change" if self._kind else "Details", EMPTY[self._kind]
+        table.enter, table.empty = "Change" if self._kind else "Details", EMPTY_LISTS[self._kind]
         table.show(heads, keys, cells, name=name)
         self.query_one(KeyBar).follow()
         self._beside()

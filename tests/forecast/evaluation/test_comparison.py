@@ -12,7 +12,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, against, judged_report, tally
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
-from fieldkit.forecast.evaluation.rivals import LABELS, MIXED
+from fieldkit.forecast.evaluation.rivals import LABELS, MIXTURE
 from fieldkit.ledger import Ledger
 from fieldkit.presentation.report.score import check_picture, write_picture
 from fieldkit.presentation.score_text import (
@@ -123,10 +123,10 @@ def test_the_verdict_on_the_scalar_correction_is_printed_once() -> None:
 
 def test_the_mixture_is_shown_only_if_it_differs() -> None:
     rows = season(20)
-    same = judged_report([replace(row, rivals={**row.rivals, MIXED: row.draws}) for row in rows])
-    other = judged_report([replace(row, rivals={**row.rivals, MIXED: row.draws * 1.01}) for row in rows])
+    same = judged_report([replace(row, rivals={**row.rivals, MIXTURE: row.draws}) for row in rows])
+    other = judged_report([replace(row, rivals={**row.rivals, MIXTURE: row.draws * 1.01}) for row in rows])
     shown = [
-        LABELS[MIXED] in "".join(map(str, (way_rows(one), difference_rows(one), *verdict_lines(one))))
+        LABELS[MIXTURE] in "".join(map(str, (way_rows(one), difference_rows(one), *verdict_lines(one))))
         for one in (same, other)
     ]
     assert shown == [False, True]
