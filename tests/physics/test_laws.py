@@ -18,7 +18,7 @@ from fieldkit.physics import flight as flying
 from fieldkit.physics import paper
 from fieldkit.physics.atmosphere import (
     GRAVITY,
-    HYDROSTATIC,
+    HYDROSTATIC_EXPONENT,
     LAPSE,
     STANDARD_PRESSURE,
     STANDARD_TEMPERATURE,
@@ -430,7 +430,7 @@ def test_humid_and_hot_air_is_less_dense_and_high_pressure_air_is_denser() -> No
 
 def test_a_pressure_is_read_as_station_or_sea_level_pressure_whichever_is_nearer() -> None:
     elevation = np.asarray(1600.0)
-    station = STANDARD_PRESSURE * (1 - LAPSE * 1600 / STANDARD_TEMPERATURE) ** HYDROSTATIC
+    station = STANDARD_PRESSURE * (1 - LAPSE * 1600 / STANDARD_TEMPERATURE) ** HYDROSTATIC_EXPONENT
     np.testing.assert_allclose(station_pressure(np.asarray(102000.0), elevation), station * 102000 / STANDARD_PRESSURE)
     np.testing.assert_allclose(station_pressure(np.asarray(83100.0), elevation), 83100)
     np.testing.assert_allclose(station_pressure(np.asarray(99000.0), np.asarray(0.0)), 99000)
@@ -447,10 +447,10 @@ def test_altimeters_show_the_pressure_altitude_of_the_standard_atmosphere(
     elevation: float, kelvin: float, sea: float, height: float
 ) -> None:
     pad = float(station_pressure(np.asarray(sea), np.asarray(elevation)))
-    aloft = pad * (1 - LAPSE * height / kelvin) ** HYDROSTATIC
+    aloft = pad * (1 - LAPSE * height / kelvin) ** HYDROSTATIC_EXPONENT
 
     def standard_height(pressure: float) -> float:
-        return float(STANDARD_TEMPERATURE / LAPSE * (1 - (pressure / STANDARD_PRESSURE) ** (1 / HYDROSTATIC)))
+        return float(STANDARD_TEMPERATURE / LAPSE * (1 - (pressure / STANDARD_PRESSURE) ** (1 / HYDROSTATIC_EXPONENT)))
 
     gain = altimeter_gain(np.asarray(elevation), np.asarray(kelvin), np.asarray(sea))
     assert height * gain == pytest.approx(standard_height(aloft) - standard_height(pad), rel=1e-9)
