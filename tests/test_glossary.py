@@ -20,10 +20,10 @@ def _set(text: str) -> frozenset[str]:
 
 BANNED = _set(
     """
-    afresh alike anew apart askew begun crowd desk evened farewell fitting foretell foretold foretells hopeless kept
-    lean leans learnt luck lucks lucky oddities overheard overhears railed reflown rough roughly said seldom shelf
-    shelves steady surer talk taught teach teaches tell telling tells testify testimony thinning tilt told took turns
-    unlike untold wander wanders warmth witness woken
+    afresh alike anew apart arrival arrivals askew begun crowd desk evened farewell fitting foretell foretells foretold
+    hopeless intake intakes kept lean leans learnt luck lucks lucky oddities overheard overhears railed reflown rough
+    roughly said seldom shelf shelves steady surer talk taught teach teaches tell telling tells testify testimony
+    thinning tilt told took turns unlike untold wander wanders warmth witness woken
     """
 )
 """Words of the left column of `docs/glossary.md` that have no ordinary meaning as part of a name here."""

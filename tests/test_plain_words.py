@@ -24,11 +24,10 @@ GLOSSARY = ROOT / "docs/glossary.md"
 ORDINARY = {
     "a fit that steps back": "`steps back` is looked for",
     "apart": "ordinary in `two kilometers apart`; `apart by` is looked for",
-    "arrival": "the class of an incoming file",
+    "arrival": "the time when bytes arrive",
     "closing": "closing a file, closing the loop",
     "desk": "ordinary of furniture",
     "fitting": "fitting a model",
-    "intake": "the module of a command",
     "kept": "ordinary, unless of a forecast",
     "listens": "a server listens on a port",
     "odd": "odd numbers",

@@ -71,7 +71,7 @@ class Captured:
     def _sent(self) -> list[TapeMark]:
         return [mark for mark in self.marks if "sent" in mark.facts]
 
-    def arrivals(self, offsets: Iterable[int]) -> list[float]:
+    def received_at(self, offsets: Iterable[int]) -> list[float]:
         """Arrival times of the bytes at these offsets, since the start of the capture; 0 without a journal. [s]"""
         counts = [mark.at for mark in self.marks]
         places = (min(bisect_right(counts, offset), len(counts) - 1) for offset in offsets)

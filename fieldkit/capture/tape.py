@@ -23,7 +23,7 @@ from fieldkit.paths import CAPTURE_SUFFIXES
 SYNC = 0.25
 """Longest time from the arrival of bytes until they are on disk. [s]"""
 GRAIN = 0.02
-"""Arrivals closer together than this share one line of the journal. [s]"""
+"""Bytes that arrive closer together than this share one line of the journal. [s]"""
 BYTES, JOURNAL = CAPTURE_SUFFIXES
 
 

@@ -29,7 +29,7 @@ from fieldkit.quantities import in_system
 GROUPS = {
     "tui": ("tui", "serve"),
     "demo": ("demo",),
-    "intake": ("inspect", "import", "export"),
+    "importing": ("inspect", "import", "export"),
     "mappings": ("mappings",),
     "capture": ("capture",),
     "add": ("add",),

@@ -9,9 +9,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fieldkit.importing.reading import HEAD, ColumnChoice, Intake, Mapped, Note, Parsed, Parser, Reading, Rejected
+    from fieldkit.importing.reading import (
+        HEAD,
+        ColumnChoice,
+        ImportedFile,
+        Mapped,
+        Note,
+        Parsed,
+        Parser,
+        Reading,
+        Rejected,
+    )
 
-__all__ = ["HEAD", "ColumnChoice", "Intake", "Mapped", "Note", "Parsed", "Parser", "Reading", "Rejected"]
+__all__ = ["HEAD", "ColumnChoice", "ImportedFile", "Mapped", "Note", "Parsed", "Parser", "Reading", "Rejected"]
 
 
 def __getattr__(name: str) -> Any:

@@ -41,7 +41,7 @@ def digest_of(content: bytes) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
+class IncomingFlight:
     """A flight being imported, with the original bytes it was read from, and their file and row.
 
     `given` contains the fields that the flyer entered in addition to these bytes, or None if unknown. The remaining
@@ -58,4 +58,4 @@ class Arrival:
 
 
 OTHER_LOGS = "other_logs"
-"""The extra column of a flight with the digests of `Arrival.others`, space-separated."""
+"""The extra column of a flight with the digests of `IncomingFlight.others`, space-separated."""

@@ -8,9 +8,9 @@ from fieldkit.flight import Flight
 from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
-from fieldkit.importing.reading import ColumnChoice, Intake, Parsed, Reading
+from fieldkit.importing.reading import ColumnChoice, ImportedFile, Parsed, Reading
 from fieldkit.importing.recognize import ParsedLog, open_log, shown_damage
-from fieldkit.importing.to_flights import CheckMotor, intake_of, plan_of
+from fieldkit.importing.to_flights import CheckMotor, imported_file, plan_of
 
 
 def read(
@@ -19,7 +19,7 @@ def read(
     check_motor: CheckMotor,
     format: str | None = None,
     choices: Sequence[ColumnChoice] = (),
-) -> Intake:
+) -> ImportedFile:
     """The flights of one log; `source` is its name in messages. Raises UnknownFormat or DamagedLog."""
     return read_together([(source, log)], check_motor, format, choices)[0]
 
@@ -29,15 +29,15 @@ def read_together(
     check_motor: CheckMotor,
     format: str | None = None,
     choices: Sequence[ColumnChoice] = (),
-) -> list[Intake]:
-    """The flights of several logs, given as (name, bytes): one Intake per log, in order.
+) -> list[ImportedFile]:
+    """The flights of several logs, given as (name, bytes): one ImportedFile per log, in order.
 
     A list of rockets among them supplies names and masses for the rockets of the others. Several files in one folder
     that a logger wrote for one flight produce one flight, in the first of the files with heights. `choices` map the
     columns of a table, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
     before any file is imported.
     """
-    return intakes([open_file(source, log, format, choices) for source, log in files], check_motor)
+    return imported_files([open_file(source, log, format, choices) for source, log in files], check_motor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,10 +75,10 @@ def read_stored(
     """
     formats = [format, *(None for _ in logs[1:])]
     read = [open_file(source, log, form, choices) for log, form in zip(logs, formats, strict=True)]
-    return [flight for intake in intakes(read, lambda motor: None) for flight in intake.flights]
+    return [flight for imported in imported_files(read, lambda motor: None) for flight in imported.flights]
 
 
-def intakes(read: Sequence[OpenedFile], check_motor: CheckMotor) -> list[Intake]:
+def imported_files(read: Sequence[OpenedFile], check_motor: CheckMotor) -> list[ImportedFile]:
     """The contents of opened files, with files of the same flight merged."""
     digests = [one.digest for one in read]
     files = [(one.source, one.parsed.format, one.parsed.found) for one in read]
@@ -89,7 +89,7 @@ def intakes(read: Sequence[OpenedFile], check_motor: CheckMotor) -> list[Intake]
     everything = [item for _, _, found in measured for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
     return [
-        replace(intake_of(source, name, found, rockets, check_motor), recognition=one.parsed.recognition)
+        replace(imported_file(source, name, found, rockets, check_motor), recognition=one.parsed.recognition)
         for (source, name, found), one in zip(measured, read, strict=True)
     ]
 

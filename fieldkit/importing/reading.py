@@ -128,7 +128,7 @@ class Recognition:
 
 
 @dataclass(frozen=True, slots=True)
-class Intake:
+class ImportedFile:
     """The result of one file: flights and their rows, rejected rows, and notes.
 
     `recorded` contains the measurements from the samples of each flight, None for a flight without samples.

@@ -9,7 +9,7 @@ from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.limits import check, long_names
 from fieldkit.flight.plausibility import doubts
-from fieldkit.importing.reading import Intake, Mapped, Note, Parsed, Reading, Rejected
+from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
 from fieldkit.motors import catalogue
@@ -23,9 +23,9 @@ CheckMotor = Callable[[str], str | None]
 """Function that returns the error in a motor's name, or None if the motor exists."""
 
 
-def intake_of(
+def imported_file(
     source: str, format: str, found: Sequence[Parsed], rockets: Mapping[str, Reading], check_motor: CheckMotor
-) -> Intake:
+) -> ImportedFile:
     """The flights in the readings of one source, and the rejected rows; `rockets` are by `rocket_key`."""
     kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
     recorded: "dict[tuple[str, str], Recorded | None]" = {}
@@ -62,7 +62,9 @@ def intake_of(
         for item in found
         if isinstance(item, Reading) and item.describes == "simulation" and item.recorded is not None
     )
-    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured, simulated=simulated)
+    return ImportedFile(
+        source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured, simulated=simulated
+    )
 
 
 _SIMULATION_NOTE = "is a simulation and is not imported as a flight; `fieldkit compare FLIGHT {}` compares it with one"

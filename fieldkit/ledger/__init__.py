@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fieldkit.importing.incoming import Arrival
+    from fieldkit.importing.incoming import IncomingFlight
     from fieldkit.ledger.journal import Change
     from fieldkit.ledger.ledger import Ledger
     from fieldkit.ledger.records import (
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Added",
-    "Arrival",
     "Change",
     "Conflict",
     "FlightSummary",
+    "IncomingFlight",
     "Ledger",
     "NewPrediction",
     "Past",
@@ -37,7 +37,7 @@ __all__ = [
     "Version",
 ]
 OWNERS = {
-    "Arrival": "fieldkit.importing.incoming",
+    "IncomingFlight": "fieldkit.importing.incoming",
     "Change": "fieldkit.ledger.journal",
     "Ledger": "fieldkit.ledger.ledger",
 }

@@ -8,7 +8,7 @@ from sqlalchemy import Connection, func, select
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
-from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
+from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
 from fieldkit.ledger.finding import Identity, StoredFlight, find, of_logs
 from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
@@ -36,21 +36,21 @@ class Known:
         """Register a flight."""
         self.now[flight.rocket, flight.flight_id] = flight
 
-    def match(self, arrival: Arrival) -> Flight | None:
+    def match(self, incoming: IncomingFlight) -> Flight | None:
         """The stored flight that equals an incoming one, in its current or its imported state; a match of the bytes
         suffices, whatever the current parser reads from them."""
-        flight = arrival.flight
+        flight = incoming.flight
         identity = flight.rocket, flight.flight_id
         known = [one for one in (self.now.get(identity), *self.once.get(identity, ())) if one]
-        return next((one for one in known if same(one, flight) or self._reread(one, arrival)), None)
+        return next((one for one in known if same(one, flight) or self._reread(one, incoming)), None)
 
-    def _reread(self, one: Flight, arrival: Arrival) -> bool:
+    def _reread(self, one: Flight, incoming: IncomingFlight) -> bool:
         return (
-            arrival.log is not None
-            and self.digests.get(id(one)) == arrival.log.digest
-            and arrival.given is not None
-            and agrees(one, arrival.given)
-            and not lacks_files(one, arrival.flight)
+            incoming.log is not None
+            and self.digests.get(id(one)) == incoming.log.digest
+            and incoming.given is not None
+            and agrees(one, incoming.given)
+            and not lacks_files(one, incoming.flight)
         )
 
 
@@ -60,31 +60,31 @@ def lacks_files(stored: Flight, flight: Flight) -> bool:
     return not named[1] <= named[0]
 
 
-def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
+def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) -> Added:
     """Add flights; see `Ledger.add`."""
-    known, conflicts, duplicates = Known(recorder.connection, [one.flight for one in arrivals]), [], 0
-    elsewhere = _by_log(recorder.connection, arrivals)
+    known, conflicts, duplicates = Known(recorder.connection, [one.flight for one in incoming_flights]), [], 0
+    elsewhere = _by_log(recorder.connection, incoming_flights)
     entry = recorder.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
-    for arrival in arrivals:
-        flight = arrival.flight
-        if known.match(arrival):
+    for incoming in incoming_flights:
+        flight = incoming.flight
+        if known.match(incoming):
             duplicates += 1
-        elif (other := elsewhere.get(_log_identity(arrival))) and other.rocket != flight.rocket:
-            if flight.rocket or not agrees(other, arrival.given or {}):
-                conflicts.append(Conflict(arrival, _other_rocket(recorder.connection, other, flight)))
+        elif (other := elsewhere.get(_log_identity(incoming))) and other.rocket != flight.rocket:
+            if flight.rocket or not agrees(other, incoming.given or {}):
+                conflicts.append(Conflict(incoming, _other_rocket(recorder.connection, other, flight)))
             else:
                 duplicates += 1
         elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
-            conflicts.append(Conflict(arrival, error))
+            conflicts.append(Conflict(incoming, error))
         else:
             known.note(flight)
-            for original in (arrival.log, *arrival.others):
+            for original in (incoming.log, *incoming.others):
                 if original:
                     keep_log(recorder.connection, original)
-            digest = arrival.log.digest if arrival.log else None
+            digest = incoming.log.digest if incoming.log else None
             entry += 1
-            rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": arrival.source})
+            rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": incoming.source})
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
     recorder.insert(flights, rows)
     recorder.insert(tags, labels)
@@ -92,15 +92,15 @@ def add(recorder: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
     return Added(tuple(names.values()), duplicates, tuple(conflicts))
 
 
-def _log_identity(arrival: Arrival) -> tuple[str, str] | None:
+def _log_identity(incoming: IncomingFlight) -> tuple[str, str] | None:
     """Digest and flight_id of a flight from a file that names no rocket: the same under any rocket. None for others."""
-    names_none = not arrival.flight.rocket or "rocket" in (arrival.given or {})
-    return (arrival.log.digest, arrival.flight.flight_id) if arrival.log and names_none else None
+    names_none = not incoming.flight.rocket or "rocket" in (incoming.given or {})
+    return (incoming.log.digest, incoming.flight.flight_id) if incoming.log and names_none else None
 
 
-def _by_log(connection: Connection, arrivals: Sequence[Arrival]) -> dict[tuple[str, str] | None, Flight]:
+def _by_log(connection: Connection, incoming_flights: Sequence[IncomingFlight]) -> dict[tuple[str, str] | None, Flight]:
     """The stored flights from the files of incoming ones that name no rocket, by digest and flight_id."""
-    wanted = {one for one in map(_log_identity, arrivals) if one}
+    wanted = {one for one in map(_log_identity, incoming_flights) if one}
     stored = of_logs(connection, sorted({digest for digest, _ in wanted}))
     every = {(one.log_digest, one.flight.flight_id): one.flight for one in stored if one.log_digest}
     return {one: every[one] for one in wanted & every.keys()}

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.importing.incoming import Arrival, Original
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import book, drafts, journal, naming
 from fieldkit.ledger.beside import BesideFlights
 from fieldkit.ledger.journal import Change, ChangeRecorder
@@ -25,7 +25,7 @@ class Ledger(FlightsOut, BesideFlights):
 
     def add(
         self,
-        flights: Iterable[Flight | Arrival],
+        flights: Iterable[Flight | IncomingFlight],
         *,
         log: bytes | None = None,
         source: str = "",
@@ -43,14 +43,16 @@ class Ledger(FlightsOut, BesideFlights):
         dry run reports what would happen. Raises LedgerError if the ledger cannot be written.
         """
         original = None if log is None else Original.of(log)
-        arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
+        incoming_flights = [
+            one if isinstance(one, IncomingFlight) else IncomingFlight(one, original, source) for one in flights
+        ]
         with self._changing(keep=not dry_run) as recorder:
             renewed = [one.id for one in renewals if _renew(recorder, one)]
-            added = book.add(recorder, arrivals)
+            added = book.add(recorder, incoming_flights)
             if draft:
                 drafts.put_away(recorder, draft)
             if added.new or renewed:
-                files = _listed(list(dict.fromkeys(Path(one.source).name for one in arrivals if one.source)))
+                files = _listed(list(dict.fromkeys(Path(one.source).name for one in incoming_flights if one.source)))
                 more = [f"more files of {_listed(renewed)}"] if renewed else []
                 what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
                 recorder.sign(command, "; ".join(what + more))

@@ -19,7 +19,7 @@ TableRows = dict[str, dict[tuple[Any, ...], Row]]
 def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
     """The state of each flight's rocket just before the flight was added; the current state if it never was."""
     changes = list(_changes(connection))
-    changes_by_entry = _arrivals(changes)
+    changes_by_entry = _incoming_flights(changes)
     rows = _rows(connection)
     entries = {(row["rocket"], row["flight_id"]): row["entry"] for row in rows["flights"].values()}
     moments = {n: changes_by_entry.get(entries.get((one.rocket, one.flight_id), 0)) for n, one in enumerate(wanted)}
@@ -51,7 +51,7 @@ def _changes(connection: Connection) -> Iterator[tuple[int, list[Image], int | N
             yield number, known[target], None
 
 
-def _arrivals(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dict[int, int]:
+def _incoming_flights(changes: Sequence[tuple[int, Sequence[Image], int | None]]) -> dict[int, int]:
     """The change that last added each flight, by entry number; undoing a removal does not count."""
     changes_by_entry: dict[int, int] = {}
     removed: dict[tuple[int, int], int] = {}

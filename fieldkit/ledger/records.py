@@ -6,7 +6,7 @@ from datetime import date, datetime
 from typing import Any
 
 from fieldkit.flight import Flight
-from fieldkit.importing.incoming import Arrival, Original
+from fieldkit.importing.incoming import IncomingFlight, Original
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class FlightSummary:
 class Conflict:
     """A flight that was not added, and the reason, in one line."""
 
-    arrival: Arrival
+    incoming: IncomingFlight
     error: str
 
 

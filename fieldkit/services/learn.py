@@ -73,11 +73,11 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
     paths = sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
     gathered = gather(paths, motors.complaint)
     known: list[FlownFlight] = []
-    for arrival in gathered.arrivals:
-        if arrival.flight.dry_mass is None:
+    for incoming in gathered.incoming_flights:
+        if incoming.flight.dry_mass is None:
             continue
         try:
-            known.append((arrival.flight, motors.resolve(arrival.flight.motor)))
+            known.append((incoming.flight, motors.resolve(incoming.flight.motor)))
         except UnknownMotor:
             continue
     usable = [
@@ -90,7 +90,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
         raise NoFlights(f"{path}: found no flight with a dry mass and a known motor, expected at least one")
     dated = sorted(usable, key=lambda one: (one[0].date_time is not None, str(one[0].date_time or "")))
     digests = {file.name: hashlib.sha256(read(file)).hexdigest() for file in paths}
-    excluded = implausible_flights([arrival.flight for arrival in gathered.arrivals], motors)
+    excluded = implausible_flights([incoming.flight for incoming in gathered.incoming_flights], motors)
     return Flyer(path.stem, dated, digests, tuple(f"{path.name}: {line}" for line in excluded))
 
 

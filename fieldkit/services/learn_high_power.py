@@ -45,7 +45,7 @@ def read_table(path: Path, motors: Catalogue) -> HighPowerTable:
     The table is a flight table with further columns: `peak_mach` and `predicted_..._m`, one for each program. Raises
     FieldkitError, NoFlights.
     """
-    flights = [arrival.flight for arrival in gather([path], motors.complaint).arrivals]
+    flights = [incoming.flight for incoming in gather([path], motors.complaint).incoming_flights]
     found = [one for flight in flights if (one := _usable(flight, motors))]
     if not found:
         raise NoFlights(

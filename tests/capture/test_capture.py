@@ -100,7 +100,7 @@ def test_a_capture_truncated_anywhere_is_read_up_to_there_and_continued(
     assert whole.raw == content
     assert b"".join(answer.content for answer in whole.answers()) == content
     assert [answer.content for answer in whole.answers()[1:]] == chunks
-    times = whole.arrivals(range(len(content)))
+    times = whole.received_at(range(len(content)))
     assert times == sorted(times)
     journal = tape.file.with_suffix(JOURNAL)
     head = len(journal.read_bytes().splitlines()[0]) + 1

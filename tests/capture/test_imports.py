@@ -112,6 +112,6 @@ def test_a_captured_flight_is_the_flight_of_the_file(
         assert one.events == other.events
         assert one.stated == other.stated
         assert one.serial == other.serial
-    intakes = read_together(logs, any_motor)
-    assert sum(len(intake.flights) for intake in intakes) == len(expected)
-    assert not [row for intake in intakes for row in intake.rejected]
+    imported_files = read_together(logs, any_motor)
+    assert sum(len(imported.flights) for imported in imported_files) == len(expected)
+    assert not [row for imported in imported_files for row in imported.rejected]

@@ -113,11 +113,11 @@ def test_a_bad_standard_deviation_or_source_rejects_its_row_and_names_the_column
     header: str, cell: str, found: str
 ) -> None:
     table = f'flight_id,rocket,apogee_m,{header}\n1,Astra,281.3,"{cell}"\n2,Astra,280,\n'
-    intake = read(table.encode(), "t.csv", any_motor)
-    (rejected,) = intake.rejected
+    imported = read(table.encode(), "t.csv", any_motor)
+    (rejected,) = imported.rejected
     assert (rejected.row, rejected.column) == (2, header)
     assert found in rejected.error
-    assert [flight.flight_id for flight in intake.flights] == ["2"]
+    assert [flight.flight_id for flight in imported.flights] == ["2"]
 
 
 def test_a_standard_deviation_in_a_unit_that_its_readout_cannot_have_is_refused() -> None:

@@ -268,10 +268,10 @@ def patience(seconds: float = PATIENCE) -> Iterator[None]:
 def lines_for(log: bytes, format: str | None) -> list[str]:
     """Every line that a flyer would see for a log; anything but a FieldkitError is a bug and is raised."""
     try:
-        intake = read(log, "bad.log", any_motor, format)
+        imported = read(log, "bad.log", any_motor, format)
     except FieldkitError as error:
         return [str(error)]
-    return [*(f"{r.file}, row {r.row}, {r.column}: {r.error}" for r in intake.rejected), *intake.notes]
+    return [*(f"{r.file}, row {r.row}, {r.column}: {r.error}" for r in imported.rejected), *imported.notes]
 
 
 def must_hold(log: bytes, format: str | None) -> int:

@@ -108,7 +108,7 @@ from fieldkit.services.imports import gather
 start = time.monotonic()
 try:
     got = gather([Path(sys.argv[1])], lambda name: None, format=sys.argv[2])
-    said = f"{len(got.arrivals)} flights, {len(got.rejected)} rejected, {len(got.notes)} notes"
+    said = f"{len(got.incoming_flights)} flights, {len(got.rejected)} rejected, {len(got.notes)} notes"
 except FieldkitError as error:
     said = str(error)[:100]
 used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -47,9 +47,9 @@ def test_an_unknown_format_is_refused_with_the_known_ones() -> None:
 
 def test_an_unknown_motor_rejects_only_its_row() -> None:
     table = b"flight_id,rocket,motor,apogee_m\n1,Swift,C6-5,200\n2,Swift,ZZ99-1,210\n"
-    intake = read(table, "t.csv", any_motor)
-    assert [flight.flight_id for flight in intake.flights] == ["1"]
-    (rejected,) = intake.rejected
+    imported = read(table, "t.csv", any_motor)
+    assert [flight.flight_id for flight in imported.flights] == ["1"]
+    (rejected,) = imported.rejected
     assert (rejected.file, rejected.row, rejected.column) == ("t.csv", 3, "motor")
 
 
@@ -119,18 +119,18 @@ def test_a_bad_plan_stops_the_table_and_its_row_is_named(row: bytes, message: st
 
 def test_contradictory_figures_are_reported_and_imported() -> None:
     table = b"flight_id,rocket,apogee_m,eject_altitude_m,top_speed_mps,avg_accel_g,burn_time_s,peak_accel_g\n"
-    intake = read(table + b"1,Swift,71,93,37.6,2.1,8,2\n", "t.csv", any_motor)
-    assert len(intake.flights) == 1
-    assert [note.split(": ", 1)[0] for note in intake.notes] == ["t.csv, row 2"] * 3
-    assert "ejection altitude 93 m is above apogee 71 m" in intake.notes[2]
+    imported = read(table + b"1,Swift,71,93,37.6,2.1,8,2\n", "t.csv", any_motor)
+    assert len(imported.flights) == 1
+    assert [note.split(": ", 1)[0] for note in imported.notes] == ["t.csv, row 2"] * 3
+    assert "ejection altitude 93 m is above apogee 71 m" in imported.notes[2]
 
 
 def test_the_messages_of_a_parser_are_harmless_for_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     nasty = "\x1b[2J\u202e" + "x" * 9999 + "\nrow 2"
     found = [Note(nasty, row=1), DamagedLog(nasty, row=2, column=nasty), Reading({"apogee": 100.0})]
     monkeypatch.setattr(recognize, "parsers", lambda: {"rude": Parser("Rude", lambda head: True, lambda log: found)})
-    intake = read(b"", "t", any_motor)
-    lines = [*intake.notes, intake.rejected[0].error, intake.rejected[0].column or ""]
+    imported = read(b"", "t", any_motor)
+    lines = [*imported.notes, imported.rejected[0].error, imported.rejected[0].column or ""]
     assert all(len(line) < 2000 and line.isprintable() for line in lines)
 
 

@@ -154,9 +154,9 @@ def test_a_claimed_log_without_a_flight_falls_back_to_a_table_of_samples(
     opened = open_log(table_of_samples("time (s),altitude (m)"), "log.csv", None)
     assert opened.format == "mapped_table"
     assert holds_flight(opened.found)
-    intake = read(table_of_samples("time (s),altitude (m)"), "log.csv", any_motor)
-    assert intake.flights[0].apogee == pytest.approx(fly(SMALL).readouts()["apogee"], abs=1.0)
-    assert any("Claims all recognizes it and" in note for note in intake.notes)
+    imported = read(table_of_samples("time (s),altitude (m)"), "log.csv", any_motor)
+    assert imported.flights[0].apogee == pytest.approx(fly(SMALL).readouts()["apogee"], abs=1.0)
+    assert any("Claims all recognizes it and" in note for note in imported.notes)
 
 
 def test_a_claim_is_kept_if_no_other_parser_finds_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ from sqlalchemy.engine import make_url
 
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
-from fieldkit.importing.incoming import Arrival, Original
+from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import Ledger, Renewal
 from fieldkit.ledger.finding import PAGE
 from fieldkit.ledger.records import Added
@@ -191,7 +191,7 @@ def test_a_log_is_one_flight_with_and_without_a_rocket(ledger: Ledger) -> None:
 
     def added(rocket: str, *, given: bool = True) -> Added:
         named = {"rocket": rocket} if rocket and given else {}
-        return ledger.add([Arrival(unnamed.with_changes(rocket=rocket), log, "a.pf2", given=named)])
+        return ledger.add([IncomingFlight(unnamed.with_changes(rocket=rocket), log, "a.pf2", given=named)])
 
     assert added("").new == ("flight-1",)
     (conflict,) = added("Astra").conflicts

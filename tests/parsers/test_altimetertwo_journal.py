@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.importing import Intake
+from fieldkit.importing import ImportedFile
 from fieldkit.importing.read import read, read_together
 from fieldkit.importing.recognize import claims
 from tests.samples import any_motor
@@ -18,7 +18,7 @@ HEADER = (
 )
 
 
-def journal(*rows: str) -> Intake:
+def journal(*rows: str) -> ImportedFile:
     return read((HEADER + "".join(f"{row}\n" for row in rows)).encode("cp1252"), "j.csv", any_motor)
 
 

@@ -235,7 +235,7 @@ def test_the_csv_and_the_flash_of_one_flight_are_one_flight() -> None:
     assert "belongs to the flight of altos_csv__with_satellites.csv" in second.notes[0]
     assert (flight.extra["serial"], flight.extra["flight"], flight.extra["device"]) == ("2417", "3", "TeleMetrum-v2.0")
     elsewhere = read_together([(f"{i}/{name}", (LOGS / name).read_bytes()) for i, name in enumerate(names)], any_motor)
-    assert [len(intake.flights) for intake in elsewhere] == [1, 1]
+    assert [len(imported.flights) for imported in elsewhere] == [1, 1]
 
 
 def test_the_old_form_of_a_telemini_1_has_pressures_of_the_letter_p() -> None:

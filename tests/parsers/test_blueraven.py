@@ -81,33 +81,33 @@ def test_the_summary_of_a_real_flight_states_figures() -> None:
 def test_the_files_of_one_real_flight_give_one_flight_in_either_order() -> None:
     files = [(name, (LOGS / name).read_bytes()) for name in (SUMMARY, LOW)]
     for order in (files, files[::-1]):
-        intakes = {intake.source: intake for intake in read_together(order, any_motor)}
-        (flight,) = intakes[LOW].flights
+        imported_files = {imported.source: imported for imported in read_together(order, any_motor)}
+        (flight,) = imported_files[LOW].flights
         assert float(flight.extra["stated_apogee_m"]) == pytest.approx(4034.98 * FOOT)
         assert flight.apogee == pytest.approx(4034.98 * FOOT, rel=0.005)
-        assert intakes[SUMMARY].flights == ()
-        assert intakes[SUMMARY].notes == (f"{SUMMARY}: belongs to the flight of {LOW}",)
+        assert imported_files[SUMMARY].flights == ()
+        assert imported_files[SUMMARY].notes == (f"{SUMMARY}: belongs to the flight of {LOW}",)
 
 
 def test_low_and_high_rate_and_summary_are_one_flight() -> None:
     names = [name for name in BY_NAME if name.startswith(("blueraven_app", "blueraven_summary"))]
-    intakes = read_together([(name, BY_NAME[name]) for name in names], any_motor)
-    assert [len(intake.flights) for intake in intakes] == [0, 1, 0]
+    imported_files = read_together([(name, BY_NAME[name]) for name in names], any_motor)
+    assert [len(imported.flights) for imported in imported_files] == [0, 1, 0]
 
 
 def test_files_of_flights_minutes_apart_stay_separate() -> None:
     low = BY_NAME["blueraven_app__low_rate.csv"]
     summary = BY_NAME["blueraven_summary__what_the_app_shows.csv"].replace(b"11:04:05.250", b"11:34:05.250")
-    intakes = read_together([("low.csv", low), ("summary.csv", summary)], any_motor)
-    assert [len(intake.flights) for intake in intakes] == [1, 1]
+    imported_files = read_together([("low.csv", low), ("summary.csv", summary)], any_motor)
+    assert [len(imported.flights) for imported in imported_files] == [1, 1]
 
 
 def test_a_flight_that_is_twice_in_a_file_is_read_once() -> None:
     low = BY_NAME["blueraven_app__low_rate.csv"]
     header, rows = low.split(b"\n", 1)
-    intake = read(header + b"\n" + rows + rows, "low.csv", any_motor)
-    assert len(intake.flights) == 1
-    assert any("repeats an earlier flight" in note for note in intake.notes)
+    imported = read(header + b"\n" + rows + rows, "low.csv", any_motor)
+    assert len(imported.flights) == 1
+    assert any("repeats an earlier flight" in note for note in imported.notes)
 
 
 def test_the_day_is_kept_if_a_spreadsheet_spoiled_the_time_of_day() -> None:

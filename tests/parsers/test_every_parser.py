@@ -18,7 +18,7 @@ from fieldkit.analysis import Recorded, measure
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.flight.readout import render_sd
-from fieldkit.importing import Intake, Parser, Reading
+from fieldkit.importing import ImportedFile, Parser, Reading
 from fieldkit.importing.read import read
 from fieldkit.importing.recognize import claims, parser_for, parsers
 from tests.effort import examples
@@ -36,7 +36,7 @@ def rounded(flight: Flight, column: Column, value: float) -> float:
     return round(number, -math.floor(math.log10(float(render_sd(column.name, sd)))))
 
 
-def summary(intake: Intake) -> dict[str, object]:
+def summary(imported: ImportedFile) -> dict[str, object]:
     """The figures that a flyer would check, in units of the display and rounded like there."""
     flights = [
         {
@@ -48,10 +48,10 @@ def summary(intake: Intake) -> dict[str, object]:
             "dry_mass_kg": flight.dry_mass and round(flight.dry_mass, 4),
         }
         | {c.header: rounded(flight, c, v) for c in READOUTS if (v := flight.number(c.name)) is not None}
-        for flight in intake.flights
+        for flight in imported.flights
     ]
-    rejected = [f"row {r.row}, {r.column}: {r.error}" for r in intake.rejected]
-    return {"flights": flights, "rejected": rejected, "notes": list(intake.notes)}
+    rejected = [f"row {r.row}, {r.column}: {r.error}" for r in imported.rejected]
+    return {"flights": flights, "rejected": rejected, "notes": list(imported.notes)}
 
 
 @contextmanager
@@ -66,10 +66,10 @@ def troubles(log: bytes, source: str, format: str | None) -> list[str]:
     """The error shown to a flyer for a log; anything but a FieldkitError is a bug and is raised."""
     try:
         with unmeasured():
-            intake = read(log, source, any_motor, format)
+            imported = read(log, source, any_motor, format)
     except FieldkitError as error:
         return [str(error)]
-    return [*(f"{r.file}, row {r.row}: {r.error}" for r in intake.rejected), *intake.notes]
+    return [*(f"{r.file}, row {r.row}: {r.error}" for r in imported.rejected), *imported.notes]
 
 
 @pytest.mark.parametrize("name", parsers())
@@ -85,7 +85,7 @@ def test_a_sample_is_claimed_only_by_its_own_parser(sample: Path) -> None:
 
 
 @cache
-def first_read(sample: Path) -> Intake:
+def first_read(sample: Path) -> ImportedFile:
     """The result of reading a sample."""
     return read(sample.read_bytes(), sample.name, any_motor)
 
@@ -142,10 +142,10 @@ def test_a_truncated_log_is_damaged_and_not_a_crash(sample: Path, data: st.DataO
     torn = log[: data.draw(st.integers(0, len(log) - 1))]
     with unmeasured():
         try:
-            intake = read(torn, sample.name, any_motor, format=owner(sample))
+            imported = read(torn, sample.name, any_motor, format=owner(sample))
         except DamagedLog:
             return
-    assert len(intake.flights) <= whole_flights(sample) + 1
+    assert len(imported.flights) <= whole_flights(sample) + 1
 
 
 @pytest.mark.sampled

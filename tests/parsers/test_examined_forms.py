@@ -108,9 +108,9 @@ def test_radio_packets_without_a_flight_are_not_a_slow_flight() -> None:
     rng = np.random.default_rng(3)
     still = telemetry(np.clip(rng.normal(1, 1, 900), -5, 5))
     assert parsers()["altos_telem"].recognises(still)
-    intake = read(still, "pad.telem", any_motor)
-    assert intake.flights == ()
-    assert any("no flight" in one.error for one in intake.rejected)
+    imported = read(still, "pad.telem", any_motor)
+    assert imported.flights == ()
+    assert any("no flight" in one.error for one in imported.rejected)
     flown = telemetry(MADE.at(np.arange(-5, MADE.time[-1], 0.1), MADE.height))
     (only,) = read(flown, "flown.telem", any_motor).flights
     assert only.apogee == pytest.approx(MADE.apogee, rel=0.03)
@@ -121,9 +121,9 @@ def test_a_log_of_only_accelerations_is_a_flight_only_if_there_is_thrust(boost: 
     time = np.arange(0, 60, 0.01)
     felt = np.where((time > 20) & (time < 20 + boost), 8.0, 1.0) + np.random.default_rng(2).normal(0, 0.05, time.size)
     lines = (f"{when:.2f},{one:.3f}" for when, one in zip(time.tolist(), felt.tolist(), strict=True))
-    intake = read("\n".join(["time (s),acceleration (g)", *lines]).encode(), "felt.csv", any_motor)
-    assert len(intake.flights) == (boost > 0.5)
-    assert bool(intake.rejected) == (boost < 0.5)
+    imported = read("\n".join(["time (s),acceleration (g)", *lines]).encode(), "felt.csv", any_motor)
+    assert len(imported.flights) == (boost > 0.5)
+    assert bool(imported.rejected) == (boost < 0.5)
 
 
 def live_radio(height: str) -> bytes:
@@ -137,10 +137,10 @@ def live_radio(height: str) -> bytes:
 
 def test_a_live_log_that_yields_no_flight_falls_back_to_a_table_of_samples() -> None:
     log = live_radio("altitude (ft)")
-    intake = read(log, "live.csv", any_motor)
-    (only,) = intake.flights
+    imported = read(log, "live.csv", any_motor)
+    (only,) = imported.flights
     assert only.apogee == pytest.approx(MADE.apogee, abs=1)
-    assert intake.format == "mapped_table"
+    assert imported.format == "mapped_table"
 
 
 def test_an_acceleration_derived_from_pressure_does_not_move_lift_off() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from fieldkit.errors import DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import BY_NAME, COLUMNS, TAGS, TEXT_COLUMNS, Flight
 from fieldkit.flight.limits import LIMITS
-from fieldkit.importing import Intake, Mapped, Reading
+from fieldkit.importing import ImportedFile, Mapped, Reading
 from fieldkit.importing.read import read, read_plans
 from fieldkit.importing.recognize import claims, open_log
 from fieldkit.importing.tables import flight_headings
@@ -24,13 +24,13 @@ from tests.samples import any_motor
 pytestmark = pytest.mark.fast
 
 
-def intake(text: str, format: str | None = None) -> Intake:
+def imported(text: str, format: str | None = None) -> ImportedFile:
     return read(text.encode(), "t.csv", any_motor, format)
 
 
 def flight(header: str, row: str) -> Flight:
     """The flight of a valid table with one row."""
-    got = intake(f"{header}\n{row}\n")
+    got = imported(f"{header}\n{row}\n")
     assert not got.rejected, got.rejected
     (only,) = got.flights
     return only
@@ -38,7 +38,7 @@ def flight(header: str, row: str) -> Flight:
 
 def complaint(header: str, row: str) -> str:
     """The message about the only bad row of a table."""
-    got = intake(f"{header}\n{row}\n")
+    got = imported(f"{header}\n{row}\n")
     assert not got.flights
     (rejected,) = got.rejected
     assert rejected.row == 2
@@ -99,7 +99,7 @@ def test_every_columns_bounds_are_wider_than_its_usual_range(column: object) -> 
 
 
 def test_an_unusual_value_is_read_with_a_note() -> None:
-    got = intake("rocket,apogee_m\nSwift,3\n")
+    got = imported("rocket,apogee_m\nSwift,3\n")
     assert got.flights[0].apogee == 3
     assert got.notes == ("t.csv, row 2: apogee 3 m is unusual, expected 5 to 10000 m",)
 
@@ -117,7 +117,7 @@ def test_an_unusual_value_is_read_with_a_note() -> None:
     ],
 )
 def test_the_decimal_mark_is_inferred_from_the_whole_table(table: str, apogee: float) -> None:
-    assert intake(table).flights[0].apogee == pytest.approx(apogee)
+    assert imported(table).flights[0].apogee == pytest.approx(apogee)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_the_decimal_mark_is_inferred_from_the_whole_table(table: str, apogee: f
     ],
 )
 def test_a_number_that_may_be_a_thousand_or_a_decimal_is_refused(table: str) -> None:
-    got = intake(table)
+    got = imported(table)
     assert not got.flights
     assert "which may be 1148 or 1.148" in got.rejected[0].error
 
@@ -147,7 +147,7 @@ def test_a_number_that_may_be_a_thousand_or_a_decimal_is_refused(table: str) -> 
     ],
 )
 def test_a_comma_separates_thousands_of_feet_unless_the_table_has_decimal_commas(table: str, apogee: float) -> None:
-    (only,) = intake(table).flights
+    (only,) = imported(table).flights
     assert only.apogee == pytest.approx(apogee)
 
 
@@ -175,7 +175,7 @@ def test_unknown_columns_stay_with_the_flight_under_their_own_names() -> None:
 )
 def test_a_table_with_an_ambiguous_header_is_refused(header: str, message: str) -> None:
     with pytest.raises(DamagedLog, match=f"^{message}"):
-        intake(f"{header}\nSwift,1,1,1\n")
+        imported(f"{header}\nSwift,1,1,1\n")
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_another_column_for_a_quantity_besides_the_one_with_a_unit_is_kept() -> 
 )
 def test_a_table_without_a_known_column_is_not_recognized(header: str) -> None:
     with pytest.raises((UnknownFormat, DamagedLog)):  # a clock and a height may be another kind of log
-        intake(f"{header}\n1,2\n")
+        imported(f"{header}\n1,2\n")
     assert "flight_table" not in claims(f"{header}\n1,2\n".encode())
 
 
@@ -223,11 +223,11 @@ def test_a_forced_table_without_any_known_column_says_what_is_missing() -> None:
     with pytest.raises(
         DamagedLog, match="row 1: found no column of the flight table, expected at least one of flight_id"
     ):
-        intake("time,altitude\n1,2\n", format="flight_table")
+        imported("time,altitude\n1,2\n", format="flight_table")
 
 
 def test_a_header_without_rows_gives_no_flights_and_is_reported() -> None:
-    got = intake("rocket,apogee_m\n")
+    got = imported("rocket,apogee_m\n")
     assert (got.flights, got.rejected, got.notes) == (
         (),
         (),
@@ -273,7 +273,7 @@ def test_tags_are_separated_by_semicolon_bar_or_comma_and_known_ones_are_recogni
 
 
 def test_a_row_that_is_not_a_flight_is_refused_and_the_others_are_imported() -> None:
-    got = intake("flight_id,rocket,apogee_m,log\n1,Swift,100,\n2,Swift,,\n\n3,Swift,,log3.csv\n ,,,\n4,Swift,90\n")
+    got = imported("flight_id,rocket,apogee_m,log\n1,Swift,100,\n2,Swift,,\n\n3,Swift,,log3.csv\n ,,,\n4,Swift,90\n")
     assert [f.flight_id for f in got.flights] == ["1", "3", "4"]
     assert [(r.row, r.error.split(",")[0]) for r in got.rejected] == [(3, "found no readout")]
 
@@ -284,37 +284,37 @@ def test_a_row_longer_than_the_header_is_refused_unless_the_rest_is_empty() -> N
 
 
 def test_a_file_that_ends_within_a_row_loses_only_that_row() -> None:
-    got = intake("rocket,apogee_m,duration_s\nSwift,100,30\nSwift,28")
+    got = imported("rocket,apogee_m,duration_s\nSwift,100,30\nSwift,28")
     assert [f.apogee for f in got.flights] == [100]
     assert got.rejected[0].row == 3
 
 
 def test_a_quotation_mark_that_is_never_closed_loses_one_row() -> None:
-    got = intake('rocket,apogee_m,notes\nSwift,100,"open\nSwift,110,fine\nSwift,120,"two\nlines"\nSwift,130,\n')
+    got = imported('rocket,apogee_m,notes\nSwift,100,"open\nSwift,110,fine\nSwift,120,"two\nlines"\nSwift,130,\n')
     assert [f.apogee for f in got.flights] == [110, 120, 130]
     assert [r.row for r in got.rejected] == [2]
     assert got.flights[1].notes == "two\nlines"
 
 
 def test_an_endless_cell_is_refused_as_such() -> None:
-    got = intake(f"rocket,apogee_m\nSwift,{'1' * 200_000}\nSwift,100\n")
+    got = imported(f"rocket,apogee_m\nSwift,{'1' * 200_000}\nSwift,100\n")
     assert "apogee_m" in (got.rejected[0].column or "")
     assert len(got.rejected[0].error) < 300
     assert len(got.flights) == 1
 
 
 def test_long_notes_are_read_completely() -> None:
-    got = intake(f"rocket,apogee_m,notes\nSwift,100,{'a long day ' * 20_000}\n")
+    got = imported(f"rocket,apogee_m,notes\nSwift,100,{'a long day ' * 20_000}\n")
     assert len(got.flights[0].notes) > 200_000
 
 
 def test_rows_are_numbered_as_in_a_spreadsheet() -> None:
-    got = intake('rocket,apogee_m,notes\nSwift,100,"two\nlines"\n\nSwift,x,\n')
+    got = imported('rocket,apogee_m,notes\nSwift,100,"two\nlines"\n\nSwift,x,\n')
     assert [r.row for r in got.rejected] == [4]
 
 
 def test_a_duplicate_name_is_refused_and_a_repeated_row_is_not() -> None:
-    got = intake("flight_id,rocket,apogee_m\n1,Swift,100\n1,Swift,100\n1,Plover,100\n1,Swift,90\n")
+    got = imported("flight_id,rocket,apogee_m\n1,Swift,100\n1,Swift,100\n1,Plover,100\n1,Swift,90\n")
     assert [(f.flight_id, f.rocket) for f in got.flights] == [("1", "Swift"), ("1", "Plover")]
     assert [(r.row, r.column) for r in got.rejected] == [(5, "flight_id")]
     assert got.notes == ("t.csv, row 3: repeats row 2",)
@@ -453,7 +453,7 @@ def test_a_launch_list_from_another_program_is_a_table_of_flights() -> None:
         "launch_no;engine;liftoff_mass_g;wind_speed_mps;altitude_m;flight_time_s;date\n"
         "1;F39-6T;650;2,5;245,3;44,1;01.05.2024\n"
     )
-    got = intake(table)
+    got = imported(table)
     (flight,) = got.flights
     assert (flight.flight_id, flight.motor, flight.apogee, flight.duration) == ("1", "F39-6T", 245.3, 44.1)
     assert flight.wind == 2.5
@@ -481,32 +481,32 @@ def test_a_peak_in_feet_beside_a_motor_is_the_apogee() -> None:
 
 @pytest.mark.parametrize("name", ["Time (s)", "Time (sec)", "Time (seconds)"])
 def test_a_time_in_seconds_beside_a_motor_is_the_duration(name: str) -> None:
-    (flight,) = intake(f"Date,Motor,Altitude (ft),{name}\n2026-09-05,F42-8T,800,41.2\n").flights
+    (flight,) = imported(f"Date,Motor,Altitude (ft),{name}\n2026-09-05,F42-8T,800,41.2\n").flights
     assert flight.duration == 41.2
 
 
 def test_a_time_of_day_beside_a_motor_is_no_duration() -> None:
-    (flight,) = intake("Date,Time,Motor,Altitude (ft)\n2026-09-05,14:05,F42-8T,800\n").flights
+    (flight,) = imported("Date,Time,Motor,Altitude (ft)\n2026-09-05,14:05,F42-8T,800\n").flights
     assert flight.duration is None
 
 
 @pytest.mark.parametrize("motor", ["homemade", ""])
 def test_a_lift_off_mass_with_an_unknown_motor_is_kept_unchanged(motor: str) -> None:
-    (flight,) = intake(f"engine,liftoff_mass_g,altitude_m\n{motor},650.5,245.3\n").flights
+    (flight,) = imported(f"engine,liftoff_mass_g,altitude_m\n{motor},650.5,245.3\n").flights
     assert flight.dry_mass is None
     assert flight.extra["liftoff_mass_g"] == "650.5"
 
 
 def test_a_cluster_is_subtracted_from_a_lift_off_mass() -> None:
     one, two = (
-        intake(f"engine,liftoff_mass_g,altitude_m\n{motor},250,245.3\n").flights[0].dry_mass or 0.0
+        imported(f"engine,liftoff_mass_g,altitude_m\n{motor},250,245.3\n").flights[0].dry_mass or 0.0
         for motor in ("C6-5", "2 x C6-5")
     )
     assert 0.25 - two == pytest.approx(2 * (0.25 - one))
 
 
 def test_an_ambiguous_date_of_a_list_is_kept_as_text() -> None:
-    (flight,) = intake("Motor,Altitude (ft),Date\nC6-5,800,5/1/2024\n").flights
+    (flight,) = imported("Motor,Altitude (ft),Date\nC6-5,800,5/1/2024\n").flights
     assert flight.date_time is None
     assert flight.extra["Date"] == "5/1/2024"
 
@@ -544,7 +544,7 @@ def test_a_lift_off_mass_is_found_however_it_is_spelled(header: str) -> None:
 @pytest.mark.parametrize("brackets", ["{}", "({})", "[{}]"])
 def test_a_row_of_units_below_the_header_gives_them(brackets: str) -> None:
     ft, mph, g = (brackets.format(unit) for unit in ("ft", "mph", "g"))
-    got = intake(
+    got = imported(
         f"Club launch\n\nDate,Motor,Mass w/o motor,Apogee,Max speed\n,,{g},{ft},{mph}\n2023-06-01,C6-5,34,812,201\n"
     )
     assert not got.rejected
@@ -553,7 +553,7 @@ def test_a_row_of_units_below_the_header_gives_them(brackets: str) -> None:
 
 
 def test_a_row_of_totals_is_not_a_flight() -> None:
-    got = intake("Date,Motor,Apogee (ft)\n2023-06-01,C6-5,812\n2023-06-02,C6-5,790\n\nAverage:,,801\n")
+    got = imported("Date,Motor,Apogee (ft)\n2023-06-01,C6-5,812\n2023-06-02,C6-5,790\n\nAverage:,,801\n")
     assert [one.apogee for one in got.flights] == pytest.approx([247.4976, 240.792])
     assert not got.rejected
     assert "sums up the others" in got.notes[0]
@@ -572,12 +572,12 @@ def test_a_row_of_totals_is_not_a_flight() -> None:
 )
 def test_one_unambiguous_date_determines_the_order_of_a_column(cells: tuple[str, ...], dates: tuple[str, ...]) -> None:
     rows = "".join(f'"{cell}",C6-5,{800 + number}\n' for number, cell in enumerate(cells))
-    got = intake(f"Launch date,Motor,Apogee (ft)\n{rows}")
+    got = imported(f"Launch date,Motor,Apogee (ft)\n{rows}")
     assert [one.date_time for one in got.flights] == [datetime.fromisoformat(text) for text in dates]
 
 
 def test_a_column_of_dates_in_both_orders_is_kept_as_text() -> None:
-    got = intake("Date,Motor,Apogee (ft)\n13/6/2023,C6-5,800\n6/13/2023,C6-5,810\n5/7/2023,C6-5,820\n")
+    got = imported("Date,Motor,Apogee (ft)\n13/6/2023,C6-5,800\n6/13/2023,C6-5,810\n5/7/2023,C6-5,820\n")
     assert [one.date_time is None for one in got.flights] == [False, False, True]
 
 
@@ -588,7 +588,7 @@ def test_a_time_of_day_in_its_own_column_completes_the_date() -> None:
 
 
 def test_flights_that_are_numbered_from_one_every_day_are_all_read() -> None:
-    got = intake("Date,#,Motor,Apogee (ft)\n2024-05-01,1,C6-5,812\n2024-05-02,1,C6-5,790\n")
+    got = imported("Date,#,Motor,Apogee (ft)\n2024-05-01,1,C6-5,812\n2024-05-02,1,C6-5,790\n")
     assert not got.rejected
     assert [one.extra["#"] for one in got.flights] == ["1", "1"]
 
@@ -631,8 +631,8 @@ def test_a_title_above_the_header_is_skipped(title: str) -> None:
 
 
 def test_a_standard_name_is_not_read_as_a_shorter_other_name() -> None:
-    intake = read(b"flight_id,rocket,coast_to_apogee_s,coast_to_apogee_sd_s\n1,Astra,6.1,0.1\n", "t.csv", any_motor)
-    assert (intake.flights[0].coast_to_apogee, intake.flights[0].sd["coast_to_apogee"]) == (6.1, 0.1)
+    imported = read(b"flight_id,rocket,coast_to_apogee_s,coast_to_apogee_sd_s\n1,Astra,6.1,0.1\n", "t.csv", any_motor)
+    assert (imported.flights[0].coast_to_apogee, imported.flights[0].sd["coast_to_apogee"]) == (6.1, 0.1)
 
 
 def test_a_row_named_total_is_a_flight_in_fieldkits_table_and_a_sum_in_others() -> None:
@@ -654,13 +654,13 @@ def test_only_texts_short_enough_to_be_a_name_are_looked_up(
 
 
 def test_a_date_that_cannot_be_read_under_another_name_is_reported() -> None:
-    got = intake("Rocket,Motor,Apogee (ft),Date\nSwift,C6-5,900,6/7/2024\nSwift,C6-5,910,5/12/2024\n")
+    got = imported("Rocket,Motor,Apogee (ft),Date\nSwift,C6-5,900,6/7/2024\nSwift,C6-5,910,5/12/2024\n")
     assert [one.date_time for one in got.flights] == [None, None]
     assert "t.csv, row 2: Date: found '6/7/2024', and 1 more cell, expected a date such as 2026-05-01" in got.notes[0]
 
 
 def test_a_repeated_header_is_left_out_with_a_note() -> None:
-    got = intake("Rocket,Motor,Apogee (ft)\nSwift,C6-5,900\nRocket,Motor,Apogee (ft)\nSwift,C6-5,910\n")
+    got = imported("Rocket,Motor,Apogee (ft)\nSwift,C6-5,900\nRocket,Motor,Apogee (ft)\nSwift,C6-5,910\n")
     assert len(got.flights) == 2
     assert not got.rejected
     assert "t.csv, row 3: repeats the header, left out" in got.notes

@@ -73,8 +73,8 @@ def test_a_real_aim_log_is_sorted_group_by_group() -> None:
 @real
 def test_the_real_files_of_a_cats_flight_are_one_flight() -> None:
     names = ["cats__hedy_gnssInfo.csv", "cats__hedy_filteredDataInfo.csv", "cats__hedy_flightInfo.csv"]
-    intakes = read_together([(name, (LOGS / name).read_bytes()) for name in names], any_motor)
-    assert [len(intake.flights) for intake in intakes] == [0, 1, 0]
+    imported_files = read_together([(name, (LOGS / name).read_bytes()) for name in names], any_motor)
+    assert [len(imported.flights) for imported in imported_files] == [0, 1, 0]
     (series,) = reading(names[2]).clocks
     assert series.altitude is not None
     assert (len(series.time), series.time[0], series.time[-1]) == (24_563, -0.751, 244.869)
@@ -92,9 +92,9 @@ def test_a_real_cats_position_without_satellites_is_not_used() -> None:
 def test_files_of_two_cats_flights_in_a_folder_are_not_mixed_up() -> None:
     info, positions = BY_NAME["cats__flight_info.csv"], BY_NAME["cats__positions.csv"]
     together = [("a/1.csv", info), ("a/2.csv", info.replace(b".0000,", b".0001,")), ("a/3.csv", positions)]
-    assert [len(intake.flights) for intake in read_together(together, any_motor)] == [1, 1, 1]
+    assert [len(imported.flights) for imported in read_together(together, any_motor)] == [1, 1, 1]
     separate = [("a/1.csv", info), ("b/1.csv", info.replace(b".0000,", b".0001,")), ("a/2.csv", positions)]
-    assert [len(intake.flights) for intake in read_together(separate, any_motor)] == [1, 1, 0]
+    assert [len(imported.flights) for imported in read_together(separate, any_motor)] == [1, 1, 0]
 
 
 def test_each_cats_sensor_in_a_file_has_its_own_clock() -> None:

@@ -32,9 +32,9 @@ def test_a_simulation_has_its_original_figures(sample) -> None:  # type: ignore[
 
 @pytest.mark.parametrize("sample", SIMULATED, ids=lambda path: path.name)
 def test_a_simulation_is_never_mistaken_for_a_flight(sample) -> None:  # type: ignore[no-untyped-def]
-    intake = read(sample.read_bytes(), sample.name, any_motor)
-    assert (intake.flights, intake.rejected) == ((), ())
-    assert any("is a simulation" in note for note in intake.notes)
+    imported = read(sample.read_bytes(), sample.name, any_motor)
+    assert (imported.flights, imported.rejected) == ((), ())
+    assert any("is a simulation" in note for note in imported.notes)
     assert read_plans(sample.read_bytes(), sample.name, any_motor) == []
 
 

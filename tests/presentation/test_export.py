@@ -54,9 +54,9 @@ def test_an_export_imports_as_the_same_flights(write: object) -> None:
     @examples(60)
     @given(st.lists(flights, min_size=1, max_size=3, unique_by=by_name))
     def law(flights: list[Flight]) -> None:
-        intake = read(write(flights).encode("utf-8"), "export", any_motor)
-        assert intake.rejected == ()
-        assert [differences(*pair) for pair in zip(flights, intake.flights, strict=True)] == [[]] * len(flights)
+        imported = read(write(flights).encode("utf-8"), "export", any_motor)
+        assert imported.rejected == ()
+        assert [differences(*pair) for pair in zip(flights, imported.flights, strict=True)] == [[]] * len(flights)
 
     law()
 

@@ -56,7 +56,7 @@ def logs(captured: Captured) -> list[Log]:
         rows.append(f"began,{captured.began.replace(tzinfo=None).isoformat(timespec='seconds')}")
     rows.append("seconds,feet")
     lines = list(captured.lines())
-    for (_, line), time in zip(lines, captured.arrivals(end for end, _ in lines), strict=True):
+    for (_, line), time in zip(lines, captured.received_at(end for end, _ in lines), strict=True):
         text = line.decode("latin-1").rstrip("\r")
         rows.append(f"{time:.3f},{text if _NUMBER.fullmatch(text) else ''}")
     return [Log(captured.file.name, "\n".join([*rows, ""]).encode())] if lines else []

@@ -141,7 +141,7 @@ def fit(
 def member_outputs(
     members: DensityMembers, mean: FeatureScale, sd: FeatureScale, features: Float[Array, "flight feature"]
 ) -> Float[Array, "flight member part"]:
-    """The outputs of trained members, as `fieldkit.inference.network.mixture` reads them."""
+    """The outputs of trained members, as `fieldkit.inference.network.mixture` reads them. [1]"""
     scaled = scaled_features(features, mean, sd)
     with torch.no_grad():
         found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()

@@ -10,7 +10,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
-from fieldkit.importing.incoming import Arrival
+from fieldkit.importing.incoming import IncomingFlight
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.motors import Catalogue, catalogue
 from fieldkit.services.imports.companion_files import sorted_out
@@ -63,9 +63,9 @@ def take_in(
 ) -> Receipt:
     """Add gathered files to a ledger as one change. `choices` are the column choices used in gathering. With `motors`,
     notes name new flights that are impossible on their motor, and those that no fit can use."""
-    sorting = sorted_out(ledger, gathered.arrivals, choices)
+    sorting = sorted_out(ledger, gathered.incoming_flights, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
-    conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
+    conflicts = (Rejected(one.incoming.source, one.incoming.row, "flight_id", one.error) for one in added.conflicts)
     implausible = tuple(_implausible(sorting.new, motors)) if motors else ()
     unused = tuple(_excluded_readouts(sorting.new, motors)) if motors else ()
     incomplete = incomplete_flights([one.flight for one in sorting.new], motors) if motors else []
@@ -90,23 +90,25 @@ def take_in(
     )
 
 
-def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
+def _implausible(incoming_flights: Sequence[IncomingFlight], motors: Catalogue) -> Iterator[str]:
     """A line for each new flight that is implausible."""
-    for one in arrivals:
+    for one in incoming_flights:
         for line in implausible_flights([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 
-def _excluded_readouts(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
+def _excluded_readouts(incoming_flights: Sequence[IncomingFlight], motors: Catalogue) -> Iterator[str]:
     """A line for each readout of a new flight that cannot be a measurement."""
-    for one in arrivals:
+    for one in incoming_flights:
         for line in excluded_readouts([one.flight], motors):
             yield str(DamagedLog(line, row=one.row, source=one.source))
 
 
-def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str], motors: Catalogue) -> Iterator[str]:
+def _outlying(
+    ledger: "Ledger", incoming_flights: Sequence[IncomingFlight], added: set[str], motors: Catalogue
+) -> Iterator[str]:
     """A line for each added flight that is far from the others of its rocket on the same motor."""
-    for rocket, new in _by_rocket(arrivals, added).items():
+    for rocket, new in _by_rocket(incoming_flights, added).items():
         known = {flight.flight_id: flight for flight in ledger.flights(rocket)}
         known |= {name: one.flight for name, one in new.items()}
         for name, phrase in outlying(list(known.values()), new, motors):
@@ -116,10 +118,10 @@ def _outlying(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str], mo
             )
 
 
-def _corrected(ledger: "Ledger", arrivals: Sequence[Arrival], added: set[str]) -> Iterator[str]:
+def _corrected(ledger: "Ledger", incoming_flights: Sequence[IncomingFlight], added: set[str]) -> Iterator[str]:
     """A line for each added flight that differs in one column from an earlier one of its rocket and date, as a row of a
     table without flight numbers does after it was corrected."""
-    for rocket, new in _by_rocket(arrivals, added).items():
+    for rocket, new in _by_rocket(incoming_flights, added).items():
         before: dict[datetime, list[Flight]] = {}
         for flight in ledger.flights(rocket):
             if flight.date_time and flight.flight_id not in new:
@@ -139,10 +141,10 @@ def _differing(one: Flight, other: Flight) -> list[str]:
     return [label for name, label in names.items() if getattr(one, name) != getattr(other, name)]
 
 
-def _by_rocket(arrivals: Sequence[Arrival], added: set[str]) -> dict[str, dict[str, Arrival]]:
+def _by_rocket(incoming_flights: Sequence[IncomingFlight], added: set[str]) -> dict[str, dict[str, IncomingFlight]]:
     """The added flights of each named rocket, by name."""
-    rockets: dict[str, dict[str, Arrival]] = {}
-    for one in arrivals:
+    rockets: dict[str, dict[str, IncomingFlight]] = {}
+    for one in incoming_flights:
         name = one.flight.flight_id
         if one.flight.rocket and added & {name, f"{one.flight.rocket}/{name}"}:
             rockets.setdefault(one.flight.rocket, {})[name] = one

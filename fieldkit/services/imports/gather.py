@@ -10,8 +10,8 @@ from fieldkit import files
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import FIELDS, MEASURED, Flight
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
-from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
-from fieldkit.importing.read import OpenedFile, intakes, open_file, read
+from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
+from fieldkit.importing.read import OpenedFile, imported_files, open_file, read
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.parallel import processes
 from fieldkit.paths import CAPTURE_SUFFIXES
@@ -27,7 +27,7 @@ READOUT_FIELDS = ("sd", "source")
 class Gathered:
     """The contents of files, read before a ledger is opened; their bytes are compressed."""
 
-    arrivals: tuple[Arrival, ...]
+    incoming_flights: tuple[IncomingFlight, ...]
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
     mapped: tuple[Mapped, ...] = ()
@@ -84,33 +84,33 @@ def gather(
         [one.original for one in read],
         [one.folder for one in read],
     )
-    read_files = intakes(opened, check_motor)
+    read_files = imported_files(opened, check_motor)
     by_digest = {original.digest: original for original in originals}
-    arrivals: list[Arrival] = []
+    incoming_flights: list[IncomingFlight] = []
     rejected = [Rejected(one.name, None, None, _without_name(one)) for one in refused]
     notes: list[str] = []
     views: list[FileView] = []
-    for folder, original, intake in zip(folders, originals, read_files, strict=True):
-        name = intake.source
-        rejected += intake.rejected
-        first, first_note = len(arrivals), len(notes)
-        notes += intake.notes
-        for flight, row in zip(intake.flights, intake.rows, strict=True):
+    for folder, original, imported in zip(folders, originals, read_files, strict=True):
+        name = imported.source
+        rejected += imported.rejected
+        first, first_note = len(incoming_flights), len(notes)
+        notes += imported.notes
+        for flight, row in zip(imported.flights, imported.rows, strict=True):
             given = _left_open(flight, defaults or {})
             others = tuple(by_digest[one] for one in flight.extra.get(OTHER_LOGS, "").split() if one in by_digest)
-            arrival = Arrival(flight.with_changes(**given), original, name, row, given, others)
+            incoming = IncomingFlight(flight.with_changes(**given), original, name, row, given, others)
             try:
-                arrival, remarks = _with_log(arrival, folder, check_motor)
+                incoming, remarks = _with_log(incoming, folder, check_motor)
             except BadValue as error:
                 rejected.append(Rejected(name, row, "log", str(error)))
             else:
-                kept, beyond = within_motor(arrival.flight)
-                arrivals.append(replace(arrival, flight=kept))
+                kept, beyond = within_motor(incoming.flight)
+                incoming_flights.append(replace(incoming, flight=kept))
                 remarks = [*remarks, *beyond]
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
-        views.append(file_view(intake, [one.flight for one in arrivals[first:]], notes[first_note:]))
-    mapped = tuple(one for intake in read_files for one in intake.mapped)
-    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped, tuple(views), len(refused))
+        views.append(file_view(imported, [one.flight for one in incoming_flights[first:]], notes[first_note:]))
+    mapped = tuple(one for imported in read_files for one in imported.mapped)
+    return Gathered(tuple(incoming_flights), tuple(rejected), tuple(notes), mapped, tuple(views), len(refused))
 
 
 def _files(paths: Sequence[Path]) -> list[Path]:
@@ -208,24 +208,24 @@ def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a fl
         raise DamagedLog(found, source=_name(path)) from error
 
 
-def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:
-    """An arrival with the bytes and readouts of the log that it names, and the notes on that log. Raises BadValue for a
-    log outside the folder of its table, with links resolved."""
-    flight = arrival.flight
+def _with_log(incoming: IncomingFlight, folder: Path, check_motor: CheckMotor) -> tuple[IncomingFlight, list[str]]:
+    """An incoming flight with the bytes and readouts of the log that it names, and the notes on that log. Raises
+    BadValue for a log outside the folder of its table, with links resolved."""
+    flight = incoming.flight
     if not flight.log:
-        return arrival, []
+        return incoming, []
     try:
         content = files.read(_inside(folder, flight.log), plain=True)
     except OSError as error:
-        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}); imported without it"]
+        return incoming, [f"found {flight.log!r}, which cannot be read ({error.strerror}); imported without it"]
     try:
         found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
-        return replace(arrival, log=Original.of(content), given=None), [f"stored but not read: {error}"]
+        return replace(incoming, log=Original.of(content), given=None), [f"stored but not read: {error}"]
     measured = {column.name for column in MEASURED if flight.number(column.name) is None}
     row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
     filled = _filled(flight, found.flights)
-    return replace(arrival, flight=filled, log=Original.of(content), given=row), list(found.notes)
+    return replace(incoming, flight=filled, log=Original.of(content), given=row), list(found.notes)
 
 
 def _inside(folder: Path, log: str) -> Path:

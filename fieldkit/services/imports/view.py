@@ -13,7 +13,7 @@ from fieldkit.analysis.labels import sensor_of
 from fieldkit.analysis.whole_flight import flight_curve
 from fieldkit.flight import MEASURED, TWO_DEVICES, Column, Flight
 from fieldkit.flight.recovery import measured_sd
-from fieldkit.importing.reading import Intake
+from fieldkit.importing.reading import ImportedFile
 
 if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
@@ -86,13 +86,13 @@ class FileView:
         return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
 
 
-def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
+def file_view(imported: ImportedFile, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
     """A file as read; `flights` are those of the import, as they would be stored, and `notes` all its notes."""
-    by_id = {one.flight_id: found for one, found in zip(intake.flights, intake.recorded, strict=True)}
-    how = intake.recognition
+    by_id = {one.flight_id: found for one, found in zip(imported.flights, imported.recorded, strict=True)}
+    how = imported.recognition
     return FileView(
-        intake.source,
-        intake.format,
+        imported.source,
+        imported.format,
         how.title,
         how.why,
         how.columns,
@@ -100,8 +100,8 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
         how.dropped,
         tuple(flight_view(flight, by_id.get(flight.flight_id)) for flight in flights),
         tuple(notes),
-        len(intake.rejected),
-        tuple(_simulation_view(one, number) for number, one in enumerate(intake.simulated, start=1)),
+        len(imported.rejected),
+        tuple(_simulation_view(one, number) for number, one in enumerate(imported.simulated, start=1)),
     )
 
 

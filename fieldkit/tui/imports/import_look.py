@@ -148,7 +148,7 @@ def _bring_in(
     paths, defaults = reading.together(path), reading.defaults()
     found = gather(paths, resources.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
     receipt = take_in(resources.ledger, found, choices=choices, dry_run=dry_run, motors=resources.motors)
-    return receipt, tuple(arrival.flight for arrival in found.arrivals)
+    return receipt, tuple(incoming.flight for incoming in found.incoming_flights)
 
 
 def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content:
