@@ -18,7 +18,7 @@ from fieldkit.ledger.rows import Row, agrees, check_keys, differences, row_of, s
 from fieldkit.ledger.tables import flights, tags
 
 
-class Known:
+class KnownFlights:
     """The flights in the ledger that may match new ones, by rocket and flight_id."""
 
     def __init__(self, connection: Connection, new: Sequence[Flight]) -> None:
@@ -62,7 +62,7 @@ def lacks_files(stored: Flight, flight: Flight) -> bool:
 
 def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) -> Added:
     """Add flights; see `Ledger.add`."""
-    known, conflicts, duplicates = Known(recorder.connection, [one.flight for one in incoming_flights]), [], 0
+    known, conflicts, duplicates = KnownFlights(recorder.connection, [one.flight for one in incoming_flights]), [], 0
     elsewhere = _by_log(recorder.connection, incoming_flights)
     entry = recorder.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
