@@ -10,7 +10,7 @@ so that an effect, and not the plain model, explains a motor that differs from i
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
@@ -107,11 +107,6 @@ class Hyperprior:
     def motor_scales(self) -> Float[Array, "scale"]:
         """The scale of the scatter in the quantities of `scaled_by_motors`, for every point of the grid. [1]"""
         return scale_grid(self.unknown_scales)[2 if self.motors else 0]
-
-    def flight_scales(self, quantities: Sequence[str]) -> Float[Array, "scale quantity"]:
-        """The scale of the scatter of single flights in each quantity, for every point of the grid. [1]"""
-        grids = {"scatter": self.scales()[0], "motors": self.motor_scales()}
-        return np.stack([grids[self.scale_of(name)] for name in quantities], axis=-1)
 
     def scale_of(self, quantity: str) -> Literal["scatter", "motors"]:
         """Which scale the scatter of single flights in a quantity has."""

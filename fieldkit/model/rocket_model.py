@@ -98,7 +98,8 @@ class Model:
 
     def scatter_scales(self) -> Float[Array, "scale scatter"]:
         """The scale of each random effect of single flights, for every point of the grid of scales. [1]"""
-        return self.hyperprior.flight_scales([one.bends for one in self.scatter])
+        grids = {"scatter": self.hyperprior.scales()[0], "motors": self.hyperprior.motor_scales()}
+        return np.stack([grids[self.hyperprior.scale_of(one.bends)] for one in self.scatter], axis=-1)
 
     def recorded(self, name: str) -> Float[Array, "flight"]:
         """One number of every flight in SI, nan if it was not recorded."""
