@@ -164,7 +164,7 @@ def _fit_start(
     samples = samples_on(
         grid, time, height, track.noise, push if fused else None, sighted, track.lag, is_barometric=track.is_barometric
     )
-    return FitStart(samples, coast, guess, fused, track.is_barometric and seen.transonic)
+    return FitStart(samples, coast, guess, fused)
 
 
 def _speed(coast: Coast, moment: float) -> float:

@@ -36,14 +36,13 @@ _PEAK_DELAY = 2.5
 class FitStart:
     """Input of a fit: the samples that count, the coast that they suggest, and an initial guess.
 
-    `fused` if the guess comes from an accelerometer; `transonic` if shocks may have disturbed the heights.
+    `fused` if the guess comes from an accelerometer.
     """
 
     samples: Samples
     coast: Coast | None
     guess: Guess
     fused: bool
-    transonic: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +86,8 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     Acceleration jumps at burnout. `static` is the standard deviation of the airframe's pressure error, as a fraction of
     the dynamic pressure. [1]
 
-    The coast shows the middle between lift-off and burnout, so where shocks hide the corner at burnout, an error of
-    lift-off is also one of burnout.
+    The coast shows the middle between lift-off and burnout, so where shocks, ports or few samples hide the corner at
+    burnout, an error of lift-off is also one of burnout.
     """
     lift = lag.lift.time if lag.lift is not None else marks.lift
     marks = replace(marks, lift=lift, released=marks.released - lag.lag)
@@ -107,7 +106,7 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     probability /= probability.sum()
     mean = float(probability @ every)
     sd = float(np.sqrt(probability @ (every - mean) ** 2))
-    if start.transonic and lag.lift is not None:
+    if lag.lift is not None:
         sd = float(np.hypot(sd, lag.lift.sd))
     return Burnout(replace(marks, burnout=mean), sd, lag.lag, total)
 

@@ -21,8 +21,8 @@ _MIN_DRAG_SPEED = 15.0
 """Speed below which errors of the acceleration exceed drag. [m/s]"""
 _MIN_DENSITY = 1e-4
 """Air density below which drag cannot be measured, reached about 60 km up. [kg/m^3]"""
-_FUSED_SPEED_ERROR, _DERIVED_SPEED_ERROR = 0.02, 0.015
-"""Smallest relative error of a top speed: with an accelerometer, from heights. [1]"""
+_SPEED_ERROR = 0.015
+"""Smallest relative error of a top speed. [1]"""
 _TRANSONIC_PRESSURE_ERROR = 0.06
 """The same as `STATIC_SD`, but above `_TRANSONIC_SPEED`, where shocks disturb the pressure. [1]"""
 _MAX_SPEED_ERROR = 0.25
@@ -50,6 +50,9 @@ _AVERAGING_TIME = 0.06
 _CHERNOFF_SD = 0.513
 """Standard deviation of Chernoff's distribution (Groeneboom and Wellner, Journal of Computational and Graphical
 Statistics 10, 2001). [1]"""
+_CROSSING_STEPS = 1.5
+"""Largest distance of a sample of an accelerometer from the top speed of the curve, in steps of whichever has longer
+ones: the end of thrust in one of them moves the curve by at most that. [1]"""
 _CROSSING_WINDOW, _NOISE_WINDOW, _LEAST_SLOPE = 0.15, 1.0, 5.0
 """Time to both sides of top speed over which the slope of the acceleration [s] and the noise of the accelerometer [s]
 are taken, and the slowest decrease of net acceleration at burnout [m/s^3]."""
@@ -139,8 +142,10 @@ def boost_event(
     value = float(ascent.speed[inside][place])
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
     late = float(1.4826 * np.median(np.abs(moments - time[place])))
+    moment = float(time[place])
     spread = float(ascent.speeds[:, inside][:, place].std())
     if ascent.fused and push:
+        moment = _crossed(push, begin, moment, max(median_step(push.time), median_step(time)))
         late, spread = (
             float(
                 np.linalg.norm(
@@ -155,7 +160,7 @@ def boost_event(
                 np.linalg.norm(
                     [
                         spread,
-                        _FUSED_SPEED_ERROR * value,
+                        _SPEED_ERROR * value,
                         (push.scale - 1) / 2 * value,
                         push.missed_speed_sd,
                         _gained_between(push, begin, time[place]),
@@ -190,7 +195,7 @@ def boost_event(
         late = float(np.hypot(late, blurred))
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
-    return Event(float(time[place]), late, source), Figure(value, float(spread), source)
+    return Event(moment, late, source), Figure(value, float(spread), source)
 
 
 def _faded(ascent: Ascent, speed: float, moment: float, begin: float) -> tuple[float, float]:
@@ -223,6 +228,24 @@ def _gained_between(push: Push, begin: float, burnout: float) -> float:
     intervals, jumps = np.diff(push.time[inside]), np.diff(push.felt[inside])
     wide = intervals > _AVERAGING_TIME
     return float(np.linalg.norm(jumps[wide] * intervals[wide]) / np.sqrt(12))
+
+
+def _crossed(push: Push, begin: float, moment: float, step: float) -> float:
+    """Time of top speed by the samples of an accelerometer, which are up to a `step` apart [s]: the middle between two
+    around a `moment` [s] of which the first one feels thrust and the second one none.
+
+    A curve through widely spaced samples spreads the end of thrust, and is fastest too late. If more than two samples
+    change sides there, thrust fades slowly, and its moment is kept. `begin` is lift-off. [s]
+    """
+    net = levelled(push, begin)
+    near = np.flatnonzero(np.abs(push.time - moment) <= _CROSSING_STEPS * step)
+    if net is None or near.size < 2:
+        return moment
+    pushed = net[near] > 0
+    ends = near[:-1][pushed[:-1] & ~pushed[1:]]
+    if ends.size != 1 or (~pushed[:-1] & pushed[1:]).any():
+        return moment
+    return float(push.time[ends[0]] + push.time[ends[0] + 1]) / 2
 
 
 def _moved_by_noise(push: Push, ascent: Ascent, moment: float) -> float:

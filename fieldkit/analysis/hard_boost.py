@@ -24,20 +24,21 @@ _HARD_BOOST = 0.25 / STATIC_SD * GRAVITY
 """Mean boost acceleration at which a typical static port error hides a quarter of the height. [m/s^2]"""
 _PAD_TIME, _COAST_TIME, _TOP_MARGIN = 4.0, 6.0, 0.3
 """Range of the fit: time before the first rise, time after burnout, and margin before the very top. [s]"""
-_BOOST_SHAPE, _BOOST_SHAPE_SD = 0.5, 0.06
-"""Height at burnout as a fraction of burnout speed times burn time: value for constant thrust, and its spread over
-motors. [1]"""
+BOOST_SHAPE, BOOST_SHAPE_SD = 0.56, 0.05
+"""Height at burnout as a fraction of burnout speed times burn time, by thrust alone: mean and standard deviation over
+the catalog, each impulse class weighted equally (a test recomputes them). [1]"""
 _BURNOUT_SD = 0.4
 """Standard deviation of the burnout time from the outline of the heights. [s]"""
 _MODEL_ERROR, _MIN_ERROR = 0.006, 0.2
 """Error of this climb model, as a fraction of v²/2g [1] and at least [m]."""
 _SOUND_MARGIN, _SHOCK_FACTOR = 0.15, 10.0
 """Range around the speed of sound, as a fraction of it, and the factor by which errors of heights grow there. [1]"""
-_MAX_SAMPLES, _MIN_SAMPLES, _ROUNDS = 300, 20, 30
-_START_OFFSETS = (0.0, 0.7, 1.5, 2.5)
-"""Times before the first rise at which a fit starts searching for lift-off. [s]"""
+_MAX_SAMPLES, _MIN_SAMPLES, _ROUNDS = 300, 20, 16
+_LEAD_STEP, _MOST_LEAD, _LEAST_CHANCE = 0.15, 3.0, 6.0
+"""Step and longest of the times before the first rise at which lift-off is tried [s], and how much less probable than
+the best one, as a logarithm, two in a row are if longer ones are not tried [1]."""
 _USUAL_CHANGE = np.array([1.0, 10.0, 0.3, 0.3, 0.3, STATIC_SD])
-_LIMITS = np.array([8.0, 1500.0, 2.0, 1.5, 4.0, 4 * STATIC_SD])
+_LIMITS = np.array([8.0, 1500.0, 2.0, 1.5, _LEAD_STEP / 2, 4 * STATIC_SD])
 """Limits of the change in time [s] and height [m] of apogee, logarithm of drag, times of burnout and lift-off [s], and
 error of ports [1]."""
 BURN_TIME, BURN_SPREAD = 2.14, 0.83
@@ -70,8 +71,14 @@ class _Climb:
         way = np.where(boost, (first + jerk * since / 3) * since**2 / 2, np.interp(self.time, free.time, free.height))
         fast = np.where(boost, (first + jerk * since / 2) * since, np.interp(self.time, free.time, free.speed))
         away = (way - static * fast * np.abs(fast) / (2 * GRAVITY) - self.height) / self.sd
-        uneven = (height / max(speed * burn, 1.0) - _BOOST_SHAPE) / _BOOST_SHAPE_SD
+        uneven = (height / max(speed * burn, 1.0) - BOOST_SHAPE) / BOOST_SHAPE_SD
         return np.append(away, (uneven, static / STATIC_SD, (burnout - self.fastest) / _BURNOUT_SD))
+
+    def cost(self, values: Float[Array, "six"]) -> float:
+        """Negative log probability of a climb, with the burn times of the catalog as a prior, up to a constant. [1]"""
+        burn = max(float(values[3] - values[4]), 0.05)
+        usual = (np.log(burn / BURN_TIME) / BURN_SPREAD) ** 2 / 2
+        return float(np.sqrt(1 + self.misfit(values) ** 2).sum() + usual)
 
 
 def hidden_lead(speed: float, burn: float, noise: float, sd: float) -> float:
@@ -102,14 +109,20 @@ def _below(deviates: Float[Array, "_"]) -> Float[Array, "_"]:
 
 
 def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
-    """A lift-off from the first rise of the heights; its error includes its delay according to the whole of a hard
-    climb."""
+    """A lift-off from the first rise of the heights, moved to where the whole of a hard climb has it on average.
+
+    Derivation: its time before the rise has the marginal likelihood of the climb, by the most probable other values for
+    each, with the burn times of the catalog as a prior. Shocks near the speed of sound are in no climb of this kind: then
+    the lift-off is kept, and its error includes the difference.
+    """
     if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
-    earlier = _lift_by_climb(corner, track, seen)
-    if earlier is None or earlier >= corner.time:
+    found = _leads(corner, track, seen)
+    if found is None:
         return corner
-    return replace(corner, sd=float(np.hypot(corner.sd, corner.time - earlier)))
+    leads, weight = found
+    mean = 0.0 if seen.transonic else float(weight @ leads)
+    return replace(corner, time=corner.time - mean, sd=float(np.sqrt(corner.sd**2 + weight @ (leads - mean) ** 2)))
 
 
 def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
@@ -119,8 +132,9 @@ def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
     return first, (2 * speed / burn - 2 * first) / burn
 
 
-def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None:
-    """Lift-off from the whole climb; None if the log contains too little of it. [s]"""
+def _leads(corner: Event, track: Heights, seen: Outline) -> tuple[Float[Array, "lead"], Float[Array, "lead"]] | None:
+    """Times by which lift-off may precede the first rise [s], with their probabilities by the whole climb; None if the
+    log contains too little of it."""
     inside = (track.time > corner.time - _PAD_TIME) & (
         track.time < min(seen.top, seen.fastest + _COAST_TIME) - _TOP_MARGIN
     )
@@ -132,10 +146,18 @@ def _lift_by_climb(corner: Event, track: Heights, seen: Outline) -> float | None
     climb = _Climb(time, height, _errors(time, free, corner, seen, track.noise), seen.fastest)
     top = int(np.argmax(free.height))
     start = np.array([free.time[top], free.height[top], np.log(1e-3), seen.fastest, corner.time, 0.0])
-    starts = [start - offset * np.eye(6)[4] for offset in _START_OFFSETS]
-    found = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in starts]
-    costs = [float(np.sqrt(1 + climb.misfit(values) ** 2).sum()) for values in found]
-    return float(found[int(np.argmin(costs))][4])
+    starts = [start, start + 2 * STATIC_SD * np.eye(6)[5]]
+    found, costs = start, list[float]()
+    leads = np.arange(0.0, _MOST_LEAD, _LEAD_STEP)
+    for lead in leads.tolist():
+        here = [np.where(np.arange(6) == 4, corner.time - lead, values) for values in (*starts, found)]
+        tried = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in here]
+        found = min(tried, key=climb.cost)
+        costs.append(climb.cost(found))
+        if min(costs[-2:]) > min(costs) + _LEAST_CHANCE:
+            break
+    weight = np.exp(min(costs) - np.array(costs))
+    return leads[: weight.size], weight / weight.sum()
 
 
 def _errors(

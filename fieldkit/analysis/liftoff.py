@@ -10,6 +10,7 @@ from fieldkit.analysis.hard_boost import checked_by_climb
 from fieldkit.analysis.phases import LEAST_GAIN, Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
+from fieldkit.integrals import running_integral
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -17,7 +18,11 @@ _THRUST = 2 * GRAVITY
 """Specific force that a rocket does not feel before lift-off. [m/s^2]"""
 
 _IGNITION = 0.02
-"""Time in which thrust rises to a fifth of its mean. [s]"""
+"""Longest time in which thrust rises to a fifth of its mean, so that lift-off may be earlier by anything up to that. [s]
+"""
+
+_STARTED = 0.05
+"""Fraction of the speed at burnout that a rocket has at the start of its boost. [1]"""
 
 _STEP, _QUICK_STEP = 0.01, 0.03
 """Steps between the lift-off times to try: for lift-off, and for how a lag shifts it. [s]"""
@@ -52,17 +57,18 @@ def _is_under_way(push: Push, moment: float) -> bool:
 
 
 def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
-    """Start of the acceleration that lasts until the fastest climb: where it crosses a fifth of its median."""
+    """Start of the acceleration that lasts until the fastest climb: between the samples where it crosses a fifth of its
+    median, with equal probability, because thrust rises faster than most loggers sample."""
     about = seen.lift if seen.lift is not None else seen.fastest - 1.5
     near = (push.time > about - 3) & (push.time <= seen.fastest + 0.05)
     time, felt = push.time[near], push.felt[near] - GRAVITY
     if time.size < 8:
         return None
-    step = median_step(time)
-    boost = felt[time > about]
-    strong = float(np.quantile(boost, 0.6)) if boost.size > 2 else 0.0
     quiet = felt[: max(3, int(np.searchsorted(time, about - 0.3)))]
     level, noise = float(np.median(quiet)), mad_sd(quiet)
+    pushed = _pushed(time, felt - level)
+    step, strong = median_step(time), float(np.median(felt[pushed]))
+    time, felt = time[: pushed.stop], felt[: pushed.stop]
     bar = level + max(0.2 * (strong - level), 5 * noise, 2.0)
     if strong < bar + 1 or felt[0] >= bar:
         return None
@@ -72,10 +78,21 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     if crossing.size == 0:
         return None
     first = crossing[_on_pad(_sustained(crossing, felt, bar), time[crossing], track, seen)]
-    fraction, hole = (bar - felt[first]) / (felt[first + 1] - felt[first]), float(time[first + 1] - time[first])
+    hole = float(time[first + 1] - time[first])
     blind = hole if hole > 1.5 * step else step
-    sd = float(np.hypot(blind / np.sqrt(12), _IGNITION))
-    return Event(float(time[first] + fraction * hole), sd, "acceleration")
+    sd = float(np.hypot(blind / np.sqrt(12), _IGNITION / np.sqrt(3)))
+    return Event(float(time[first] + time[first + 1]) / 2, sd, "acceleration")
+
+
+def _pushed(time: Float[Array, "_"], net: Float[Array, "_"]) -> slice:
+    """The samples in which a rocket gains its speed, by the net acceleration that it feels.
+
+    Heights may show the start of a hard boost too late, or its end if they are few or shocks disturb them.
+    """
+    speed = running_integral(net, time)
+    end = int(np.argmax(speed))
+    slow = np.flatnonzero(speed[: end + 1] <= _STARTED * speed[end])
+    return slice(int(slow[-1]) if slow.size else 0, end + 1)
 
 
 def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], bar: float) -> int:

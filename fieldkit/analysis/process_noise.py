@@ -14,7 +14,7 @@ from fieldkit.analysis.initial_guess import SHORTEST_BURN, Guess, lagged
 from fieldkit.analysis.optimize import nelder_mead
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
 from fieldkit.analysis.samples import Marks, Samples
-from fieldkit.analysis.smooth import CurvePosterior, Grid, apply, fit
+from fieldkit.analysis.smooth import CurvePosterior, Grid, apply, basis, fit
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
@@ -123,7 +123,7 @@ class FittedCurve:
 
         `static` is the standard deviation of the airframe's pressure error, as a fraction of the dynamic pressure.
         """
-        error = static * self.ram(samples, guess, marks, lag) if static > 0 else None
+        error = static * dynamic_height(samples, guess.speed, marks, lag) if static > 0 else None
         try:
             return self.prior + self.again(samples, guess, marks, lag, error).curve.evidence
         except np.linalg.LinAlgError:
@@ -133,11 +133,12 @@ class FittedCurve:
         """The same samples and errors with the process noises of another fit."""
         return replace(self, thrust=other.thrust, coast=other.coast, prior=other.prior)
 
-    def ram(self, samples: Samples, guess: Guess, marks: Marks, lag: float) -> Float[Array, "time"]:
-        """Height of the dynamic pressure at each sample, v²/2g behind a lag [s]. [m]"""
-        shown = lagged(guess.speed**2 / (2 * GRAVITY), 0.0, samples.grid.step, lag)
-        flies = samples.is_own & (samples.time < marks.released)
-        return np.asarray(flies * np.interp(samples.time, samples.grid.time, shown))
+
+def dynamic_height(samples: Samples, speed: Float[Array, "knot"], marks: Marks, lag: float) -> Float[Array, "time"]:
+    """Height of the dynamic pressure at each sample, v²/2g behind a lag [s], by the speed at the knots [m/s]. [m]"""
+    shown = lagged(speed**2 / (2 * GRAVITY), 0.0, samples.grid.step, lag)
+    flies = samples.is_own & (samples.time < marks.released)
+    return np.asarray(flies * np.interp(samples.time, samples.grid.time, shown))
 
 
 def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float = 0.0) -> FittedCurve:
@@ -147,10 +148,12 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: floa
     """
     model = _model(samples, guess, fused, marks, lag)
     settings, weight = model.centre, np.ones(samples.time.size)
+    if fused and samples.is_barometric:
+        weight = model.weighed(settings, weight)
+        speed = guess.speed + apply(basis(samples.grid, samples.grid.time, 1), model.curve(settings, weight).mean)
+        model = replace(model, error=STATIC_SD * dynamic_height(samples, speed, marks, lag))
     for tries in (45, 30, 20):
-        for _ in range(4):
-            residual = model.residual(settings, weight) / np.sqrt(model.variance(settings))
-            weight = (_STUDENT + 1) / (_STUDENT + residual**2)
+        weight = model.weighed(settings, weight)
         settings = model.searched(settings, weight, tries)
     residual = model.residual(settings, weight)
     own = samples.is_own
@@ -173,7 +176,8 @@ class _Model:
 
     The settings are logarithms: of the process noise under thrust and in the coast [m^2/s^5], of the noise of a sample
     [m], and of the factor by which it grows under thrust [1]. `centre` and `spread` are their prior; `known` are known
-    variances of each sample, `opening` the process noise of an opening parachute.
+    variances of each sample, `opening` the process noise of an opening parachute, and `error` is what static ports that
+    are off by one standard deviation add to each sample [m].
     """
 
     samples: Samples
@@ -183,6 +187,7 @@ class _Model:
     known: Float[Array, "time"]
     opening: float
     late: Float[Array, "interval"]
+    error: Float[Array, "time"] | None
     centre: Float[Array, "four"]
     spread: Float[Array, "four"]
 
@@ -201,11 +206,21 @@ class _Model:
             weight / self.variance(settings),
             variances + self.samples.hidden,
             self.late,
+            self.error,
         )
 
     def residual(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
-        """Residuals after the curve. [m]"""
-        return self.rest - apply(self.samples.splines.rows, self.curve(settings, weight).mean)
+        """Residuals after the curve and the error in common. [m]"""
+        curve = self.curve(settings, weight)
+        left = self.rest - apply(self.samples.splines.rows, curve.mean)
+        return left if self.error is None else left - curve.shared * self.error
+
+    def weighed(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
+        """Weights of the samples by Student's t, from previous ones. [1]"""
+        for _ in range(4):
+            residual = self.residual(settings, weight) / np.sqrt(self.variance(settings))
+            weight = (_STUDENT + 1) / (_STUDENT + residual**2)
+        return weight
 
     def cost(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> float:
         """Negative log posterior of the settings; filtered samples scatter less than their true error."""
@@ -233,6 +248,7 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks, lag: float
         _ram(samples, guess, fused) ** 2 + _blur(samples, guess, marks) ** 2 + _gas(samples.time, marks.charge) ** 2,
         _opening(samples.grid, guess, marks.charge),
         lags(samples.grid, marks, lag),
+        None,
         np.log([*noises, samples.noise, 1.5]),
         np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([THRUST_NOISE_SPREAD, 0.8, 0.35, 0.7]),
     )

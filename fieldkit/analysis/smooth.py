@@ -77,12 +77,18 @@ def apply(rows: SplineRows, coefficients: Float[Array, "*draw knot"]) -> Float[A
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvePosterior:
-    """The posterior of a curve: mean coefficients, Cholesky factor of their precision, and the log evidence."""
+    """The posterior of a curve: mean coefficients, Cholesky factor of their precision, and the log evidence.
+
+    If heights have an error in common, `shared` is the mean of its factor [1], and `moved` is how far the coefficients
+    move with one standard deviation of it [m].
+    """
 
     grid: Grid
     mean: Float[Array, "knot"]
     factor: Float[Array, "band knot"]
     evidence: float
+    shared: float
+    moved: Float[Array, "knot"]
 
     def draws(self, count: int, random: np.random.Generator) -> Float[Array, "draw knot"]:
         """Coefficients drawn from the posterior, in the unit of the curve."""
@@ -90,7 +96,8 @@ class CurvePosterior:
 
         noise = random.standard_normal((self.mean.size, count))
         away, _ = dtbtrs(self.factor, noise, uplo="L", trans="T")
-        return np.asarray(self.mean + away.T)
+        together = random.standard_normal((count, 1)) * self.moved if self.moved.any() else 0.0
+        return np.asarray(self.mean + away.T + together)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -209,8 +216,8 @@ def fit(
 
     `precision` is one over the variance of each height [1/m^2], zero for a sample that does not count; `process_noise`
     is the variance that acceleration gains per second in each interval [m^2/s^5]; `lag` is the time constant by which
-    the acceleration that is a random walk is ahead of that of the curve [s]. An `error` [m] times an unknown standard
-    normal factor, which heights have in common, lowers the evidence but leaves the curve as it is.
+    the acceleration that is a random walk is ahead of that of the curve [s]; `error` is an error that heights have in
+    common, times an unknown standard normal factor [m].
     """
     from scipy.linalg.lapack import dpbtrf, dpbtrs  # takes 0.18 s to import
 
@@ -231,9 +238,13 @@ def fit(
         - 2 * np.log(factor[0]).sum()
         - misfit.product(left, left)
     )
-    if error is not None:  # the misfit is quadratic in the factor, so the integral over it is known
-        moved, _ = dpbtrs(factor, samples.sums.of(precision * error), lower=1)
-        shared = misfit.deviations(error, moved)
-        bend = misfit.product(shared, shared)
-        evidence += 0.5 * (misfit.product(shared, left) ** 2 / (1 + bend) - np.log1p(bend))
-    return CurvePosterior(samples.grid, mean, factor, float(evidence))
+    if error is None:
+        return CurvePosterior(samples.grid, mean, factor, float(evidence), 0.0, np.zeros(mean.size))
+    follows, _ = dpbtrs(factor, samples.sums.of(precision * error), lower=1)
+    shared = misfit.deviations(error, follows)  # the misfit is quadratic in the factor
+    bend, slope = misfit.product(shared, shared), misfit.product(shared, left)
+    evidence += 0.5 * (slope**2 / (1 + bend) - np.log1p(bend))
+    value = slope / (1 + bend)
+    return CurvePosterior(
+        samples.grid, mean - value * follows, factor, float(evidence), value, follows / np.sqrt(1 + bend)
+    )

@@ -5,7 +5,7 @@ import pytest
 
 from fieldkit.analysis import measure
 from fieldkit.analysis.ballistic import coast
-from fieldkit.analysis.hard_boost import BURN_SPREAD, BURN_TIME, hidden_lead
+from fieldkit.analysis.hard_boost import BOOST_SHAPE, BOOST_SHAPE_SD, BURN_SPREAD, BURN_TIME, hidden_lead
 from fieldkit.analysis.notes import ENDS_IN_BOOST
 from fieldkit.flight import Series
 from fieldkit.motors import catalogue
@@ -15,9 +15,9 @@ from fieldkit.shapes import Array
 LIFT, BURN = 5.0, 1.6
 
 
-def heights(static: float, burn: float = BURN) -> tuple[Array, Array]:
+def heights(static: float, burn: float = BURN, apogee: float = 22.0, top: float = 2700.0) -> tuple[Array, Array]:
     """Times [s] and heights [m] of a boost at constant thrust and its coast, measured through biased ports."""
-    apogee, top, drag = 22.0, 2700.0, 6e-4
+    drag = 6e-4
     free = coast(apogee, top, drag, 0.0, apogee)
     time = np.arange(0, 60, 0.05)
     burnout = float(free.time[np.argmin(np.abs(free.height - free.speed * burn / 2))])
@@ -47,6 +47,30 @@ def test_a_lift_off_hidden_by_port_errors_has_a_large_standard_deviation() -> No
     assert clear.events["liftoff"].sd < 0.15
     assert hidden.events["liftoff"].time > LIFT + 0.3
     assert hidden.events["liftoff"].sd > 0.3
+
+
+@pytest.mark.parametrize("static", [0.055, 0.065])
+def test_a_lift_off_hidden_in_a_subsonic_boost_is_found_by_the_whole_climb(static: float) -> None:
+    """At 14 g such ports keep the heights on the pad's level for most of the boost: the first rise is 0.4 s late."""
+    time, height = heights(static, 0.7, 7.5, 300.0)
+    lift = measure([Series(time, altitude=height)]).events["liftoff"]
+    assert abs(lift.time - LIFT) < 2 * lift.sd < 0.3
+
+
+def test_the_shape_of_a_boost_agrees_with_the_catalog() -> None:
+    """Height at burnout, relative to speed times burn time, is the mean time from impulse to burnout."""
+    part, motors = np.linspace(0, 1, 401), catalogue().motors
+    classes = [motor.impulse_class for motor in motors]
+    weight = np.array([1 / classes.count(one) for one in classes])
+    shapes = []
+    for motor in motors:
+        thrust = np.interp(part * motor.burnout, motor.time, motor.thrust, left=0.0, right=0.0)
+        shapes.append(np.trapezoid(thrust * (1 - part), part) / np.trapezoid(thrust, part))
+    mean = np.average(shapes, weights=weight)
+    assert mean == pytest.approx(BOOST_SHAPE, abs=0.01)
+    assert np.sqrt(np.average((np.array(shapes) - mean) ** 2, weights=weight)) == pytest.approx(
+        BOOST_SHAPE_SD, abs=0.01
+    )
 
 
 def test_measured_burn_times_agree_with_the_catalog() -> None:

@@ -95,6 +95,24 @@ def test_the_evidence_of_a_lag_equals_that_from_dense_matrices() -> None:
     assert found(lag, None) - found(None, None) == pytest.approx(dense(lag, none) - dense(0 * lag, none), abs=1e-4)
 
 
+def test_an_error_that_samples_share_moves_the_curve_and_widens_its_draws() -> None:
+    """The mean and the covariance are those of the same model with dense matrices."""
+    random = np.random.default_rng(4)
+    grid = Grid(0.0, 0.1, 10)
+    time = np.sort(random.uniform(0, 1, 40))
+    samples, height, error = design(grid, time), 5 * random.standard_normal(40), 3 * time**2
+    rows = np.zeros((40, 13))
+    for place in range(4):
+        rows[np.arange(40), samples.rows.first + place] = samples.rows.value[:, place]
+    walk = np.diff(np.eye(13), 3, axis=0) / np.sqrt(50.0 * grid.step**5)
+    certain = np.linalg.inv(np.eye(40) / 4 + np.outer(error, error))
+    covariance = np.linalg.inv(walk.T @ walk + rows.T @ certain @ rows)
+    found = fit(samples, height, np.full(40, 4.0), np.full(10, 50.0), error=error)
+    assert found.mean == pytest.approx(covariance @ rows.T @ certain @ height, abs=1e-4)
+    drawn = np.cov(found.draws(20_000, random).T)
+    assert np.diag(drawn) == pytest.approx(np.diag(covariance), rel=0.06)
+
+
 def test_samples_too_noisy_for_a_second_curve_are_not_a_flight(monkeypatch: pytest.MonkeyPatch) -> None:
     """The accelerometer contradicts the heights at the top, and no curve fits the heights alone."""
     module = sys.modules["fieldkit.analysis.measure"]

@@ -11,9 +11,10 @@ from bench.recorders.flights import draw
 from bench.recorders.models import Recorder
 from bench.recorders.record import written
 from fieldkit.analysis import NO_FLIGHT, Recorded, measure
-from fieldkit.analysis.channels import Heights, heights
+from fieldkit.analysis.channels import Heights, Push, heights
 from fieldkit.analysis.disturbed_heights import undisturbed
-from fieldkit.analysis.phases import outline
+from fieldkit.analysis.liftoff import liftoff
+from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.possible import known_well, possible, widened_by_contradictions
 from fieldkit.analysis.records import Figure
 from fieldkit.analysis.whole_flight import flight_curve
@@ -261,6 +262,43 @@ def test_thrust_from_the_first_sample_on_gives_no_later_lift_off() -> None:
     speed = np.interp(barometer.time, truth.time, truth.speed) * (barometer.time < truth.burnout)
     recorded = measure((replace(barometer, altitude=barometer.altitude - 0.03 * speed**2 / (2 * GRAVITY)), felt))
     assert "liftoff" not in recorded.events or recorded.events["liftoff"].time <= 0.15
+
+
+def lowered(truth: Truth, static: float, **settings: float) -> tuple[Series, ...]:
+    """A log whose static ports lower the heights by a fraction of the dynamic pressure. [1]"""
+    series, *others = recording(truth, **settings)
+    speed = np.interp(series.time, truth.time, truth.speed, left=0, right=0)
+    return replace(series, altitude=series.altitude - static * speed * np.abs(speed) / (2 * GRAVITY)), *others
+
+
+@pytest.mark.parametrize("static", [-0.08, 0.08])
+def test_biased_ports_move_neither_speed_nor_burnout_of_an_accelerometer(static: float) -> None:
+    truth = flown(SMALL)
+    recorded = measure(lowered(truth, static, accelerometer=100.0, rate=50.0))
+    assert not misses(recorded, truth, "top_speed", "burn_time", "avg_accel", sds=2.0)
+    assert recorded.figures["top_speed"].value == pytest.approx(truth.readouts()["top_speed"], rel=0.03)
+
+
+@pytest.mark.parametrize(("lift", "fastest"), [(3.7, 4.9), (2.2, 5.9)], ids=["hidden by ports", "a height a second"])
+def test_lift_off_is_by_the_accelerometer_if_heights_show_the_boost_at_another_time(
+    lift: float, fastest: float
+) -> None:
+    time = np.arange(0, 8, 0.01)
+    felt = np.where((time > 3) & (time < 4), 100.0, np.where(time > 4, -20.0, GRAVITY))
+    push = Push(time, felt + np.random.default_rng(1).normal(0, 2, time.size), False, "acceleration", True)
+    clock = np.arange(0, 12, 0.05)
+    track = Heights(clock, np.where(clock > lift, 100 * (clock - lift), 0.0), True, 0.4, "barometric altitude")
+    seen = Outline(lift, fastest, 12.0, True, 0.0, 0.1, 500.0, track.height, False, 100.0)
+    found = liftoff(track, push, seen)
+    assert found is not None
+    assert found.time == pytest.approx(3.0, abs=0.02)
+
+
+def test_burnout_by_an_accelerometer_with_few_samples_is_not_late() -> None:
+    """A curve through samples a tenth of a second apart spreads the end of a strong thrust over two of them."""
+    truth = flown(Rocket(thrust=120.0, burn=0.9))
+    recorded = measure(recording(truth, accelerometer=10.0, rate=10.0))
+    assert recorded.figures["burn_time"].value == pytest.approx(truth.readouts()["burn_time"], abs=0.06)
 
 
 def test_a_peak_before_the_first_sample_of_an_accelerometer_is_not_measured() -> None:
