@@ -18,8 +18,7 @@ _THRUST = 2 * GRAVITY
 """Specific force that a rocket does not feel before lift-off. [m/s^2]"""
 
 _IGNITION = 0.02
-"""Longest time in which thrust rises to a fifth of its mean, so that lift-off may be earlier by anything up to that. [s]
-"""
+"""Longest time in which thrust rises to a fifth of its mean: lift-off is earlier by anything up to that. [s]"""
 
 _STARTED = 0.05
 """Fraction of the speed at burnout that a rocket has at the start of its boost. [1]"""
