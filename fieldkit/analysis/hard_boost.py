@@ -112,8 +112,8 @@ def checked_by_climb(corner: Event, track: Heights, seen: Outline) -> Event:
     """A lift-off from the first rise of the heights, moved to where the whole of a hard climb has it on average.
 
     Derivation: its time before the rise has the marginal likelihood of the climb, by the most probable other values for
-    each, with the burn times of the catalog as a prior. Such a climb has no shocks near the speed of sound: if there may
-    be some, the lift-off is kept, and its error includes the difference.
+    each, with the burn times of the catalog as a prior. Such a climb has no shocks near the speed of sound: if there
+    may be some, the lift-off is kept, and its error includes the difference.
     """
     if seen.climbs < _HARD_BOOST * max(seen.fastest - corner.time, 0.0):
         return corner
