@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Note, Parsed, Parser, Reading
 from fieldkit.importing.tables.clocks import in_order
@@ -35,6 +36,8 @@ RECEIVER_COLUMNS = ("alt", "lat", "lon", "vertv", "fix")
 GROUND = {"tracker", "date", "time"}
 DAY = 86_400.0
 """Length of a day. [s]"""
+_MILLISECONDS = 1e11
+"""Above this a Unix time is in milliseconds. [s]"""
 
 
 def _fits(names: Sequence[str]) -> bool:
@@ -67,10 +70,14 @@ def read(log: bytes) -> list[Parsed]:
     notes: list[Parsed] = []
     for name, part in _trackers(table):
         time = part.values["time"]
+        if (time > _MILLISECONDS).any():
+            time = time / 1000
         if ground:
             time = time + DAY * np.concatenate([[0], np.cumsum(np.diff(time) < -DAY / 2)])
         names = [name for name in part.values if name != "time"]
         ordered = in_order(time, *(part.values[channel] for channel in names))
+        if not ordered[0].size:
+            raise DamagedLog("found no time of day or Unix time, expected at least one")
         if (np.diff(time) < 0).any():
             notes.append(Note(f"has {counted(int((np.diff(time) < 0).sum()), 'row')} out of order, sorted"))
         extra = _utc(log, head, part, time)

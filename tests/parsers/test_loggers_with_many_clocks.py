@@ -137,6 +137,21 @@ def test_each_tracker_received_by_a_ground_station_is_one_flight_even_over_midni
     assert one.clocks[0].time.tolist() == [0, 1, 2]
 
 
+def test_a_gps_with_milliseconds_of_unix_time_is_read_in_seconds() -> None:
+    log = b"UTCTIME,UNIXTIME,ALT,LAT,LON\n" + b"".join(
+        b"x,%d,1000,47.1,8.4\n" % (1715421600000 + 500 * i) for i in range(4)
+    )
+    (flight,) = parsers()["featherweight_gps"].read(log)
+    assert isinstance(flight, Reading)
+    assert flight.clocks[0].time == pytest.approx([0, 0.5, 1.0, 1.5])
+
+
+def test_a_gps_without_a_possible_time_is_damaged() -> None:
+    log = b"UTCTIME,UNIXTIME,ALT,LAT,LON\n" + b"x,9e20,1000,47.1,8.4\n" * 4
+    with pytest.raises(DamagedLog):
+        parsers()["featherweight_gps"].read(log)
+
+
 def test_a_gps_without_a_fix_has_no_height() -> None:
     log = b"UTCTIME,UNIXTIME,ALT,LAT,LON,FIX\n" + b"".join(b"x,%d,1000,47.1,8.4,%d\n" % (i, i % 4) for i in range(4))
     (flight,) = parsers()["featherweight_gps"].read(log)

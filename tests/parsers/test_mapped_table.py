@@ -88,6 +88,9 @@ HEADERS = [
     ("Altitude (m above sea level)", "altitude_msl", "m"),
     ("Feet", "altitude", "feet"),
     ("Seconds", "time", "seconds"),
+    ("[Altitude (Baro-Ft)]", "altitude", "Ft"),
+    ("Altitude (Accel-Ft)", "inertial_altitude", "Ft"),
+    ("Alt (m, GPS)", "gps_altitude_msl", "m"),
 ]
 
 

@@ -63,6 +63,8 @@ _REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
 """Words of a pressure that is that of the day, not that of a sample."""
 _QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
 """Texts in brackets that are not units."""
+_SENSORS = _set("baro barometric accel inertial gps")
+"""Words beside a unit in brackets that name the sensor of a height or speed: `Baro-Ft`, `m, gps`."""
 
 
 def heading(spelled: str) -> Heading:
@@ -73,11 +75,23 @@ def heading(spelled: str) -> Heading:
         inside = match[1].strip()
         if inside.lower() not in _QUALIFIERS:
             above = _HEIGHT_ZERO.fullmatch(inside)
-            unit, zero = (above[1], above[2]) if above else (inside, "")
-            name = f"{spelled[: match.start()]} {zero} {spelled[match.end() :]}"
+            unit, also = (above[1], above[2]) if above else (inside, "")
+            unit, sensor = _without_sensor(unit)
+            also = f"{also} {sensor}"
+            name = f"{spelled[: match.start()]} {also} {spelled[match.end() :]}"
             break
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", name.lower())), unit)
+
+
+def _without_sensor(text: str) -> tuple[str, str]:
+    """The unit in a text, and the sensor that it names beside it; "" if none."""
+    for mark in "-,; ":
+        before, after = text.partition(mark), text.rpartition(mark)
+        for sensor, unit in ((before[0], before[2]), (after[2], after[0])):
+            if sensor.strip().lower() in _SENSORS and unit.strip():
+                return unit.strip(), sensor.strip()
+    return text, ""
 
 
 def unit_named(quantity: str, text: str) -> Unit | None:
