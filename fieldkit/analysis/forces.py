@@ -189,9 +189,7 @@ def boost_event(
         )
         off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
         value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MAIN_FRACTION else "")
-        spread = float(
-            np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late, faded * FADE_SD / FADE])
-        )
+        spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, static, brakes * late, faded * FADE_SD / FADE]))
         late = float(np.hypot(late, blurred))
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
