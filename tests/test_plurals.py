@@ -54,7 +54,7 @@ NEVER_ONE = {
     "points": "points, a decimal number",
     "best.gain_error": "points, a decimal number",
     "advice.gain_error": "points, a decimal number",
-    "len(READ)": "readouts that are asked for",
+    "len(READOUT_QUESTIONS)": "readouts that are asked for",
     "found['n']": "simulated flights of the paper, thousands",
 }
 """Expressions that are never one, or are not counts, each with what it is."""

@@ -273,7 +273,8 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
         assert not open_one.stale
         ledger.keep_start(Start("Skylark", "A", 0.42, 0.066, 0.8, 0.6, "skylark.ork"))
         (stale,) = list_forecasts(ledger, motors)
-    assert stale.changes == ("the design's Cd was 1, now 0.6", "the design's dry mass was 400 g, now 420 g")
+    changes = [change.words() for change in stale.changes]
+    assert changes == ["the design's Cd was 1, now 0.6", "the design's dry mass was 400 g, now 420 g"]
 
 
 def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
