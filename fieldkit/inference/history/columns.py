@@ -2,7 +2,8 @@
 
 Derivation: counts and ratios enter as logarithms. Kurtosis, lag-1 autocorrelation and trend are ratios of sample
 moments of the residuals. The evidence of an effect is the log of the mean Bayes factor of its places, by the prior
-weights of these; evidence is limited and compressed by the inverse hyperbolic sine.
+weights of these; evidence is limited and compressed by the inverse hyperbolic sine. Log odds are those of sets of at
+most two effects.
 """
 
 from collections import Counter
@@ -13,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from fieldkit.inference.history.evidence import Trials, conditional
+from fieldkit.inference.history.joint_evidence import log_odds
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
@@ -36,6 +38,7 @@ PER_EFFECT = (
     "size",
     "z",
     "acts",
+    "odds",
 )
 """Features of every effect."""
 EVIDENCE_COLUMNS = PER_EFFECT.index("places")
@@ -82,6 +85,8 @@ OF_HISTORY = (
     "cd_sd",
     "alpha_sd",
     "cd_alpha",
+    "none_odds",
+    "pattern_odds",
 )
 """Features of the whole history and of the plan."""
 
@@ -210,7 +215,16 @@ def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Ar
         beside = conditional(trials, [leaders[""], leaders[first]])
         columns["pattern_beside_best"] = float(shown_evidence(beside[0, 1]))
         columns["pattern_by_forecast_fit"] = float(shown_evidence(_sums(beside_forecast)[""]))
-    return columns | _shifts(beside_forecast)
+    each, none = _odds(trials)
+    return columns | {"none_odds": none, "pattern_odds": each.get("", 0.0)} | _shifts(beside_forecast)
+
+
+def _odds(trials: Trials) -> tuple[dict[str, float], float]:
+    """The log odds that each family is present beside the others, and that none is. [nat]"""
+    leaders, log_bayes = _leaders(trials), _sums(trials)
+    beside = conditional(trials, list(leaders.values())) if leaders else np.empty((0, 0))
+    each, none = log_odds(np.array([log_bayes[name] for name in leaders]), beside)
+    return dict(zip(leaders, each.tolist(), strict=True)), none
 
 
 def _shifts(trials: Trials) -> dict[str, Array]:
@@ -241,6 +255,7 @@ def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) ->
     present = [name for name in leaders if name]
     order = [*present, *([""] if "" in leaders else [])]
     beside = conditional(trials, [leaders[name] for name in order]) if order else np.empty((0, 0))
+    odds, _ = _odds(trials)
     found = np.zeros((len(names), len(PER_EFFECT)))
     for row, name in enumerate(names):
         if name not in by_family:
@@ -259,6 +274,7 @@ def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) ->
             trials.mean[leader] / trials.prior_sd[leader],
             trials.mean[leader] / trials.sd[leader] / 4.0,
             1.0,
+            odds[name],
         )
     found[:, :EVIDENCE_COLUMNS] = shown_evidence(found[:, :EVIDENCE_COLUMNS])
     return found

@@ -13,7 +13,14 @@ import numpy as np
 
 from fieldkit import __version__, parallel
 from fieldkit.inference.history.drawn_rockets import stock
-from fieldkit.inference.history.features import HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.features import (
+    HistorySummary,
+    PreparedHistory,
+    effect_names,
+    feature_names,
+    modeled,
+)
+from fieldkit.inference.history.features import summarized as summary
 from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
@@ -28,7 +35,7 @@ from fieldkit.physics.setups import reference_area
 from fieldkit.shapes import Array, Float
 
 ROCKETS_PER_SHARD = 100
-"""Rockets per shard: about 200 histories, some seconds of work."""
+"""Rockets per shard: about 400 histories, some seconds of work."""
 TRUTHS = (
     "unexplained",
     "selects",
@@ -90,9 +97,13 @@ def summarized(
     area = [reference_area(history.flights, len(history.used_in_fit)) for history in rockets.values()]
     response = respond(flights, motors, np.concatenate(area))
     ends = np.cumsum([0, *(len(history.flights) for history in rockets.values())]).tolist()
-    parts = {key: response.part(slice(*ends[i : i + 2])) for i, key in enumerate(rockets)}
+    ready = {
+        key: PreparedHistory(modeled(history, candidates_of), response.part(slice(*ends[i : i + 2])))
+        for i, (key, history) in enumerate(rockets.items())
+    }
     for one in found:
-        yield summarize(one.history, parts[id(one.history.found)], candidates_of, names)
+        flown = one.history.flights[: len(one.history.used_in_fit)]
+        yield summary(ready[id(one.history.found)], flown, names)
 
 
 def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:

@@ -34,8 +34,8 @@ MIN_FLIGHTS_OF_PATTERN = 4
 """Minimum number of flights for a pattern. [1]"""
 MISTAKES = 0.015
 """Fraction of flights that went wrong without a tag. [1]"""
-DRAWS_PER_ROCKET = 2
-"""Histories per rocket."""
+DRAWS_PER_ROCKET = 4
+"""Histories per rocket; they share its flights, whose simulation with every effect takes most of the time of one."""
 ROCKETS_PER_BATCH = 25
 """Rockets per batch."""
 BACKGROUND = 0.1
