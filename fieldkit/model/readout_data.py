@@ -47,12 +47,32 @@ def observe(
 ) -> Data:
     """The observed readouts of flights on their motors; those of flights marked in `used_in_fit` are seen, except those
     that cannot be measurements (`not_measured`)."""
+    return as_compared(readings(flights, found), used_in_fit, hyperprior)
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """Readouts of flights [SI], without those that cannot be measurements, and their recorded standard deviations as
+    compared [1] or [s]; nan for those that were not recorded."""
+
+    values: Float[Array, "flight readout"]
+    sd: Float[Array, "flight readout"]
+
+
+def readings(flights: Sequence[Flight], found: Sequence[Found]) -> Readings:
+    """The part of `observe` that does not depend on the hyperprior."""
     flights = [_measured(flight, one) for flight, one in zip(flights, found, strict=True)]
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         own = own_sd(flights, raw)
-        raw = _speed_from_average(raw, recorded(flights, "avg_accel"))
-        sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))
+        return Readings(_speed_from_average(raw, recorded(flights, "avg_accel")), own)
+
+
+def as_compared(found: Readings, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
+    """The part of `observe` that depends on the hyperprior: readouts without a recorded standard deviation get its."""
+    raw = found.values
+    with np.errstate(invalid="ignore", divide="ignore"):
+        sd = np.where(np.isfinite(found.sd), found.sd, reading_sd(raw, hyperprior))
         seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & (sd < MAX_SD)
         seen &= np.asarray(used_in_fit, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)

@@ -8,6 +8,7 @@ most two effects.
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -25,6 +26,8 @@ from fieldkit.shapes import Array, Float
 
 MAX_LOG_BAYES = 60.0
 """Limit of the evidence in the features. [nat]"""
+NOTHING = "nothing"
+"""The name that `odds_of` gives to a model without any effect or pattern."""
 LOG_BAYES_SCALE = 4.0
 """Unit of evidence under the inverse hyperbolic sine, which is linear for weak evidence. [nat]"""
 PER_EFFECT = (
@@ -186,45 +189,57 @@ def _sums(trials: Trials, which: str = "log_bayes") -> dict[str, float]:
     return dict(zip(groups, np.logaddexp.reduceat(joint, starts).tolist(), strict=True))
 
 
-def _leaders(trials: Trials) -> dict[str, int]:
-    """The row of the strongest trial of each family, by evidence with its prior."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranked:
+    """Trials with the evidence of their families [nat], the row of the strongest trial of each by evidence with its
+    prior, and the evidence of these trials beside each other, alone on the diagonal [nat]."""
+
+    trials: Trials
+    log_bayes: Mapping[str, float]
+    leaders: Mapping[str, int]
+    beside: Float[Array, "family family"]
+
+
+def ranked(trials: Trials) -> Ranked:
+    """The evidence of the families of trials, compared with each other."""
     weight = trials.weight.tolist()
-    return {name: max(rows, key=weight.__getitem__) for name, rows in families(trials).items()}
+    leaders = {name: max(rows, key=weight.__getitem__) for name, rows in families(trials).items()}
+    beside = conditional(trials, list(leaders.values())) if leaders else np.empty((0, 0))
+    return Ranked(trials, _sums(trials), leaders, beside)
 
 
-def of_evidence(trials: Trials, beside_forecast: Trials) -> dict[str, float | Array]:
-    """The strongest effects, patterns, and the shift of each plan's forecast by effects."""
-    bayes = _sums(trials)
+def of_evidence(found: Ranked, beside_forecast: Trials, odds: Mapping[str, float]) -> dict[str, float | Array]:
+    """The strongest effects, patterns, and the shift of each plan's forecast by effects; `odds` are as in
+    `odds_of`."""
+    trials, bayes = found.trials, found.log_bayes
     named = sorted((value for name, value in bayes.items() if name), reverse=True)
     columns: dict[str, float | Array] = {
         "any_effect": float(shown_evidence(np.logaddexp.reduce(named) - np.log(len(named)))) if named else 0.0,
         "first": float(shown_evidence(named[0])) if named else 0.0,
         "second": float(shown_evidence(named[1])) if len(named) > 1 else 0.0,
+        "none_odds": odds[NOTHING],
+        "pattern_odds": odds.get("", 0.0),
     }
-    leaders = _leaders(trials)
     pattern = "" in bayes
     columns |= {
         "pattern": float(shown_evidence(bayes[""])) if pattern else 0.0,
         "pattern_robust": float(shown_evidence(_sums(trials, "robust")[""])) if pattern else 0.0,
-        "pattern_best": float(shown_evidence(trials.log_bayes[leaders[""]])) if pattern else 0.0,
+        "pattern_best": float(shown_evidence(trials.log_bayes[found.leaders[""]])) if pattern else 0.0,
         "pattern_beside_best": 0.0,
         "pattern_by_forecast_fit": 0.0,
     }
     if pattern and named:
+        order = list(found.leaders)
         first = max((name for name in bayes if name), key=lambda name: bayes[name])
-        beside = conditional(trials, [leaders[""], leaders[first]])
-        columns["pattern_beside_best"] = float(shown_evidence(beside[0, 1]))
+        columns["pattern_beside_best"] = float(shown_evidence(found.beside[order.index(""), order.index(first)]))
         columns["pattern_by_forecast_fit"] = float(shown_evidence(_sums(beside_forecast)[""]))
-    each, none = _odds(trials)
-    return columns | {"none_odds": none, "pattern_odds": each.get("", 0.0)} | _shifts(beside_forecast)
+    return columns | _shifts(beside_forecast)
 
 
-def _odds(trials: Trials) -> tuple[dict[str, float], float]:
-    """The log odds that each family is present beside the others, and that none is. [nat]"""
-    leaders, log_bayes = _leaders(trials), _sums(trials)
-    beside = conditional(trials, list(leaders.values())) if leaders else np.empty((0, 0))
-    each, none = log_odds(np.array([log_bayes[name] for name in leaders]), beside)
-    return dict(zip(leaders, each.tolist(), strict=True)), none
+def odds_of(found: Ranked) -> dict[str, float]:
+    """The log odds that each family is present beside the others, and that none is (`NOTHING`). [nat]"""
+    each, none = log_odds(np.array([found.log_bayes[name] for name in found.leaders]), found.beside)
+    return dict(zip(found.leaders, each.tolist(), strict=True)) | {NOTHING: none}
 
 
 def _shifts(trials: Trials) -> dict[str, Array]:
@@ -248,27 +263,26 @@ def _shifts(trials: Trials) -> dict[str, Array]:
     }
 
 
-def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) -> Float[Array, "effect column"]:
+def of_effects(
+    found: Ranked, beside_forecast: Trials, odds: Mapping[str, float], names: Sequence[str]
+) -> Float[Array, "effect column"]:
     """The columns `PER_EFFECT` of each effect; zeros for one that these flights cannot show. [1]"""
-    by_family, leaders = families(trials), _leaders(trials)
-    log_bayes, robust, by_forecast = _sums(trials), _sums(trials, "robust"), _sums(beside_forecast)
-    present = [name for name in leaders if name]
-    order = [*present, *([""] if "" in leaders else [])]
-    beside = conditional(trials, [leaders[name] for name in order]) if order else np.empty((0, 0))
-    odds, _ = _odds(trials)
-    found = np.zeros((len(names), len(PER_EFFECT)))
+    trials, leaders, beside = found.trials, found.leaders, found.beside
+    by_family, order = families(trials), list(leaders)
+    robust, by_forecast = _sums(trials, "robust"), _sums(beside_forecast)
+    columns = np.zeros((len(names), len(PER_EFFECT)))
     for row, name in enumerate(names):
         if name not in by_family:
             continue
         leader, place = leaders[name], order.index(name)
-        others = [i for i in range(len(present)) if i != place]
+        others = [i for i, other in enumerate(order) if other and other != name]
         strongest = max(others, key=lambda i: float(beside[i, i]), default=None)
-        found[row] = (
-            log_bayes[name],
+        columns[row] = (
+            found.log_bayes[name],
             robust[name],
             trials.log_bayes[leader],
             0.0 if strongest is None else beside[place, strongest],
-            beside[place, -1] if "" in leaders else 0.0,
+            beside[place, order.index("")] if "" in leaders else 0.0,
             by_forecast[name],
             np.log(len(by_family[name])),
             trials.mean[leader] / trials.prior_sd[leader],
@@ -276,5 +290,5 @@ def of_effects(trials: Trials, beside_forecast: Trials, names: Sequence[str]) ->
             1.0,
             odds[name],
         )
-    found[:, :EVIDENCE_COLUMNS] = shown_evidence(found[:, :EVIDENCE_COLUMNS])
-    return found
+    columns[:, :EVIDENCE_COLUMNS] = shown_evidence(columns[:, :EVIDENCE_COLUMNS])
+    return columns

@@ -11,7 +11,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT, of_effects, of_evidence, of_history
+from fieldkit.inference.history.columns import (
+    OF_HISTORY,
+    PER_EFFECT,
+    odds_of,
+    of_effects,
+    of_evidence,
+    of_history,
+    ranked,
+)
 from fieldkit.inference.history.evidence import Trials, weigh_placed
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
@@ -28,7 +36,7 @@ from fieldkit.inference.history.placed_effects import Placed, PlacedEffect, dire
 from fieldkit.inference.history.records import Candidates, History
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
-from fieldkit.model.readout_data import Data
+from fieldkit.model.readout_data import Data, readings
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.shapes import Array, Float
 
@@ -111,30 +119,24 @@ def modeled(history: History, candidates_of: Candidates) -> ModeledHistory:
     )
 
 
-def summarize(
-    history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
-) -> HistorySummary:
-    """The features of one history with a known response. Raises ImpossibleFlight for a flight without a dry mass."""
-    ready = PreparedHistory(modeled(history, candidates_of), response)
-    return summarized(ready, ready.flown, names)
-
-
 def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[str]) -> HistorySummary:
     """The features of a history with the current readouts of its flown flights."""
     own, response = ready.modeled, ready.response
     history, candidates = own.history, own.candidates
-    found = history.found[: len(flown)]
-    data = history_data(flown, found, history.used_in_fit, history.selection)
+    read = readings(flown, history.found[: len(flown)])
+    data = history_data(read, history.used_in_fit, history.selection)
     selection = linear_fit(own.selection, data, response)
     trials = weigh_placed(robust(selection), own.placed)
-    forecast_data = history_data(flown, found, history.used_in_fit, history.forecast)
+    forecast_data = history_data(read, history.used_in_fit, history.forecast)
     plain = linear_fit(own.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
     beside_forecast = weigh_placed(plain, own.placed)
     baseline, unrobust = moments(robustly), moments(plain)
     left_out = leave_one_out(selection.fit)
     columns = of_history(history, selection, plain, robustly, data, left_out)
-    columns |= of_evidence(trials, beside_forecast)
+    by_evidence = ranked(trials)
+    odds = odds_of(by_evidence)
+    columns |= of_evidence(by_evidence, beside_forecast, odds)
     columns |= {
         "forecast_sd": np.log(baseline.apogee_sd),
         "parameter_sd": np.log(baseline.parameter_sd),
@@ -150,6 +152,6 @@ def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[
     whole = np.empty((len(baseline.apogee), len(values) + len(names) * len(PER_EFFECT)))
     for column, value in enumerate(values):
         whole[:, column] = value
-    whole[:, len(values) :] = of_effects(trials, beside_forecast, names).ravel()
+    whole[:, len(values) :] = of_effects(by_evidence, beside_forecast, odds, names).ravel()
     features = np.clip(np.nan_to_num(whole, nan=0.0, posinf=20.0, neginf=-20.0), -20.0, 20.0)
     return HistorySummary(features, baseline, selection, robustly, trials, candidates, data, left_out)

@@ -20,7 +20,7 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.readout_data import Data, observe
+from fieldkit.model.readout_data import Data, Readings, as_compared
 from fieldkit.model.rocket_model import Model, Term, base_model, groups
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
@@ -127,11 +127,9 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
     ]
 
 
-def history_data(
-    flights: Sequence[Flight], found: Sequence[Found], used_in_fit: Sequence[bool], hyperprior: Hyperprior
-) -> Data:
+def history_data(found: Readings, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
     """The readouts that the history network uses: all except those from logs."""
-    data = observe(flights, found, used_in_fit, hyperprior)
+    data = as_compared(found, used_in_fit, hyperprior)
     seen = data.seen & ~IN_LOG
     return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
 

@@ -20,7 +20,7 @@ from fieldkit.inference.history.features import (
     feature_names,
     modeled,
 )
-from fieldkit.inference.history.features import summarized as summary
+from fieldkit.inference.history.features import summarized as summary_of
 from fieldkit.inference.history.records import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
@@ -103,7 +103,7 @@ def summarized(
     }
     for one in found:
         flown = one.history.flights[: len(one.history.used_in_fit)]
-        yield summary(ready[id(one.history.found)], flown, names)
+        yield summary_of(ready[id(one.history.found)], flown, names)
 
 
 def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:

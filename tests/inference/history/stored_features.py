@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from fieldkit.inference.history.features import effect_names, feature_names, summarize
-from fieldkit.inference.network.history import response_of
+from fieldkit.inference.history.features import effect_names, feature_names, summarized
+from fieldkit.inference.network.history import prepared
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.rocket_model import Model
 from fieldkit.selection.candidates import Candidate
@@ -31,7 +31,8 @@ def features(case: str, names: Sequence[str]) -> dict[str, float]:
         return [one for one in quick_candidates(model, used_in_fit) if not one.effect or one.effect in names]
 
     flown = replace(history(**CASES[case]), forecast=CERTIFIED_PRIOR)
-    row = summarize(flown, response_of(flown), candidates, names).features[0]
+    ready = prepared(flown, candidates)
+    row = summarized(ready, ready.flown, names).features[0]
     return dict(zip(feature_names(names), row.tolist(), strict=True))
 
 

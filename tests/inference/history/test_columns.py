@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.history.columns import PER_EFFECT, families, of_effects, of_evidence, shown_evidence
+from fieldkit.inference.history.columns import (
+    PER_EFFECT,
+    families,
+    odds_of,
+    of_effects,
+    of_evidence,
+    ranked,
+    shown_evidence,
+)
 from fieldkit.inference.history.evidence import Trials, weigh
 from fieldkit.inference.network.history import quick_answer
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -31,7 +39,8 @@ def test_the_shift_of_a_forecast_is_averaged_over_effects_and_their_places(trial
         square += np.exp(odds[name] - total) * (place @ (gain**2 * (trials.mean[rows] ** 2 + trials.sd[rows] ** 2)))
     first = by_effect[max(odds, key=lambda name: odds[name])]
     leader = first[np.argmax(trials.weight[first])]
-    found = of_evidence(trials, trials)
+    by_evidence = ranked(trials)
+    found = of_evidence(by_evidence, trials, odds_of(by_evidence))
     assert found["shift"] == pytest.approx(shift, rel=1e-9)
     assert found["shift_sd"] == pytest.approx(np.sqrt(square - shift**2), rel=1e-9)
     assert found["shift_of_first"] == pytest.approx(trials.forecast_gain[0, leader] * trials.mean[leader], rel=1e-12)
@@ -39,7 +48,8 @@ def test_the_shift_of_a_forecast_is_averaged_over_effects_and_their_places(trial
 
 def test_evidence_of_an_effect_is_summed_over_its_places(trials: Trials) -> None:
     names = ("wear", "no effect", "mass_offset")
-    found = of_effects(trials, trials, names)
+    by_evidence = ranked(trials)
+    found = of_effects(by_evidence, trials, odds_of(by_evidence), names)
     for name, row in zip(names, found, strict=True):
         rows = families(trials).get(name, [])
         columns = dict(zip(PER_EFFECT, row.tolist(), strict=True))

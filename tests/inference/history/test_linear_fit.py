@@ -29,6 +29,7 @@ from fieldkit.inference.history.response import (
 )
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.inference.network.history import response_of
+from fieldkit.model.readout_data import readings
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
@@ -50,7 +51,7 @@ def response() -> FlightResponse:
 @pytest.fixture(scope="module")
 def linear(response: FlightResponse) -> LinearFit:
     model = history_model(WORN.flights, WORN.found, COUNT, WORN.selection, declared=False)
-    data = history_data(WORN.flights[:COUNT], WORN.found[:COUNT], WORN.used_in_fit, WORN.selection)
+    data = history_data(readings(WORN.flights[:COUNT], WORN.found[:COUNT]), WORN.used_in_fit, WORN.selection)
     return linear_fit(prepared_fit(model, COUNT), data, response)
 
 
