@@ -54,6 +54,28 @@ def test_effects_share_one_function_except_for_their_levels() -> None:
     assert torch.allclose(members(features)[..., [1, 0, 2]], members(traded)[..., :3], atol=1e-6)
 
 
+def test_columns_of_every_effect_have_one_scale() -> None:
+    """One function takes them, so that the same evidence must have the same value for every effect; columns of effects
+    that cannot act are zero and do not count."""
+    from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT
+    from fieldkit.inference.history.features import effect_names
+    from fieldkit.inference.history.shards import TRUTHS, HistoryTable
+    from fieldkit.inference.training.history import feature_moments
+
+    rng = np.random.default_rng(0)
+    effects, acts = len(effect_names()), PER_EFFECT.index("acts")
+    each = rng.normal(np.arange(effects)[:, None], 2.0, (200, effects, len(PER_EFFECT)))
+    each[..., acts] = rng.uniform(size=(200, effects)) < 0.5
+    each *= each[..., acts : acts + 1]
+    features = np.concatenate([rng.normal(3.0, 2.0, (200, len(OF_HISTORY))), each.reshape(200, -1)], axis=1)
+    mean, sd = feature_moments(HistoryTable(features, np.zeros((200, effects)), np.zeros((200, len(TRUTHS)))))
+    assert mean[: len(OF_HISTORY)] == pytest.approx(features[:, : len(OF_HISTORY)].mean(axis=0))
+    for own, numpy_of in ((mean, np.mean), (sd, np.std)):
+        columns = own[len(OF_HISTORY) :].reshape(effects, len(PER_EFFECT))
+        assert np.ptp(columns, axis=0) == pytest.approx(np.zeros(len(PER_EFFECT)))
+        assert columns[0, 0] == pytest.approx(numpy_of(each[each[..., acts] > 0.5][:, 0]), abs=2e-3)
+
+
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     from fieldkit.inference.history import shards
