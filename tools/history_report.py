@@ -14,6 +14,7 @@ from typing import Any
 from fieldkit.inference.history.check import DRAWS as DRAWS_OF_CHECK
 from fieldkit.inference.history.check import LEAST_EFFECTIVE
 from fieldkit.inference.history.linear_fit import READING_NODES, SCATTER_NODES
+from fieldkit.inference.history.simulated_histories import DRAWS_PER_ROCKET
 from fieldkit.inference.laplace.importance import MORE_DRAWS, RELIABLE_PARETO_K
 from fieldkit.inference.network.ensemble import load_folder, read_card
 from fieldkit.inference.network.history import checked, load_history
@@ -33,9 +34,10 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
     yield ""
     yield from prose(
         "`fieldkit loop --quick` uses a network that processes a rocket's whole history at once. Its features come",
-        "from one linear pass over the model: the evidence for every effect in every place, the forecast of the plan,",
-        "and leave-one-out residuals (score compression: Alsing, Wandelt and Feeney, Massive optimal data compression",
-        "and density estimation for scalable, likelihood-free inference in cosmology, 2018). The network, trained on",
+        "from one linear pass over the model: the evidence for every effect in every place, the odds of every effect",
+        "from all sets of at most two, the forecast of the plan, and leave-one-out residuals (score compression:",
+        "Alsing, Wandelt and Feeney, Massive optimal data compression and density estimation for scalable,",
+        "likelihood-free inference in cosmology, 2018). The network, trained on",
         "simulated histories only, corrects these results. The number of features does not depend on the number of",
         "flights, and one function of an effect's features and the history's features gives the probability of each",
         "effect. Differences of simulations at three drag coefficients give the derivatives, at the middle one those",
@@ -43,7 +45,8 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
     )
     yield from ("```sh", card["command"], "```", "")
     yield from prose(
-        f"{card['simulations']:,} histories of 1 to 60 flights were simulated in {card['simulation_seconds']:.0f} s;",
+        f"{card['simulations']:,} histories of 1 to 60 flights, {DRAWS_PER_ROCKET} of each rocket, were simulated in",
+        f"{card['simulation_seconds']:.0f} s;",
         f"with training, in {card['training']['epochs']} epochs, the command took {card['seconds']:.0f} s on one",
         "thread of a busy machine. An interrupted run resumes. The five members are one graph.",
         hyperprior_of(card),
@@ -71,6 +74,8 @@ def hyperprior_of(card: Mapping[str, Any]) -> str:
     without = f", without the variation of {new}" if new else ""
     other = f", with other figures for {changed}" if changed else ""
     about = f"The network was trained with the hyperprior of forecasts ([priors](priors.md)){without}{other}."
+    if not without and not other:
+        return about
     return f"{about} The linear pass uses the current one, with which it also follows the drift of a fleet."
 
 
