@@ -28,7 +28,7 @@ FIRST_LOGIT = -2.5
 """Log odds of an effect before training, near those of the prior. [1]"""
 FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5
 """Weights of the losses of the forecast (pinball) and of drag and thrust relative to that of inclusion. [1]"""
-CERTIFIED_FORECASTS = 0.25
+CERTIFIED_FORECASTS = 0.05
 """Relative weight of forecast, drag and thrust for rockets from the hyperprior for effects; those from the learned
 hyperprior, which is used in forecasts, have weight 1. It is not zero because a rocket may differ from the rockets that
 the hyperprior was learned from. [1]"""
