@@ -69,7 +69,7 @@ def train_history(
     candidates_of: Candidates,
     inclusion: Mapping[str, float],
     seed: int = 1,
-    n_train: int = 14_000,
+    n_train: int = 13_100,
     schedule: str = "published",
     cluster: str = "",
     progress: TrainingProgress | None = None,
