@@ -42,7 +42,7 @@ def train(
         int | None,
         typer.Option(
             min=10,
-            help="Simulated flights to train on: 10,000 for paper, a million for field; rockets for history: 14,000.",
+            help="Simulated flights to train on: 10,000 for paper, a million for field; rockets for history: 13,100.",
         ),
     ] = None,
     effects: Annotated[

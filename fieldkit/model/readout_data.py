@@ -51,7 +51,7 @@ def observe(
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class ReadingsOfFlights:
     """Readouts of flights [SI], without those that cannot be measurements, and their recorded standard deviations as
     compared [1] or [s]; nan for those that were not recorded."""
 
@@ -59,16 +59,16 @@ class Readings:
     sd: Float[Array, "flight readout"]
 
 
-def readings(flights: Sequence[Flight], found: Sequence[Found]) -> Readings:
+def readings(flights: Sequence[Flight], found: Sequence[Found]) -> ReadingsOfFlights:
     """The part of `observe` that does not depend on the hyperprior."""
     flights = [_measured(flight, one) for flight, one in zip(flights, found, strict=True)]
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         own = own_sd(flights, raw)
-        return Readings(_speed_from_average(raw, recorded(flights, "avg_accel")), own)
+        return ReadingsOfFlights(_speed_from_average(raw, recorded(flights, "avg_accel")), own)
 
 
-def as_compared(found: Readings, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
+def as_compared(found: ReadingsOfFlights, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
     """The part of `observe` that depends on the hyperprior: readouts without a recorded standard deviation get its."""
     raw = found.values
     with np.errstate(invalid="ignore", divide="ignore"):

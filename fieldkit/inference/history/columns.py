@@ -26,7 +26,7 @@ from fieldkit.shapes import Array, Float
 
 MAX_LOG_BAYES = 60.0
 """Limit of the evidence in the features. [nat]"""
-NOTHING = "nothing"
+NAME_OF_NOTHING = "nothing"
 """The name that `odds_of` gives to a model without any effect or pattern."""
 LOG_BAYES_SCALE = 4.0
 """Unit of evidence under the inverse hyperbolic sine, which is linear for weak evidence. [nat]"""
@@ -190,7 +190,7 @@ def _sums(trials: Trials, which: str = "log_bayes") -> dict[str, float]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ranked:
+class RankedFamilies:
     """Trials with the evidence of their families [nat], the row of the strongest trial of each by evidence with its
     prior, and the evidence of these trials beside each other, alone on the diagonal [nat]."""
 
@@ -200,15 +200,15 @@ class Ranked:
     beside: Float[Array, "family family"]
 
 
-def ranked(trials: Trials) -> Ranked:
+def ranked(trials: Trials) -> RankedFamilies:
     """The evidence of the families of trials, compared with each other."""
     weight = trials.weight.tolist()
     leaders = {name: max(rows, key=weight.__getitem__) for name, rows in families(trials).items()}
     beside = conditional(trials, list(leaders.values())) if leaders else np.empty((0, 0))
-    return Ranked(trials, _sums(trials), leaders, beside)
+    return RankedFamilies(trials, _sums(trials), leaders, beside)
 
 
-def of_evidence(found: Ranked, beside_forecast: Trials, odds: Mapping[str, float]) -> dict[str, float | Array]:
+def of_evidence(found: RankedFamilies, beside_forecast: Trials, odds: Mapping[str, float]) -> dict[str, float | Array]:
     """The strongest effects, patterns, and the shift of each plan's forecast by effects; `odds` are as in
     `odds_of`."""
     trials, bayes = found.trials, found.log_bayes
@@ -217,7 +217,7 @@ def of_evidence(found: Ranked, beside_forecast: Trials, odds: Mapping[str, float
         "any_effect": float(shown_evidence(np.logaddexp.reduce(named) - np.log(len(named)))) if named else 0.0,
         "first": float(shown_evidence(named[0])) if named else 0.0,
         "second": float(shown_evidence(named[1])) if len(named) > 1 else 0.0,
-        "none_odds": odds[NOTHING],
+        "none_odds": odds[NAME_OF_NOTHING],
         "pattern_odds": odds.get("", 0.0),
     }
     pattern = "" in bayes
@@ -236,10 +236,10 @@ def of_evidence(found: Ranked, beside_forecast: Trials, odds: Mapping[str, float
     return columns | _shifts(beside_forecast)
 
 
-def odds_of(found: Ranked) -> dict[str, float]:
-    """The log odds that each family is present beside the others, and that none is (`NOTHING`). [nat]"""
+def odds_of(found: RankedFamilies) -> dict[str, float]:
+    """The log odds that each family is present beside the others, and that none is (`NAME_OF_NOTHING`). [nat]"""
     each, none = log_odds(np.array([found.log_bayes[name] for name in found.leaders]), found.beside)
-    return dict(zip(found.leaders, each.tolist(), strict=True)) | {NOTHING: none}
+    return dict(zip(found.leaders, each.tolist(), strict=True)) | {NAME_OF_NOTHING: none}
 
 
 def _shifts(trials: Trials) -> dict[str, Array]:
@@ -264,7 +264,7 @@ def _shifts(trials: Trials) -> dict[str, Array]:
 
 
 def of_effects(
-    found: Ranked, beside_forecast: Trials, odds: Mapping[str, float], names: Sequence[str]
+    found: RankedFamilies, beside_forecast: Trials, odds: Mapping[str, float], names: Sequence[str]
 ) -> Float[Array, "effect column"]:
     """The columns `PER_EFFECT` of each effect; zeros for one that these flights cannot show. [1]"""
     trials, leaders, beside = found.trials, found.leaders, found.beside

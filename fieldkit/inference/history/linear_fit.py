@@ -20,7 +20,7 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.readout_data import Data, Readings, as_compared
+from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
 from fieldkit.model.rocket_model import Model, Term, base_model, groups
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
@@ -127,7 +127,7 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
     ]
 
 
-def history_data(found: Readings, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
+def history_data(found: ReadingsOfFlights, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
     """The readouts that the history network uses: all except those from logs."""
     data = as_compared(found, used_in_fit, hyperprior)
     seen = data.seen & ~IN_LOG
