@@ -133,8 +133,8 @@ def _push(height: float, speed: float, burn: float) -> tuple[float, float]:
 
 
 def _leads(corner: Event, track: Heights, seen: Outline) -> tuple[Float[Array, "lead"], Float[Array, "lead"]] | None:
-    """Times by which lift-off may precede the first rise [s], with their probabilities by the whole climb; None if the
-    log contains too little of it."""
+    """Times by which lift-off may precede the first rise, not before the log begins [s], with their probabilities by
+    the whole climb; None if the log contains too little of it."""
     inside = (track.time > corner.time - _PAD_TIME) & (
         track.time < min(seen.top, seen.fastest + _COAST_TIME) - _TOP_MARGIN
     )
@@ -148,7 +148,7 @@ def _leads(corner: Event, track: Heights, seen: Outline) -> tuple[Float[Array, "
     start = np.array([free.time[top], free.height[top], np.log(1e-3), seen.fastest, corner.time, 0.0])
     starts = [start, start + 2 * STATIC_SD * np.eye(6)[5]]
     found, costs = start, list[float]()
-    leads = np.arange(0.0, _MOST_LEAD, _LEAD_STEP)
+    leads = np.arange(0.0, min(_MOST_LEAD, corner.time - float(track.time[0]) + _LEAD_STEP), _LEAD_STEP)
     for lead in leads.tolist():
         here = [np.where(np.arange(6) == 4, corner.time - lead, values) for values in (*starts, found)]
         tried = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in here]

@@ -20,7 +20,7 @@ _THRUST = 2 * GRAVITY
 _IGNITION = 0.02
 """Longest time in which thrust rises to a fifth of its mean: lift-off is earlier by anything up to that. [s]"""
 
-_STARTED = 0.05
+_SPEED_AT_BOOST_START = 0.05
 """Fraction of the speed at burnout that a rocket has at the start of its boost. [1]"""
 
 _STEP, _QUICK_STEP = 0.01, 0.03
@@ -90,7 +90,7 @@ def _pushed(time: Float[Array, "_"], net: Float[Array, "_"]) -> slice:
     """
     speed = running_integral(net, time)
     end = int(np.argmax(speed))
-    slow = np.flatnonzero(speed[: end + 1] <= _STARTED * speed[end])
+    slow = np.flatnonzero(speed[: end + 1] <= _SPEED_AT_BOOST_START * speed[end])
     return slice(int(slow[-1]) if slow.size else 0, end + 1)
 
 

@@ -97,11 +97,7 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
     """
     if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
         return {}
-    dry_mass = flight.dry_mass
-
-    def on_motor() -> str:
-        return f"{_mass(dry_mass)} on {motor.designation}"
-
+    mass = f"{_mass(flight.dry_mass)} on {motor.designation}"
     hardest = MAX_THRUST_RATIO * motor.peak_thrust / (flight.dry_mass + motor.casing_mass)
     bounds = {"top_speed": best_speed(flight.dry_mass, motor), "peak_accel": hardest, "avg_accel": hardest}
     found = {}
@@ -109,15 +105,15 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
         value, sd = flight.number(name), flight.sd.get(name, 0.0)
         if value is not None and value - 2 * sd > READ_TOO_HIGH * bound:
             column = BY_NAME[name]
-            found[name] = f"{figure(column, value)} is more than {figure(column, READ_TOO_HIGH * bound)}, {on_motor()}"
+            found[name] = f"{figure(column, value)} is more than {figure(column, READ_TOO_HIGH * bound)}, {mass}"
     burn, column = flight.number("burn_time"), BY_NAME["burn_time"]
     if burn is not None:
         first, last = motor.burning
         margin, whole = 2 * flight.sd.get("burn_time", 0.0), last - first
         if burn + margin < MIN_BURN_FRACTION * whole:
-            found["burn_time"] = f"{figure(column, burn)} is less than half of {figure(column, whole)}, {on_motor()}"
+            found["burn_time"] = f"{figure(column, burn)} is less than half of {figure(column, whole)}, {mass}"
         elif burn - margin > MAX_BURN_FRACTION * whole:
-            found["burn_time"] = f"{figure(column, burn)} is more than twice {figure(column, whole)}, {on_motor()}"
+            found["burn_time"] = f"{figure(column, burn)} is more than twice {figure(column, whole)}, {mass}"
     return found
 
 
