@@ -148,7 +148,8 @@ def _leads(corner: Event, track: Heights, seen: Outline) -> tuple[Float[Array, "
     start = np.array([free.time[top], free.height[top], np.log(1e-3), seen.fastest, corner.time, 0.0])
     starts = [start, start + 2 * STATIC_SD * np.eye(6)[5]]
     found, costs = start, list[float]()
-    leads = np.arange(0.0, min(_MOST_LEAD, corner.time - float(track.time[0]) + _LEAD_STEP), _LEAD_STEP)
+    recorded = max(corner.time - float(track.time[0]), 0.0)
+    leads = np.arange(0.0, min(_MOST_LEAD, recorded + _LEAD_STEP), _LEAD_STEP)
     for lead in leads.tolist():
         here = [np.where(np.arange(6) == 4, corner.time - lead, values) for values in (*starts, found)]
         tried = [least_soft_squares(climb.misfit, one, _USUAL_CHANGE, _LIMITS, _ROUNDS) for one in here]
