@@ -14,7 +14,7 @@ pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
 
 ROOT = Path(__file__).parents[1]
-NOT_SHOWN = ("fieldkit/inference/training", "fieldkit/inference/history")
+NOT_SHOWN = ("fieldkit/inference/training", "fieldkit/inference/validation", "fieldkit/inference/history")
 """Code whose messages are for developers."""
 NOUNS = """
     apps bytes candidates cells characters clusters columns draws duplicates elements errors figures files flights

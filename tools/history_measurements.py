@@ -18,6 +18,7 @@ from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.inference.network.ensemble import Ensemble
 from fieldkit.inference.network.history import load_history, quick_answer
+from fieldkit.inference.validation.history import auc
 from fieldkit.ledger import Ledger
 from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
@@ -33,7 +34,6 @@ from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
 from fieldkit.services.imports.add_files import bring_in
 from fieldkit.services.plausible_flights import followed
-from studies.validation.history import auc
 from tools.markdown import MEASURED
 
 DRAWS = 1000

@@ -20,6 +20,7 @@ FOLDERS = ("fieldkit", "parsers", "models")
 NOT_SHOWN = (
     "fieldkit/importing/tables/headings.py",
     "fieldkit/inference/training",
+    "fieldkit/inference/validation",
     "fieldkit/ledger/migrations",
     "fieldkit/motors/names.py",
     "fieldkit/presentation/report/style.py",

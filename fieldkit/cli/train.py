@@ -58,7 +58,7 @@ def train(
     report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's full evaluation.")] = False,
     json: AsJson = False,
 ) -> None:
-    """Train an ensemble on simulated flights; needs the extra `train` and a checkout of fieldkit."""
+    """Train an ensemble on simulated flights; needs the extra `train`."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -70,15 +70,18 @@ def train(
     ):
         if value and recipe not in known:
             raise BadValue(f"{option}: found with the recipe {recipe.value}, expected --recipe {known[0].value}")
-    need_studies()
+    beside_exact = recipe is Recipe.field and schedule is TrainingLength.published
+    if beside_exact:
+        need_studies()
     train_by_recipe = trainer(recipe.value, out)
+    evaluate = _evaluation(recipe, beside_exact)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
 
         def on_progress(epoch: int, epochs: int, loss: float) -> None:
             progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
 
-        more: dict[str, Any] = {"evaluate": _evaluation(recipe)} | ({} if n_train is None else {"n_train": n_train})
+        more: dict[str, Any] = {"evaluate": evaluate} | ({} if n_train is None else {"n_train": n_train})
         if names := [name.strip() for name in effects.split(",") if name.strip()]:
             more["effects"] = names
         if cluster:
@@ -99,22 +102,26 @@ def train(
         say(file)
     if report and recipe is Recipe.field:
         from fieldkit.inference.network.ensemble import read_card
-        from studies.validation.field import table
+        from fieldkit.inference.validation.field import table
 
         for line in table(read_card(out)):
             say(line)
 
 
-def _evaluation(recipe: Recipe) -> Callable[..., dict[str, Any]]:
-    """The study that computes the figures of the card."""
-    if recipe is Recipe.field:
-        from studies.validation.field import evaluate
-
-        return evaluate
+def _evaluation(recipe: Recipe, beside_exact: bool) -> Callable[..., dict[str, Any]]:
+    """What computes the figures of the card; `beside_exact` compares also with exact posteriors, from the studies."""
     if recipe is Recipe.history:
-        from studies.validation.history import judge
+        from fieldkit.inference.validation.history import judge
 
         return judge
-    from studies.validation.score import score
+    if recipe is Recipe.paper:
+        from fieldkit.inference.validation.score import score
 
-    return score
+        return score
+    if beside_exact:
+        from studies.validation.restricted_training import evaluate_with_exact
+
+        return evaluate_with_exact
+    from fieldkit.inference.validation.field import evaluate
+
+    return evaluate

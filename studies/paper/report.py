@@ -7,6 +7,7 @@ import numpy as np
 
 from fieldkit.inference.network.ensemble import Ensemble, load
 from fieldkit.inference.network.posterior import Posterior, infer_paper
+from fieldkit.inference.validation.score import score
 from fieldkit.model.paper_prior_predictive import paper_draws
 from fieldkit.motors import catalogue
 from fieldkit.physics import paper
@@ -24,7 +25,6 @@ from studies.paper.reference import (
     normalised,
     reference,
 )
-from studies.validation.score import score
 
 FRESH_FLIGHTS = 5000
 FRESH_SEED = 20_000_000

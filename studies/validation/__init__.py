@@ -1,1 +1,1 @@
-"""Validation of the ensembles: comparison with exact posteriors, calibration, scores."""
+"""Comparison of the field ensemble's kind with exact posteriors."""

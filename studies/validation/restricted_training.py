@@ -4,13 +4,16 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.inference.network.ensemble import Ensemble
 from fieldkit.inference.network.mixture import logits, mixture
 from fieldkit.inference.training.density import Batch, TrainingPlan, fit, member_outputs
 from fieldkit.inference.training.fit import TrainingProgress, one_thread
+from fieldkit.inference.validation.field import evaluate
 from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import READOUT_NAMES
 from fieldkit.shapes import Array, Float
 from studies.validation.restricted import (
+    BURN_SD,
     SUBSETS,
     Restricted,
     against_exact,
@@ -50,6 +53,15 @@ def train_restricted(
     }
     grid = exact(CELLS_UNCERTAIN, burn_sd) if burn_sd else exact()
     return against_exact(fresh, densities, grid, judged)
+
+
+def evaluate_with_exact(ensemble: Ensemble, rng: np.random.Generator) -> dict[str, Any]:
+    """The figures of a field ensemble's card, and the distance of its kind from exact posteriors."""
+    seed = ensemble.card["seed"]
+    return evaluate(ensemble, rng) | {
+        "restricted": train_restricted(seed=seed),
+        "restricted_burn_uncertain": train_restricted(seed=seed, burn_sd=BURN_SD),
+    }
 
 
 def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "flight readout"]) -> Batch:

@@ -242,7 +242,13 @@ def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", [("paper",), ("study", "reference"), ("study", "rockets"), ("train", "--out", "new")]
+    "command",
+    [
+        ("paper",),
+        ("study", "reference"),
+        ("study", "rockets"),
+        ("train", "--recipe", "field", "--schedule", "published", "--out", "new"),
+    ],
 )
 def test_if_the_studies_are_missing_their_commands_say_what_to_install(
     run: Run, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch

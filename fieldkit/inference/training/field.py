@@ -34,7 +34,7 @@ LIMIT_FLIGHTS = 80_000
 REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
 """Features with stored training bounds; a flyer is warned outside them."""
 
-Evaluation = Callable[[Ensemble, np.random.Generator, bool], dict[str, Any]]
+Evaluation = Callable[[Ensemble, np.random.Generator], dict[str, Any]]
 
 
 def train_field(
@@ -50,7 +50,7 @@ def train_field(
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, evaluate, and return the results.
 
-    `evaluate` returns the card's figures on new flights; its last argument is whether the ensemble is to be published.
+    `evaluate` returns the card's figures on new flights.
 
     On a `cluster`, as in `fieldkit.parallel.workers`, flights are simulated in parts that are stored in the new folder
     until the end, so that an interrupted run can resume. They differ from the flights that one machine draws in one go.
@@ -85,7 +85,7 @@ def train_field(
         "reach": reach(features(measure(streams[2], truth.rows(slice(0, 100_000))))),
     }
     card["guard"] = outliers.limits(from_parts(exported, card, out), _fresh(streams[3], known, effects))
-    card |= evaluate(from_parts(exported, card, out), streams[4], schedule == "published")
+    card |= evaluate(from_parts(exported, card, out), streams[4])
     both = card["test"]["all ten"]
     files = ship(out, exported, card)
     drop_parts(out)

@@ -17,11 +17,11 @@ from fieldkit.inference import training
 from fieldkit.inference.network import ensemble
 from fieldkit.inference.network.ensemble import CARD, GRAPH, Ensemble, load, load_folder, read_card
 from fieldkit.inference.network.posterior import infer_paper
+from fieldkit.inference.validation.score import score
 from fieldkit.model.features import PAPER_FEATURES, paper_features
 from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE, paper_draws
 from fieldkit.physics import paper
 from fieldkit.plugins import trained, trained_folder
-from studies.validation.score import score
 
 ROOT = Path(__file__).parents[3]
 

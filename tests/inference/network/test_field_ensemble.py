@@ -11,12 +11,12 @@ from fieldkit.flight import Flight
 from fieldkit.inference.network.ensemble import Ensemble
 from fieldkit.inference.network.field_ensemble import infer_field, infer_observed, load_field, posterior
 from fieldkit.inference.network.outliers import misfit
+from fieldkit.inference.validation.field import score, table
 from fieldkit.model.observation_noise import SUBSETS, measure
 from fieldkit.model.observations import ALPHA_SD, DECLARED_FIELDS, INDEPENDENT_READOUTS, READOUT_NAMES, Observed
 from fieldkit.model.prior_predictive import Truth, flown_motors, simulate
 from fieldkit.motors import catalogue
 from fieldkit.plugins import trained_folder
-from studies.validation.field import score, table
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, Mixture, logits, mixture
-from studies.validation.field import score
+from fieldkit.inference.validation.field import score
 
 pytestmark = pytest.mark.fast
 

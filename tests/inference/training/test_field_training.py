@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import studies.validation.field
+import fieldkit.inference.validation.field
 from fieldkit.inference.network.mixture import WIDTH, logits, mixture
 
 CHECK_SHAPES = False
@@ -15,7 +15,7 @@ pytest.importorskip("onnx")
 pytestmark = pytest.mark.train
 
 
-def no_evaluation(ensemble: object, rng: object, published: bool) -> dict[str, object]:
+def no_evaluation(ensemble: object, rng: object) -> dict[str, object]:
     raise AssertionError("an ensemble was trained")
 
 
@@ -25,7 +25,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     from fieldkit.cli.main import main
     from fieldkit.inference.training import density, field
 
-    monkeypatch.setattr(studies.validation.field, "FLIGHTS", 100)
+    monkeypatch.setattr(fieldkit.inference.validation.field, "FLIGHTS", 100)
     monkeypatch.setattr(field, "LIMIT_FLIGHTS", 400)
     monkeypatch.setitem(field.PLANS, "quick", density.TrainingPlan(epochs=2, batch=256))
     out = tmp_path / "field"

@@ -19,7 +19,7 @@ from fieldkit.inference.training.fit import SCHEDULES, Schedule, fit, one_thread
 from fieldkit.inference.training.graph import graph  # noqa: E402
 from fieldkit.inference.training.network import Network, network  # noqa: E402
 from fieldkit.inference.training.paper import train_paper  # noqa: E402
-from studies.validation.score import score  # noqa: E402
+from fieldkit.inference.validation.score import score  # noqa: E402
 
 RANGES = np.array([[0.2, 1.5], [0.5, 1.5]])
 TWO_EPOCHS = Schedule("two", epochs=2, rate=1e-2, one_cycle=True)

@@ -1,5 +1,4 @@
-"""Evaluation of the field ensemble on new simulations with known truth, for each set of readouts, and on a problem with
-an exact answer."""
+"""Evaluation of the field ensemble on new simulations with known truth, for each set of readouts."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,6 @@ from fieldkit.model.observations import Observed
 from fieldkit.model.prior_predictive import Truth, simulate, split_motors
 from fieldkit.motors import Motor
 from fieldkit.shapes import Array, Float
-from studies.validation.restricted import BURN_SD
 
 if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
@@ -31,22 +29,14 @@ BLOCK = 1000
 """Number of flights evaluated together, few enough for the processor's cache."""
 
 
-def evaluate(ensemble: "Ensemble", rng: np.random.Generator, published: bool) -> dict[str, Any]:
+def evaluate(ensemble: "Ensemble", rng: np.random.Generator) -> dict[str, Any]:
     """The figures of a card: on motors of the training set, of the held-out manufacturer, and of the same classes in
-    the training set; for a `published` ensemble, also the distance of its kind from exact posteriors.
-    """
+    the training set. Raises BadValue for an unknown effect in the card."""
     known, others = split_motors()
     classes = {motor.impulse_class for motor in others}
     peers = [motor for motor in known if motor.impulse_class in classes]
     flown = {"test": known, "test_held_out": others, "test_peers": peers}
-    found = {name: judge(ensemble, rng, motors, FLIGHTS, ensemble.card["effects"]) for name, motors in flown.items()}
-    if published:
-        from studies.validation.restricted_training import train_restricted  # needs torch
-
-        seed = ensemble.card["seed"]
-        found["restricted"] = train_restricted(seed=seed)
-        found["restricted_burn_uncertain"] = train_restricted(seed=seed, burn_sd=BURN_SD)
-    return found
+    return {name: judge(ensemble, rng, motors, FLIGHTS, ensemble.card["effects"]) for name, motors in flown.items()}
 
 
 def judge(

@@ -1,0 +1,1 @@
+"""Validation of the ensembles on simulations with known truth: errors, calibration, scores."""
