@@ -8,14 +8,15 @@ from fieldkit.inference.laplace.batched_inverse import inverses
 pytestmark = pytest.mark.fast
 
 
+@pytest.mark.parametrize("size", [1, 2, 6, 9])
 @pytest.mark.parametrize("many", [(), (7,), (18, 5)])
-def test_inverses_and_determinants_agree_with_lapack(many: tuple[int, ...]) -> None:
+def test_inverses_and_determinants_agree_with_lapack(many: tuple[int, ...], size: int) -> None:
     rng = np.random.default_rng(2)
-    half = rng.normal(size=(*many, 6, 5))
-    matrices = half @ np.swapaxes(half, -1, -2) + rng.uniform(1e-3, 1.0, (*many, 6, 1)) * np.eye(6)
+    half = rng.normal(size=(*many, size, 5))
+    matrices = half @ np.swapaxes(half, -1, -2) + rng.uniform(1e-3, 1.0, (*many, size, 1)) * np.eye(size)
     kept = matrices.copy()
     inverse, log_det = inverses(matrices)
-    np.testing.assert_allclose(inverse @ matrices, np.broadcast_to(np.eye(6), matrices.shape), atol=1e-9)
+    np.testing.assert_allclose(inverse @ matrices, np.broadcast_to(np.eye(size), matrices.shape), atol=1e-9)
     np.testing.assert_allclose(log_det, np.linalg.slogdet(matrices)[1], rtol=1e-12)
     np.testing.assert_array_equal(matrices, kept)
 

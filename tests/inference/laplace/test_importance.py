@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import genpareto
 
 from fieldkit.inference.laplace.fit import fit, refits_without
-from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, sampled
+from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, _squares, _summed, sampled
 from fieldkit.inference.laplace.outlier_weights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
@@ -96,3 +96,18 @@ def test_the_shape_of_a_pareto_tail_is_estimated(shape: float) -> None:
     assert found == pytest.approx(shape, abs=0.15)
     assert smooth.max() <= np.log(weight).max()
     assert np.all(np.diff(smooth[np.argsort(np.log(weight))]) >= -1e-9)
+
+
+def test_squares_are_the_mahalanobis_distances_of_each_flight() -> None:
+    rng = np.random.default_rng(3)
+    miss, half = rng.normal(size=(5, 4, 3)), rng.normal(size=(2, 4, 3, 3))
+    sharp = half @ np.swapaxes(half, -1, -2)
+    expected = np.einsum("dfo,sfop,dfp->dsf", miss, sharp, miss)
+    np.testing.assert_allclose(_squares(miss, sharp), expected, rtol=1e-10)
+
+
+def test_sums_over_scales_keep_their_parts_and_pass_draws_outside_the_bounds() -> None:
+    joint = np.array([[-1000.0, -1001.0], [-np.inf, -np.inf], [3.0, -np.inf]])
+    total, parts = _summed(joint)
+    np.testing.assert_allclose(total, [-1000 + np.log1p(np.exp(-1)), -np.inf, 3.0])
+    np.testing.assert_allclose(parts.sum(axis=1), [1, 0, 1])
