@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import HEAD, Parsed, Parser, Reading
-from fieldkit.importing.tables.headings import heading, unit_named
+from fieldkit.importing.tables.headings import folded, heading, unit_named
 from fieldkit.importing.tables.simulations import TIME_WORDS, channel_of, read_simulation
 from fieldkit.importing.tables.text import decode, lines_of
 
@@ -93,7 +93,7 @@ def _header(text: str) -> ExportHeader | None:
     """The line of names, in which time has its unit and every cell ends in brackets."""
     for row, line in enumerate(lines_of(text)[:500], start=1):
         match = _HEADER.match(line)
-        if match and match["first"].lower() in TIME_WORDS and unit_named("time", match["unit"]):
+        if match and folded(match["first"]) in TIME_WORDS and unit_named("time", match["unit"]):
             after = match["after"]
             if after and after in match["mark"]:
                 continue  # an empty cell before the names, not a comment

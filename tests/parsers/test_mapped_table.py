@@ -519,3 +519,31 @@ def test_of_two_heights_the_one_above_the_pad_is_used(names: str, elevation: flo
     (series,) = reading.clocks
     assert series.altitude is not None
     assert abs(series.altitude[0]) < 1
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("time_min,alt_m", "{min:.5f},{h:.2f}"),
+        ("seconds_since_boot,pressure_hpa", "{t:.2f},{hpa:.3f}"),
+        ("time_s,static_kPa,temp_C", "{t:.2f},{kpa:.4f},21.5"),
+        ("us,time (us),baroAlt", "{i},{us:.0f},{cm:.0f}"),
+        ("t/s;h/m;v/(m/s)", "{t:.2f};{h:.2f};{v:.1f}"),
+        ("| Time (s) | Altitude (m) |\n|---|---|", "| {t:.2f} | {h:.2f} |"),
+    ],
+)
+def test_a_table_of_unusual_names_has_the_same_apogee(header: str, row: str) -> None:
+    lines = [header]
+    on_pad = [(i / 20, 0.0, 0.0) for i in range(40)]
+    for i, (t, h, v) in enumerate([*on_pad, *((t + 2, h, v) for t, h, v in climb())]):
+        pascals = 101325 * (1 - h / 44330.77) ** 5.25588
+        units = {"min": t / 60, "us": t * 1e6, "cm": h * 100, "hpa": pascals / 100, "kpa": pascals / 1000}
+        lines.append(row.format(i=i, t=t, h=h, v=v, **units))
+    imported = read("\n".join([*lines, ""]).encode(), "log.csv", any_motor)
+    assert imported.flights[0].apogee == pytest.approx(285, rel=0.02)
+
+
+def test_the_pressure_in_a_motor_is_not_that_of_the_air() -> None:
+    rows = "".join(f"{i / 20:.2f},{15 + 300 * (20 < i < 60)}\n" for i in range(200))
+    with pytest.raises(UnknownFormat):
+        read(f"time_s,chamber [psi]\n{rows}".encode(), "stand.csv", any_motor)

@@ -10,7 +10,15 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.tables.columns import LogTable
-from fieldkit.importing.tables.headings import QUANTITIES, barometric, channel, heading, stated_unit, unit_named
+from fieldkit.importing.tables.headings import (
+    QUANTITIES,
+    barometric,
+    channel,
+    heading,
+    is_pressure,
+    stated_unit,
+    unit_named,
+)
 from fieldkit.importing.tables.layout import Layout
 from fieldkit.importing.tables.text import no_column, shown
 from fieldkit.shapes import Array, Float
@@ -89,10 +97,11 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
     free = [i for i in free if i not in {pick.place for pick in picks} and not layout.says(i)]
     heads = {place: heading(layout.headers[place]) for place in free}
     clocks = [i for i in free if _clock_unit("time", "", layout, i) == "clock"]
-    barometers = [i for i in free if heads[i].unit and unit_named("pressure", heads[i].unit)]
+    barometers = [i for i in free if is_pressure(heads[i])]
     found = [Pick("time", clocks[0], heads[clocks[0]].spelled, "clock")] if clocks and "time" not in named else []
     if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
-        found.append(Pick("pressure", barometers[0], heads[barometers[0]].spelled, heads[barometers[0]].unit))
+        head = heads[barometers[0]]
+        found.append(Pick("pressure", barometers[0], head.spelled, stated_unit(head, "pressure")))
     return found
 
 

@@ -1,16 +1,19 @@
 """Interpret the header of a table of samples: the channel of `Series` that a column contains, and its unit.
 
 Every logger and every team has its own column names: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`, `Velocity Feet /
-Sec`. A name identifies a channel only if a single meaning remains; predicted, angular or lateral values are excluded. A
-unit is never assumed; a header without one has none.
+Sec`, `Höhe in m`. The words are in `fieldkit/data/sample_columns.toml`. A name identifies a channel only if a single
+meaning remains; predicted, angular or lateral values are excluded. A unit is never assumed; a header without one has
+none.
 """
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 
-from fieldkit.units import Unit, named, plain
+from fieldkit.units import Unit, is_unit, named, plain
 
 QUANTITIES: Mapping[str, str] = {
     "time": "time",
@@ -45,53 +48,98 @@ DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 
 @dataclass(frozen=True, slots=True)
 class Heading:
-    """A header as spelled, its words without the unit in brackets, and that unit; "" if there is none."""
+    """A header as spelled, its words without the unit beside them, and that unit; "" if there is none."""
 
     spelled: str
     words: tuple[str, ...]
     unit: str = ""
 
 
-def _set(words: str) -> frozenset[str]:
-    return frozenset(words.split())
+def folded(text: str) -> str:
+    """A text in lower case without accents."""
+    decomposed = unicodedata.normalize("NFD", text.lower())
+    return unicodedata.normalize("NFC", "".join(char for char in decomposed if unicodedata.category(char) != "Mn"))
 
 
-_BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
-_HEIGHT_ZERO = re.compile(r"(.*?)\s{1,4}((?:above )?(?:AGL|A?MSL|ASL|ground|sea)(?: level)?)", re.IGNORECASE)
-"""A unit with the zero of a height: `ft AGL`, `m above sea level`."""
-_REFERENCES = frozenset({"sea", "qnh", "slp", "reference", "msl"})
-"""Words of a pressure that is that of the day, not that of a sample."""
-_QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
+def _known_words() -> dict[str, dict[str, frozenset[str]]]:
+    """The words of headers by section and meaning."""
+    known = tomllib.loads(files("fieldkit").joinpath("data/sample_columns.toml").read_text(encoding="utf-8"))
+    return {
+        section: {meaning: frozenset(folded(words).split()) for meaning, words in meanings.items()}
+        for section, meanings in known.items()
+    }
+
+
+KNOWN_WORDS = _known_words()
+"""The words of headers, without accents, by section of the data file and meaning."""
+_NAMES, _WITH_UNIT, _ROLES = KNOWN_WORDS["quantities"], KNOWN_WORDS["with_unit"], KNOWN_WORDS["roles"]
+_NOT_A_SAMPLE = frozenset().union(*KNOWN_WORDS["not_a_sample"].values())
+"""Words of columns that are not samples of a channel: limits, other sensors, other directions, counters."""
+_TIME, _HEIGHT, _SPEED = _NAMES["time"], _NAMES["height"], _NAMES["speed"]
+_ACCEL, _PRESSURE = _NAMES["acceleration"], _NAMES["pressure"]
+_QUALIFIERS = frozenset(
+    {"x", "y", "z", "raw"}
+    | {word for section in KNOWN_WORDS.values() for words in section.values() for word in words if len(word) > 1}
+)
 """Texts in brackets that are not units."""
-_SENSORS = _set("baro barometric accel inertial gps")
-"""Words beside a unit in brackets that name the sensor of a height or speed: `Baro-Ft`, `m, gps`."""
+_REFERENCES = frozenset({"qnh", "slp", "reference"}) | _ROLES["sea_level"]
+"""Words of a pressure that is that of the day, not that of a sample."""
+_SENSORS = frozenset({"baro", "barometric", "accel", "inertial", "gps", "agl", "msl", "asl", "amsl"})
+"""Words beside a unit in brackets that name the sensor or the zero of a height: `Baro-Ft`, `m, gps`, `ft AGL`."""
+_BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+_HEIGHT_ZERO = re.compile(r"(.*?)[,;]?\s{1,4}((?:above )?(?:ground|sea)(?: level)?)", re.IGNORECASE)
+"""A unit with the zero of a height: `m above sea level`."""
+_QUOTIENT = re.compile(r"([^/]{1,40}?)\s?/\s?(\([^()]{1,12}\)|[^\s()]{1,12})")
+"""A name divided by its unit: `h/m`, `v/(m/s)`."""
 
 
 def heading(spelled: str) -> Heading:
     """Split a header: `Alt (ft)` is the word `alt` and the unit `ft`."""
     spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
-    name, unit = spelled, ""
+    name, unit = _divided(spelled) or _bracketed(spelled) or (spelled, _unknown_unit(spelled))
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", folded(name))), unit)
+
+
+def _divided(spelled: str) -> tuple[str, str] | None:
+    """A name and the unit that it is divided by: `h/m`, but not `ft/s` or `Feet / Sec`."""
+    match = _QUOTIENT.fullmatch(spelled)
+    if match is None or not is_unit(match[2].strip("()")):
+        return None
+    quotient_of_units = not match[2].startswith("(") and is_unit(re.split(r"[\s_]+", match[1])[-1])
+    return None if quotient_of_units else (match[1], match[2].strip("()"))
+
+
+def _bracketed(spelled: str) -> tuple[str, str] | None:
+    """A name without the unit in its brackets, and that unit."""
     for match in reversed(list(_BRACKETS.finditer(spelled))):
         inside = match[1].strip()
-        if inside.lower() not in _QUALIFIERS:
-            above = _HEIGHT_ZERO.fullmatch(inside)
-            unit, also = (above[1], above[2]) if above else (inside, "")
-            unit, sensor = _without_sensor(unit)
-            also = f"{also} {sensor}"
-            name = f"{spelled[: match.start()]} {also} {spelled[match.end() :]}"
-            break
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", name.lower())), unit)
+        zero = _HEIGHT_ZERO.fullmatch(inside)
+        unit, also = (zero[1], zero[2]) if zero else _without_sensor(inside)
+        if is_unit(unit) and inside.lower() not in _QUALIFIERS - {"min"}:
+            return f"{spelled[: match.start()]} {also} {spelled[match.end() :]}", unit
+    return None
 
 
 def _without_sensor(text: str) -> tuple[str, str]:
-    """The unit in a text, and the sensor that it names beside it; "" if none."""
+    """The unit in a text, and the sensor or zero that it names beside it; "" if none."""
     for mark in "-,; ":
         before, after = text.partition(mark), text.rpartition(mark)
         for sensor, unit in ((before[0], before[2]), (after[2], after[0])):
             if sensor.strip().lower() in _SENSORS and unit.strip():
                 return unit.strip(), sensor.strip()
     return text, ""
+
+
+def _unknown_unit(spelled: str) -> str:
+    """What the brackets of a name contain, if it may be a unit of another program; the unit in front of them if there
+    is one, as in `Pressure, psi (S/N 12)`."""
+    inside = [text for match in _BRACKETS.finditer(spelled) if (text := match[1].strip())]
+    unknown = [text for text in inside if not set(re.findall(r"[^\W_]+", folded(text))) <= _QUALIFIERS]
+    before = re.split(r"[\s_,]+", spelled.partition("(")[0].strip())
+    if unknown and len(before) > 1 and before[-1].lower() != "in" and is_unit(before[-1]):
+        return before[-1]
+    return unknown[-1] if unknown else ""
 
 
 def unit_named(quantity: str, text: str) -> Unit | None:
@@ -111,122 +159,118 @@ def stated_unit(head: Heading, channel: str) -> str:
         return head.unit
     if quantity == "degree":
         return "deg"
-    if " ".join(head.words) in (*_FEET, *map(" ".join, _SECONDS)):
+    if _only_a_unit(head):
         return head.words[0]
-    for length in (5, 4, 3, 2, 1):
-        if len(head.words) > length:
-            ending = "".join(head.words[-length:])
-            if unit_named(quantity, ending):
-                return ending
-    return ""
+    return "".join(head.words[len(head.words) - _unit_words(head, quantity) :])
 
 
-_NOT_A_SAMPLE = _set(
-    "predicted prediction predictor target max maximum min apogee gyro angular rate rotation mag magnetic "
-    "maximale maxima massima "
-    "magnetometer quaternion quat error sd std variance covariance var bias offset wind horizontal "
-    "lateral ground sats hdop vdop dop horz north east motor chamber dynamic differential pitot "
-    "velocity_pressure total_pressure derivative jerk pad home distance range stage flag flags count id "
-    "deployment threshold setting index limit station receiver groundstation"
-)
-"""Words of columns that are not samples of a channel: limits, other sensors, other directions, counters."""
-_WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
-"""Words of values that a filter or an integration computed."""
-_TIME = _set(
-    "time t ts timestamp millis micros elapsed met timems times clock epoch unix unixtime "
-    "zeit temps tiempo tempo tijd tid čas czas время час idő aika 时间 時間 시간"
-)
-_HEIGHT = _set(
-    "alt altitude height altura hoehe höhe altitud hauteur altezza quota hoogte höjd højde høyde wysokość výška "
-    "altitudine высота висота yükseklik magasság korkeus 高度 고도"
-)
-_SPEED = _set("velocity vel speed veloc vz velz vely velx")
-_ACCEL = _set("accel acceleration acc a accelerometer ax ay az accx accy accz accelx accely accelz")
-_PRESSURE = _set(
-    "pressure press pres baro barometer druck luftdruck pression presión pressione luchtdruk lufttryck tlak"
-)
-_GPS = _set("gps gnss")
-_TOTAL = _set("total magnitude norm resultant mag abs sum")
-_CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start startup boot power on begin beginning")
-"""Words of a clock that name its origin."""
-_SECONDS = (("sec",), ("secs",), ("seconds",))
-"""Names of a clock that are its unit."""
-_FEET = ("feet", "ft", "feet agl", "ft agl", "meters", "meters agl", "metres")
-"""Names of a height that are its unit."""
-_LETTERS = {"h": ("altitude", "length"), "p": ("pressure", "pressure")}
-"""Letters that are names if a unit of their quantity is next to them."""
+def _unit_words(head: Heading, quantity: str) -> int:
+    """The number of words at the end of a name that spell a unit of a quantity. [1]"""
+    lengths = (length for length in (5, 4, 3, 2, 1) if len(head.words) > length)
+    return next((n for n in lengths if unit_named(quantity, "".join(head.words[-n:]))), 0)
+
+
+def _only_a_unit(head: Heading) -> str:
+    """The channel of a name that is only a unit, `Seconds` or `Feet AGL`; "" if it is not."""
+    first, rest = next(iter(head.words), ""), head.words[1:]
+    if not rest and len(first) > 2 and first != "min" and unit_named("time", first):
+        return "time"
+    is_height = plain(first) in ("m", "ft") and len(first) > 1
+    return "altitude" if is_height and rest in ((), ("agl",)) else ""
 
 
 def channel(head: Heading) -> str:
     """The channel that a header names unambiguously, or "".
 
-    `acceleration` without a word about gravity may be felt or net: the result is `felt?`.
+    `acceleration` without a word about gravity may be felt or net: the result is `felt?`. `Altitude rate (m/s)` has the
+    unit of another quantity and is no altitude.
     """
+    name = _named_channel(head)
+    other = name and is_unit(head.unit) and not unit_named(QUANTITIES[name.rstrip("?")], head.unit)
+    return "" if other else name
+
+
+def _named_channel(head: Heading) -> str:
+    """The channel that the words of a header name, or ""."""
     words = set(head.words)
-    if short := _unit_or_letter(head):
+    if short := _only_a_unit(head) or _beside_unit(head):
         return short
-    if words & _HEIGHT and {"above", "ground"} <= words:
-        words -= {"ground"}
-    if words & _TIME and words & {"since", "from"} and words <= _TIME | _CLOCK_ORIGIN_WORDS:
+    if words & _TIME and head.words[-1] == "min":  # minutes, not a minimum
+        words -= {"min"}
+    if words & _HEIGHT and words & _ROLES["above"]:
+        words -= _ROLES["ground"]
+    if _is_clock(words):
         return "time"
-    if unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
+    if unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_ROLES["total"]}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
-    if words & _ACCEL and words & (_HEIGHT | _SPEED) and not words & _NOT_A_SAMPLE:  # integrated, not felt
+    accelerations = words & _ACCEL
+    if words & (_HEIGHT | _SPEED | _PRESSURE | _NAMES["temperature"]):
+        accelerations -= {"a"}  # also a word of sentences
+    if accelerations and words & (_HEIGHT | _SPEED) and not words & _NOT_A_SAMPLE:  # integrated, not felt
         return "inertial_altitude" if words & _HEIGHT else "inertial_speed"
-    if words & _ACCEL and not words & (_NOT_A_SAMPLE - {"mag", "max"}):
+    if accelerations and not words & (_NOT_A_SAMPLE - {"mag", "max"}):
         return _acceleration(words)
-    if words & _NOT_A_SAMPLE:
+    if words & (_NOT_A_SAMPLE | _ROLES["ground"]):
         return ""
     if words & _HEIGHT or words & {"agl"}:
         return _height(words)
-    if words & _WORKED_OUT:
+    if words & _ROLES["worked_out"]:
         return ""
     if words & _PRESSURE and not words & _SPEED:
         return _pressure(head)
     if words & _SPEED:
         if words & {"x", "y", "velx", "vely"} or unit_named("pressure", head.unit):  # sideways, or a dynamic pressure
             return ""
-        return "gps_speed" if words & _GPS else "speed"
-    if words & _TIME and not words & {*_GPS, "update", "utc", "to", "since", "last"}:
+        return "gps_speed" if words & _ROLES["gps"] else "speed"
+    if words & _TIME and not words & {*_ROLES["gps"], "update", "utc", "to", "since", "last"}:
         return "time"
-    return _others(words)
+    return next((name for name in ("latitude", "longitude", "temperature", "voltage") if words & _NAMES[name]), "")
 
 
-def _unit_or_letter(head: Heading) -> str:
-    """The channel of a header that is only a unit, or a letter beside a unit of its quantity."""
-    name = " ".join(head.words)
-    if name in _FEET:
-        return "altitude"
-    if head.words in _SECONDS:
-        return "time"
-    first = next(iter(head.words), "")
-    letter, quantity = _LETTERS.get(first, ("", ""))
-    unit = head.unit if name == first and head.unit else "".join(head.words[1:])
-    return letter if letter and unit_named(quantity, unit) else ""
+def _beside_unit(head: Heading) -> str:
+    """The channel of a name that means one only beside its unit: `h_m`, `z (ft)`, `climb rate (m/s)`."""
+    for name, meanings in _WITH_UNIT.items():
+        quantity = QUANTITIES[name]
+        tail = 0 if head.unit else _unit_words(head, quantity)
+        words = set(head.words[: len(head.words) - tail]) - {"rate", "of", "axis"}
+        if words and words <= meanings and (tail or unit_named(quantity, head.unit)):
+            return name
+    return ""
+
+
+def _is_clock(words: set[str]) -> bool:
+    """Whether a name is a time since something: `time from launch`, `seconds_since_boot`."""
+    units = {word for word in words if len(word) > 2 and unit_named("time", word)}
+    since = words & {"since", "from", "seit", "depuis", "desde"}
+    return bool(since and words & _TIME | units) and words <= _TIME | units | _ROLES["clock_origin"]
 
 
 def _acceleration(words: set[str]) -> str:
-    if words & {*_WORKED_OUT, "linear", "lin"}:
+    if words & (_ROLES["worked_out"] | _ROLES["linear"]):
         return ""
     if axis := next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), ""):
         return f"felt_{axis}"
-    if words & _TOTAL:
+    if words & _ROLES["total"]:
         return "felt_total"
-    return "acceleration" if words & {"vertical", "net"} else "felt?"
+    return "acceleration" if words & _ROLES["net"] else "felt?"
 
 
 def _height(words: set[str]) -> str:
-    if words & _WORKED_OUT:
-        return "inertial_altitude" if words & {"inertial", "integrated"} and not words & _GPS else ""
-    if words & _GPS:
+    if words & _ROLES["worked_out"]:
+        return "inertial_altitude" if words & {"inertial", "integrated"} and not words & _ROLES["gps"] else ""
+    if words & _ROLES["gps"]:
         return "gps_altitude_msl"
-    return "altitude_msl" if words & {"msl", "asl", "sea"} else "altitude"
+    return "altitude_msl" if words & _ROLES["sea_level"] else "altitude"
 
 
 def _pressure(head: Heading) -> str:
-    if unit_named("length", head.unit):
+    if plain(stated_unit(head, "altitude")) in _HEIGHT_UNITS:
         return "altitude"
     return "" if _REFERENCES & set(head.words) else "pressure"
+
+
+_HEIGHT_UNITS = ("m", "cm", "km", "ft", "feet")
+"""Units in which `baro` is a height: inches and millimeters are those of mercury."""
 
 
 def barometric(head: Heading) -> bool:
@@ -235,16 +279,8 @@ def barometric(head: Heading) -> bool:
     return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
 
 
-_TEMPERATURE_WORDS = _set("temperature temp temperatur température temperatura temperatuur")
-
-
-def _others(words: set[str]) -> str:
-    if words & {"lat", "latitude"}:
-        return "latitude"
-    if words & {"lon", "lng", "long", "longitude"}:
-        return "longitude"
-    if words & _TEMPERATURE_WORDS:
-        return "temperature"
-    if words & {"voltage", "volts", "battery", "batt", "vbat"}:
-        return "voltage"
-    return ""
+def is_pressure(head: Heading) -> bool:
+    """Whether a header states a unit of the pressure of the air and nothing that excludes it: `static_kPa`."""
+    unit = stated_unit(head, "pressure")
+    excluded = set(head.words) & (_NOT_A_SAMPLE | _REFERENCES)
+    return not excluded and plain(unit) not in ("in", "") and unit_named("pressure", unit) is not None

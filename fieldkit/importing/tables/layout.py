@@ -75,7 +75,7 @@ def table_in(text: str) -> Layout:
     """The layout of the first table of numbers in a text. Raises DamagedLog if there is none."""
     lines = text.split("\n")[:LOOKED_AT]
     lines = [line.rstrip("\r").lstrip("\ufeff") for line in lines]
-    for separator in ("\t", ";", ",", None):
+    for separator in ("\t", ";", ",", "|", None):
         start = _first_numbers(lines, separator)
         if start is not None:
             return _layout(lines, start, separator)

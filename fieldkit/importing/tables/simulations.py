@@ -1,8 +1,8 @@
 """Common parts of the exports of flight simulators: columns with units, read as a simulation.
 
 Every column states its unit; one without a unit or with an unknown name is dropped. Names are those of the programs in
-English, and for a translated program the word in some other languages. A wrong word loses a column but cannot change a
-number, because the unit must fit the quantity.
+English, and for a translated program the words in `fieldkit/data/sample_columns.toml`. A wrong word
+loses a column but cannot change a number, because the unit must fit the quantity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Parsed, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
-from fieldkit.importing.tables.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
+from fieldkit.importing.tables.headings import KNOWN_WORDS, QUANTITIES, Heading, heading, stated_unit, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.units import UNITS
 
@@ -41,29 +41,9 @@ NAMES: Mapping[str, str] = {
 """Columns by the words of their name, without the unit."""
 
 
-def _set(words: str) -> frozenset[str]:
-    return frozenset(words.split())
-
-
-TIME_WORDS = _set("time zeit temps tiempo tempo tijd tid czas čas время час zaman idő aika 时间 時間 시간")
-HEIGHT_WORDS = _set(
-    "altitude höhe altitud altitudine quota hoogte höjd højde høyde wysokość výška высота висота "
-    "yükseklik magasság korkeus 高度 고도"
-)
-_VERTICAL_WORDS = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
-_SPEED = ("geschwind", "vitesse", "veloc", "snelheid", "hastighet", "prędko", "rychlost", "скорост", "速度", "속도")
-_ACCELERATION_WORDS = (
-    "beschleunig",
-    "accél",
-    "aceler",
-    "acceler",
-    "versnell",
-    "przyspiesz",
-    "zrychlen",
-    "ускорен",
-    "加速度",
-    "가속",
-)
+_WORDS = KNOWN_WORDS["simulations"]
+TIME_WORDS = _WORDS["time"]
+"""Whole names of the time, without accents."""
 
 
 def base_words(head: Heading) -> tuple[str, ...]:
@@ -83,12 +63,12 @@ def channel_of(head: Heading) -> str:
         return NAMES[name]
     if len(words) == 1 and words[0] in TIME_WORDS:
         return "time"
-    if len(words) == 1 and words[0] in HEIGHT_WORDS:
+    if len(words) == 1 and words[0] in _WORDS["height"]:
         return "altitude"
-    if any(stem in name for stem in _VERTICAL_WORDS):
-        if any(stem in name for stem in _ACCELERATION_WORDS):
+    if any(stem in name for stem in _WORDS["vertical"]):
+        if any(stem in name for stem in _WORDS["acceleration"]):
             return "acceleration"
-        return "speed" * any(stem in name for stem in _SPEED)
+        return "speed" * any(stem in name for stem in _WORDS["speed"])
     return ""
 
 
