@@ -9,9 +9,12 @@ import pytest
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Note, Parsed, Reading
-from fieldkit.importing.recognize import parsers
+from fieldkit.importing.read import read
+from fieldkit.importing.recognize import claims, parsers
 from fieldkit.units import FOOT
 from tests.parsers.recorded import recorded
+from tests.samples import any_motor
+from tools.samples import one_parachute
 from tools.samples.two_parachutes import flight
 
 pytestmark = pytest.mark.fast
@@ -193,3 +196,28 @@ def test_a_mawd_writes_heights_from_10000_ft_with_five_digits() -> None:
     above = heights[0] > 0
     assert heights[1].max() > 20_000 * FOOT
     np.testing.assert_allclose(heights[1][above], 20 * heights[0][above])
+
+
+@pytest.mark.parametrize(
+    ("title", "row"),
+    [
+        ("PerfectFlite StratoLoggerCF flight 3", "{t:.2f},{ft:.0f},{fps:.0f},{f:.1f}F,9.1V"),
+        ("Saturday, third flight", "{t:.2f}\t{ft:.0f}\t{f:.1f}F\t9.1V"),
+        ("Swift on a Stratologger", "{t:.2f}\t{ft:.0f}\t{fps:.0f}\t{f:.1f}\t9.1"),
+        ("PerfectFlite Pnut\nFirmware: 1.3\nFlight Number: 2", "{t:.2f},{ft:.0f},{fps:.0f},{f:.1f},4.1"),
+    ],
+)
+def test_an_export_may_have_titles_and_no_names(title: str, row: str) -> None:
+    made = one_parachute.flight()
+    times = np.arange(0.0, made.time[-1], 0.05)
+    feet, speeds = (made.at(times, values) / FOOT for values in (made.height, made.speed))
+    rows = [row.format(t=t, ft=h, fps=v, f=68.0) for t, h, v in zip(times, feet, speeds, strict=True)]
+    log = "\n".join([title, *rows, ""]).encode()
+    imported = read(log, "log.csv", any_motor)
+    assert imported.format == "perfectflite_table"
+    assert imported.flights[0].apogee == pytest.approx(made.apogee, rel=0.01)
+
+
+def test_numbers_below_a_title_without_the_maker_s_name_are_not_its_export() -> None:
+    rows = "".join(f"{i / 20:.2f},{min(i, 90)},{i % 7},68.0,9.1\n" for i in range(200))
+    assert claims(f"Saturday\n{rows}".encode()) == []
