@@ -126,7 +126,7 @@ def _length(header: Mapping[str, str]) -> str:
 
 def _table(log: bytes, data_row: int, data: str, length: str) -> LogTable:
     separator = max(",;\t", key=data.count)
-    names = data.replace('"', "").rstrip(f"{separator} ").split(separator)
+    names = data.replace('"', "").replace("_", " ").rstrip(f"{separator} ").split(separator)
     channels = [channel for place, name in enumerate(names) if (channel := _channel(place, name, length))]
     return read_columns(log, channels, after=data_row, separator=separator, widths=range(LEAST_WIDTH, len(names) + 1))
 

@@ -15,9 +15,11 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Parsed, Parser, Reading
+from fieldkit.importing.tables.cell import is_grouped
 from fieldkit.importing.tables.clocks import MAX_CLOCK, in_order
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
+from fieldkit.importing.tables.layout import split
 from fieldkit.importing.tables.text import lines, narrow
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
@@ -88,7 +90,7 @@ def _whole_rows(log: bytes, starts: Sequence[int], width: int, mark: bytes) -> I
     A spreadsheet pads each line to the longest, so missing cells are detected by the flags, not by the length.
     """
     for line in lines(log):
-        line = line.rstrip(b"\r").replace(b'"', b"")
+        line = _unquoted(line.rstrip(b"\r"), mark)
         cells = line.split(mark)
         if len(cells) > starts[-1] + 2 and not any(cells[start + 2].strip(b" b01") for start in starts):
             yield line
@@ -103,6 +105,14 @@ def _whole_rows(log: bytes, starts: Sequence[int], width: int, mark: bytes) -> I
                 is_cut = place > len(cells)
         fits = not is_cut and not any(map(bytes.strip, cells[place:]))
         yield mark.join(row) if fits else line
+
+
+def _unquoted(line: bytes, mark: bytes) -> bytes:
+    """A line without quotation marks, and without the commas that a spreadsheet put between thousands in them."""
+    if b'"' not in line or mark != b",":
+        return line.replace(b'"', b"")
+    cells = split(line.decode("utf-8", "replace"), mark.decode())
+    return mark.join((cell.replace(",", "") if is_grouped(cell.strip()) else cell).encode() for cell in cells)
 
 
 def _clocks(table: LogTable, places: Mapping[str, int]) -> tuple[Series, ...]:

@@ -1,5 +1,7 @@
 """Which parser reads a file: the most certain first, the next if it finds no flight, and what an unknown file lacks."""
 
+import random
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -20,6 +22,7 @@ from tests.samples import SAMPLES, any_motor, owner
 
 CHECK_SHAPES = False
 every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.name)
+ROW, THOUSANDS = re.compile(rb"\s*-?[\d.]+\s*[,;\t]"), re.compile(rb"^\s*(-?\d{1,3})(\d{3}(?:\.\d*)?)\s*$")
 TABLE = b"rocket,apogee_m\nSwift,100\n"
 
 
@@ -84,6 +87,34 @@ def test_a_sample_matches_its_own_parser_best(sample: Path) -> None:
     assert owner(sample) in [name for name, _ in nearest(parsers(), sample.read_bytes())]
 
 
+def resaved(text: bytes) -> Iterator[tuple[str, bytes]]:
+    """The table in a log as spreadsheets save it, and the change; nothing for other logs."""
+    lines = text.split(b"\n")
+    rows = (i for i in range(1, min(len(lines) - 6, 60)) if all(map(ROW.match, lines[i : i + 5])))
+    if (start := next(rows, None)) is None:
+        return
+    mark = max((b"\t", b";", b","), key=lines[start].count)
+    above, table = lines[: start - 1], [line.split(mark) for line in lines[start - 1 :] if line.strip()]
+    order = random.Random(len(text)).sample(range(len(table[0])), len(table[0]))
+    shuffled = [[row[i] for i in order] if len(row) == len(order) else row for row in table]
+    spaced = [[b" " + cell + b" " for cell in table[0]], *table[1:]]
+    units = [re.search(rb"[(\[]([^()\[\]]*)[)\]]", cell) for cell in table[0]]
+    names = [re.sub(rb"\s*[(\[][^()\[\]]*[)\]]", b"", cell) for cell in table[0]]
+    saved = {
+        "in quotation marks": [[b'"' + cell.strip() + b'"' for cell in row] for row in table],
+        "with commas between thousands": [[THOUSANDS.sub(rb'"\1,\2"', cell) for cell in row] for row in table],
+        "with empty cells at the end": [[*row, b"", b""] for row in table],
+        "with its columns in another order": shuffled,
+        "with spaces around its names": spaced,
+        "with units in brackets": [[re.sub(rb"\(([^()]*)\)", rb"[\1]", cell) for cell in table[0]], *table[1:]],
+        "with units behind underscores": [[b"_".join(c.strip(b"()").split(b" (")) for c in table[0]], *table[1:]],
+        "with a line of units": [names, [unit[1] if unit else b"" for unit in units], *table[1:]],
+    }
+    for how, cells in saved.items():
+        if mark == b"," or how != "with commas between thousands":
+            yield how, b"\n".join([*above, *map(mark.join, cells), b""])
+
+
 def mutated(content: bytes) -> Iterator[tuple[str, bytes]]:
     """The text of a log with its first lines spelled differently, and the change."""
     head, _, rest = content.partition(b"\n")
@@ -91,7 +122,11 @@ def mutated(content: bytes) -> Iterator[tuple[str, bytes]]:
     yield "with a byte order mark", b"\xef\xbb\xbf" + content
     yield "behind a blank line", b"\r\n" + content
     yield "behind a title", b"Saturday at the field\n" + content
-    yield "with Windows line ends", content.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n")
+    text = content.replace(b"\r\n", b"\n")
+    yield "with Windows line ends", text.replace(b"\n", b"\r\n")
+    yield "with every other line blank", text.replace(b"\n", b"\n\n")
+    yield "in UTF-16", text.decode("utf-8-sig", "replace").encode("utf-16")
+    yield from resaved(text)
     for separator in (b",", b";", b"\t"):
         cells = head.split(separator)
         for place in range(min(len(cells), 8)) if len(cells) > 1 else ():

@@ -527,7 +527,7 @@ def test_of_two_heights_the_one_above_the_pad_is_used(names: str, elevation: flo
         ("time_min,alt_m", "{min:.5f},{h:.2f}"),
         ("seconds_since_boot,pressure_hpa", "{t:.2f},{hpa:.3f}"),
         ("time_s,static_kPa,temp_C", "{t:.2f},{kpa:.4f},21.5"),
-        ("us,time (us),baroAlt", "{i},{us:.0f},{cm:.0f}"),
+        ("us,time (us),baroAlt (cm)", "{i},{us:.0f},{cm:.0f}"),
         ("t/s;h/m;v/(m/s)", "{t:.2f};{h:.2f};{v:.1f}"),
         ("| Time (s) | Altitude (m) |\n|---|---|", "| {t:.2f} | {h:.2f} |"),
     ],

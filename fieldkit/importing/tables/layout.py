@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.cell import is_grouped
 from fieldkit.importing.tables.headings import channel, heading, unit_named
 from fieldkit.importing.tables.text import encodings
 from fieldkit.units import UNITS
@@ -48,7 +49,12 @@ class Layout:
     def says(self, place: int) -> bool:
         """Whether the first row has a word rather than a number in this column."""
         cell = self.first[place] if place < len(self.first) else ""
-        return cell.lower() not in _ABSENT_MARKS and not _NUMBER.fullmatch(cell) and not _CLOCK.search(cell)
+        return cell.lower() not in _ABSENT_MARKS and not _is_number(cell)
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is a number, also with separated thousands, or a time of day."""
+    return bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell) or is_grouped(cell.strip()))
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -102,7 +108,7 @@ def _numbers(cells: Sequence[str], separator: str | None) -> bool:
     """
     absent = _ABSENT_MARKS - {"nan"}
     values = [c for c in cells if c.strip().lower() not in absent and not _WITH_UNIT.fullmatch(c)]
-    count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in values)
+    count = sum(map(_is_number, values))
     return count >= 2 and count * 2 > len(values) and not (separator is None and any("," in cell for cell in cells))
 
 

@@ -16,7 +16,7 @@ from fieldkit.units import STANDARD_GRAVITY, UNITS
 
 CANDIDATES: Mapping[str, tuple[str, ...]] = {
     "time": ("s", "ms", "us"),
-    "altitude": ("m", "ft", "cm"),
+    "altitude": ("m", "ft"),
     "speed": ("m/s", "ft/s", "mph", "km/h"),
 }
 """Units that a channel without a stated unit may have."""
