@@ -58,7 +58,7 @@ def read(log: bytes) -> list[Parsed]:
 def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     """The flights of a table by the first matching choice. Raises DamagedLog that explains what to write."""
     layout = layout_of(log[:HEAD])
-    choice = choice_for(layout.headers, choices)
+    choice = choice_for(layout.saved_names, choices)
     first, *others = side_by_side(layout)
     picks = chosen(layout, choice, first) if choice else guessed(layout, first)
     if missing := missing_channel({pick.channel for pick in picks}):
@@ -73,7 +73,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
         if not missing_channel({pick.channel for pick in beside}):
             more, other = _one_table(log, layout, beside, None)
             line, found = f"{line}; beside it, {more}", _together(found, other)
-    kept = ColumnChoice(choice.channels if choice else {}, layout.headers if layout.named else ())
+    kept = ColumnChoice(choice.channels if choice else {}, layout.saved_names)
     mapped = Mapped(line, layout.above or None, kept, chosen=choice is not None and not choice.headers)
     return [mapped, *found]
 

@@ -89,9 +89,8 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
 def _near(log: bytes) -> str:
     """The formats most similar to a file, and what the file lacks for each."""
     known = parsers()
-    near = (f"{known[name].title} ({name}) {_lacks(like)}" for name, like in nearest(known, log))
-    shown_damage = "; ".join(near)
-    return f"; most similar: {shown_damage}" if shown_damage else ", and no known format is similar"
+    near = "; ".join(f"{known[name].title} ({name}) {_lacks(like)}" for name, like in nearest(known, log))
+    return f"; most similar: {near}" if near else ", and no known format is similar"
 
 
 def _lacks(like: Likeness) -> str:
@@ -106,7 +105,7 @@ def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
     if found is not None or not choices:
         return found
     try:
-        return choice_for(layout_of(log[:HEAD]).headers, choices)
+        return choice_for(layout_of(log[:HEAD]).saved_names, choices)
     except DamagedLog:
         return None
 
@@ -122,6 +121,8 @@ def _hint(log: bytes) -> str:
     if log.startswith(b"PK\x03\x04"):
         return "; it is an archive; unpack it first"
     start = log[:HEAD]
+    if start.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"<"):
+        return "; it is XML, such as a track for maps; export a table (CSV) instead"
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         time, height, motor = ("#1", "#2", "#3") if _is_without_names(start) else ("its column",) * 3
         samples = f"a table of samples is read with --map 'time={time}' --map 'altitude={height} [m]'"

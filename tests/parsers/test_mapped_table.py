@@ -382,6 +382,18 @@ def test_a_mapping_is_shown_chosen_once_and_remembered(home: Path, tmp_path: Pat
     assert "columns as chosen before: time = 'a' in ms" in run("import", log, "--dry-run").err
 
 
+def test_a_mapping_of_a_table_without_names_is_remembered_by_the_form_of_its_rows(
+    home: Path, tmp_path: Path, run: Run
+) -> None:
+    logs = [tmp_path / f"{name}.csv" for name in ("first", "later", "of_another_logger")]
+    for log, row in zip(logs, ("{t:.2f},{ft:.0f}", "{t:.2f},{ft:.0f}", "{t:.3f},{h:.1f}"), strict=True):
+        log.write_bytes(table("x", row).split(b"\n", 1)[1])
+    logs[1].write_bytes(logs[1].read_bytes() + b"30.00,0\n")
+    run("import", logs[0], "--map", "time=#1 [s]", "--map", "altitude=#2 [ft]")
+    assert "columns as chosen before: time = '#1' in s, altitude = '#2' in ft" in run("import", logs[1]).err
+    assert "no parser recognizes" in run("import", logs[2], status=1).err
+
+
 def test_a_mapping_is_refused_for_a_log_that_needs_none(run: Run, tmp_path: Path) -> None:
     log = tmp_path / "t.csv"
     log.write_text("rocket,apogee_m\nSwift,100\n")

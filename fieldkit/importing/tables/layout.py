@@ -46,10 +46,24 @@ class Layout:
     named: bool
     first: tuple[str, ...]
 
+    @property
+    def saved_names(self) -> tuple[str, ...]:
+        """What a saved mapping remembers the table by: its names; without names, the number and form of each column in
+        its first row, such as `#1 0.00`, because the logger writes all its tables in the same form."""
+        forms = zip(self.headers, map(_form, self.first), strict=False)
+        return self.headers if self.named else tuple(f"{number} {form}" for number, form in forms)
+
     def says(self, place: int) -> bool:
         """Whether the first row has a word rather than a number in this column."""
         cell = self.first[place] if place < len(self.first) else ""
         return cell.lower() not in _ABSENT_MARKS and not _is_number(cell)
+
+
+def _form(cell: str) -> str:
+    """A number with each of its digits after the decimal mark as 0, and those before it as one."""
+    if not _NUMBER.fullmatch(cell):
+        return "text"
+    return re.sub(r"\d", "0", re.sub(r"^[+-]?\d*", "0", cell))
 
 
 def _is_number(cell: str) -> bool:

@@ -118,7 +118,7 @@ def _of_samples(head: bytes, *, certain: bool) -> TableColumns:
     picks = guessed(layout)
     if not certain and layout.named and "time" not in {pick.channel for pick in picks} and _looks_of_flights(head):
         raise DamagedLog("found columns of flights")
-    choice = choice_for(layout.headers, remembered())
+    choice = choice_for(layout.saved_names, remembered())
     read_as = {pick.channel.rstrip("?"): layout.headers[pick.place] for pick in reversed(picks)}
     return TableColumns("samples", layout.headers, _first_rows(head, layout), choice.channels if choice else read_as)
 
