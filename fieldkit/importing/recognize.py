@@ -61,9 +61,7 @@ def claims(log: bytes) -> list[str]:
 def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
     """Names of the parsers to try, highest score first; if the user maps the columns, one that accepts a mapping."""
     mapped = any(not choice.headers for choice in choices)
-    place = f"{source}: " if source else ""
-    known = parsers()
-    kind = _kind_of(log, choices)
+    place, known, kind = f"{source}: " if source else "", parsers(), _kind_of(log, choices)
     takers = [name for name, parser in known.items() if parser.mapped and parser.maps == kind]
     if format is not None:
         check_format(format, place)
