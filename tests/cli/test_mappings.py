@@ -66,3 +66,10 @@ def test_the_motors_mass_is_subtracted_from_a_lift_off_mass(run: Run, tmp_path: 
     run("import", table)
     (flight,) = flights(run)
     assert flight["dry_mass_g"] == pytest.approx(370)
+
+
+def test_one_column_has_one_meaning(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "club.csv"
+    table.write_text(TABLE)
+    refused = run("import", table, *options("motor=Propulsion", "rocket=Propulsion"), status=1).err
+    assert "found the column 'Propulsion' for two meanings, expected one" in refused

@@ -17,6 +17,7 @@ from fieldkit.importing.recognize import claims, open_log, parsers
 from fieldkit.importing.tables import mapping
 from fieldkit.importing.tables.headings import channel, heading, stated_unit
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+from fieldkit.services.imports.mappings import columns_of
 from tests.commands import Run
 from tests.parsers.recorded import recorded
 from tests.samples import any_motor
@@ -338,11 +339,12 @@ def test_an_invalid_mapping_is_refused_with_what_to_write(texts: Sequence[str], 
     [
         ("altitude=Height", r"found no column 'Height', expected one of 't', 'alt'"),
         ("altitude=alt [furlong]", "found the unit 'furlong' for altitude, expected one of m"),
+        ("altitude=t [m]", "found the column 't' for time and altitude, expected two columns"),
     ],
 )
 def test_a_mapping_that_matches_nothing_lists_what_there_is(text: str, complaint: str) -> None:
     with pytest.raises(DamagedLog, match=complaint):
-        found(table("t,alt", "{t:.2f},{h:.2f}"), read_choice([text]))
+        found(table("t,alt", "{t:.2f},{h:.2f}"), read_choice(["time=t", text]))
 
 
 @pytest.fixture
@@ -392,6 +394,7 @@ def test_a_mapping_of_a_table_without_names_is_remembered_by_the_form_of_its_row
     run("import", logs[0], "--map", "time=#1 [s]", "--map", "altitude=#2 [ft]")
     assert "columns as chosen before: time = '#1' in s, altitude = '#2' in ft" in run("import", logs[1]).err
     assert "no parser recognizes" in run("import", logs[2], status=1).err
+    assert columns_of(remembered()[0]).names == ("#1", "#2")  # as `--map` and the form spell them
 
 
 def test_a_mapping_is_refused_for_a_log_that_needs_none(run: Run, tmp_path: Path) -> None:

@@ -39,6 +39,17 @@ async def test_a_column_and_its_unit_are_chosen_by_arrows_beside_the_first_rows(
         assert pilot.app.screen._reading.columns == ("time=tick [ms]", "altitude=howhigh [m]")
 
 
+async def test_a_mistake_in_the_columns_is_named_and_corrected_where_it_was_typed(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("tick,howhigh,warmth\n" + LOG)
+    async with opened(file, (80, 24), page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")
+        await press(pilot)
+        await press(pilot, "m", "ctrl+u", *typed("tick [ms]"), "down", *typed("tick [m]"), "ctrl+s")
+        assert "found the column 'tick' for time and" in shown(pilot)
+        await press(pilot, "m")
+        assert [field.value for field in pilot.app.screen.query(Input)][:2] == ["tick [ms]", "tick [m]"]
+
+
 async def test_a_note_does_not_repeat_the_name_of_its_file_whose_end_is_never_cut(file: Path) -> None:
     name = "a_cold_morning_at_the_field_of_2026.csv"
     (file.parent / name).write_bytes((ROOT / "sample_logs" / "rrc3__feet_and_commas.csv").read_bytes())

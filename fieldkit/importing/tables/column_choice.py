@@ -122,6 +122,10 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
     picks: list[Pick] = []
     for name, text in choice.channels.items():
         place, unit = _find(layout, text)
+        if same := next((pick.channel for pick in picks if pick.place == place), ""):
+            raise DamagedLog(
+                f"found the column {shown(layout.headers[place])} for {same} and {name}, expected two columns"
+            )
         stated = unit or stated_unit(heading(layout.headers[place]), name)
         if stated and QUANTITIES[name] != "degree" and not unit_named(QUANTITIES[name], stated):
             expected = ", ".join(UNITS[QUANTITIES[name]])

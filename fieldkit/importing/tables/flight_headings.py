@@ -15,7 +15,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
 from fieldkit.flight.readout import ReadoutColumn, beside
 from fieldkit.importing.reading import ColumnChoice
-from fieldkit.importing.tables.text import first_names, no_column
+from fieldkit.importing.tables.text import first_names, no_column, shown
 from fieldkit.safe_text import printable
 
 OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
@@ -80,6 +80,8 @@ def renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
         place, unit = next(found, (-1, ""))
         if place < 0:
             raise DamagedLog(no_column(text, names), row=row)
+        if renamed[place] != names[place]:
+            raise DamagedLog(f"found the column {shown(names[place])} for two meanings, expected one", row=row)
         unit = unit or stated_unit(names[place])
         renamed[place] = f"{name}_{unit}" if unit else name
     return renamed

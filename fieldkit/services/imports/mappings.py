@@ -96,7 +96,10 @@ def _quantity(channel: str, of: str) -> str:
 
 def columns_of(choice: ColumnChoice) -> TableColumns:
     """The columns of the tables of a saved mapping, whose rows are not known."""
-    return TableColumns("flights" if is_of_flights(choice) else "samples", choice.headers, (), choice.channels)
+    if is_of_flights(choice):
+        return TableColumns("flights", choice.headers, (), choice.channels)
+    names = (f"#{n}" if name.startswith(f"#{n} ") else name for n, name in enumerate(choice.headers, start=1))
+    return TableColumns("samples", tuple(names), (), choice.channels)
 
 
 def table_columns(path: Path, of: str = "") -> TableColumns:

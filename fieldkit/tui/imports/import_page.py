@@ -262,7 +262,7 @@ class ImportScreen(PageScreen):
         if path is None or path == PARENT_FOLDER or isdir(path):
             self.complain("No table under the cursor")
             return
-        ask_columns(self, path, self._columns_named)
+        ask_columns(self, path, self._columns_named, self._reading.columns)
         await self.settled("columns")
 
     def _columns_named(self, columns: Sequence[str]) -> None:
