@@ -121,6 +121,7 @@ def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
             pick.place,
             needed=pick.channel == "time" and alone,
             header=pick.name,
+            suffix=layout.suffix(pick.place),
             clock=pick.unit == "clock",
         )
         for pick in {pick.place: pick for pick in picks}.values()

@@ -5,6 +5,8 @@ leading spaces, and some names have one before the comma. Only time has no unit;
 comparing the integrated speed with the height.
 """
 
+import re
+
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import HEAD, Parsed, Parser
 from fieldkit.importing.tables.header import SEPARATORS
@@ -14,8 +16,8 @@ from fieldkit.importing.tables.simulations import base_words, channel_of, read_s
 from fieldkit.importing.tables.text import decode, lines_of
 
 _OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
-
-
+_SPACED_UNIT = re.compile(r" (?:Feet|Meters|Miles|Kilometers) / (?:Sec|Hour)", re.IGNORECASE)
+"""A unit as only this program spells it."""
 MOST_ABOVE = 5
 """Number of nonblank lines in which the names must be, after a title or two. [1]"""
 
@@ -52,7 +54,7 @@ def _is_rocksims(names: list[str]) -> bool:
         if name == "altitude" and stated_unit(head, name) and len(base_words(head)) < len(head.words):
             found.add("height")
         quantity = _OF_A_SIMULATION.get(name)
-        if quantity and unit_named(quantity, stated_unit(head, name)):
+        if (quantity and unit_named(quantity, stated_unit(head, name))) or _SPACED_UNIT.search(head.spelled):
             found.add("program")
     return found == {"height", "program"}
 

@@ -50,12 +50,12 @@ def _ratio(expected: Float[Array, "time"], altitude: Float[Array, "time"]) -> fl
     both = np.isfinite(expected) & np.isfinite(altitude)
     if both.sum() < 10:
         return float("nan")
-    expected, altitude = expected[both], altitude[both]
+    expected, altitude = (heights[both] - np.median(heights[both][:5]) for heights in (expected, altitude))
     climb = float(np.quantile(expected, 0.98))
     high = expected > COMPARED_FRACTION * climb
     if climb < CLIMB or high.sum() < 5:
         return float("nan")
-    return float(np.median((altitude[high] - np.median(altitude[:5])) / (expected[high] - np.median(expected[:5]))))
+    return float(np.median(altitude[high] / expected[high]))
 
 
 def _scaled(series: Series, factor: float) -> Series:

@@ -56,3 +56,10 @@ def test_a_table_whose_columns_the_flyer_chose_is_left_as_it_is() -> None:
     height = np.linspace(0, 200, 100)
     series = Series(np.arange(100) / 20, pressure=95_000 * (1 - height / 44_331) ** 5.2559, altitude=height * 3.28)
     assert with_proven_heights(Reading(series=series)) == (Reading(series=series), [])
+
+
+def test_heights_that_start_late_are_compared_from_their_first_samples() -> None:
+    height = np.concatenate([np.zeros(10), np.full(100, 200.0)])
+    altitude = np.where(height > 0, height, np.nan)  # the first one is that of the top
+    series = Series(np.arange(110) / 20, pressure=95_000 * (1 - height / 44_331) ** 5.2559, altitude=altitude)
+    assert with_proven_heights(Reading(series=series, device="Logger"))[0].clocks[0] is series

@@ -545,6 +545,9 @@ def test_of_two_heights_the_one_above_the_pad_is_used(names: str, elevation: flo
         ("us,time (us),baroAlt (cm)", "{i},{us:.0f},{cm:.0f}"),
         ("t/s;h/m;v/(m/s)", "{t:.2f};{h:.2f};{v:.1f}"),
         ("| Time (s) | Altitude (m) |\n|---|---|", "| {t:.2f} | {h:.2f} |"),
+        ("Time;Altitude;Velocity", "{t:.2f} s;{h:.2f} m;{v:.1f} m/s"),
+        ("baro.time,baro.altitude,imu.time", "{t:.2f},{h:.2f},{t:.3f}"),
+        ("time_s,alt1_m,alt2_m", "{t:.2f},{h:.2f},{h:.1f}"),
     ],
 )
 def test_a_table_of_unusual_names_has_the_same_apogee(header: str, row: str) -> None:
@@ -556,6 +559,15 @@ def test_a_table_of_unusual_names_has_the_same_apogee(header: str, row: str) -> 
         lines.append(row.format(i=i, t=t, h=h, v=v, **units))
     imported = read("\n".join([*lines, ""]).encode(), "log.csv", any_motor)
     assert imported.flights[0].apogee == pytest.approx(285, rel=0.02)
+
+
+def test_a_stated_unit_that_makes_the_pressure_on_the_ground_impossible_is_refused() -> None:
+    log = table("t_s,pressure_hPa", "{t:.2f},{p:.1f}")
+    with pytest.raises(DamagedLog, match=r"found pressures up to 101\d\d\d hPa by the unit 'hpa', .*#2 \[pa\]'"):
+        found(log)
+    (series,), _ = found(log, read_choice(["pressure=#2 [pa]"]))
+    assert series.pressure is not None
+    assert series.pressure[0] == pytest.approx(101325, rel=1e-3)
 
 
 def test_the_pressure_in_a_motor_is_not_that_of_the_air() -> None:

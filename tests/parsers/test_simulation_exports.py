@@ -128,3 +128,8 @@ def test_damaged_rows_are_reported_and_the_rest_is_read() -> None:
     found = parsers()["openrocket"].read(OPENROCKET.replace(b"\n0.06,", b"\n0.o6,"))
     assert [item.row for item in found if isinstance(item, DamagedLog)] == [11]
     assert not [item for item in found if isinstance(item, Note)]
+
+
+def test_an_export_of_rocksim_without_thrust_is_no_flight() -> None:
+    rows = "".join(f"{i / 20:.2f}, {i * (240 - i) / 40:.3f}, {(120 - i) / 2:.2f}\n" for i in range(240))
+    assert claims(f"Time,Altitude Feet,Velocity Feet / Sec\n{rows}".encode()) == ["rocksim"]

@@ -79,7 +79,7 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
     for place, head in enumerate(heads):
         name = channel(head)
         if name and not layout.says(place) and (columns is None or place in columns):
-            unit = stated_unit(head, "felt" if name == "felt?" else name)
+            unit = stated_unit(head, "felt" if name == "felt?" else name) or layout.suffix(place)
             picks.append(Pick(name, place, head.spelled, _clock_unit(name, unit, layout, place)))
     if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
         picks += [
@@ -126,7 +126,7 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
             raise DamagedLog(
                 f"found the column {shown(layout.headers[place])} for {same} and {name}, expected two columns"
             )
-        stated = unit or stated_unit(heading(layout.headers[place]), name)
+        stated = unit or stated_unit(heading(layout.headers[place]), name) or layout.suffix(place)
         if stated and QUANTITIES[name] != "degree" and not unit_named(QUANTITIES[name], stated):
             expected = ", ".join(UNITS[QUANTITIES[name]])
             raise DamagedLog(f"found the unit {shown(stated)} for {name}, expected one of {expected}")

@@ -30,6 +30,8 @@ NO_UNIT, NO_KIND = "no unit", "neither one g nor zero at rest"
 """Why a column is dropped."""
 _FELT_COAST, _NET_COAST = (-0.4, 0.2), (-1.4, -0.8)
 """Acceleration felt in the last second of a climb, when drag is small, and net of gravity. [g]"""
+_PAD_PRESSURES = (3e4, 1.2e5)
+"""Pressures on the ground anywhere, with a margin for the error of a sensor. [Pa]"""
 ABOVE_GROUND = 30.0
 """A height that is constant above this before lift-off is not relative to the pad. [m]"""
 
@@ -49,6 +51,8 @@ def units_of(
             units[name] = Unit(1.0), "clock", ""
         elif pick.unit and (unit := unit_named(QUANTITIES[name.rstrip("?")], pick.unit)):
             units[name] = unit, pick.unit, ""
+    if "pressure" in units and not by_channel["pressure"].chosen:
+        _check_pressure(by_channel["pressure"], units["pressure"], values, needed="altitude" not in units)
     if "altitude" in units:
         units["altitude"] = _beside_pressure(by_channel["altitude"], units["altitude"], values)
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
@@ -71,6 +75,21 @@ def units_of(
         left_out[by_channel["felt?"].name] = NO_KIND
     _settle_zero(values, units)
     return units, left_out
+
+
+def _check_pressure(
+    pick: Pick, stated: tuple[Unit, str, str], values: dict[str, Float[Array, "row"]], *, needed: bool
+) -> None:
+    """Raise DamagedLog if the highest pressure is impossible on the ground and another unit makes it possible."""
+    pressure = values["pressure"][np.isfinite(values["pressure"])]
+    highest = float(np.percentile(to_si(stated[0], pressure), 98)) if len(pressure) else 0.0
+    other = settle_pressure(pressure)
+    if needed and other and not _PAD_PRESSURES[0] < highest < _PAD_PRESSURES[1]:
+        raise DamagedLog(
+            f"found pressures up to {highest / 100:.0f} hPa by the unit {shown(stated[1])}, expected about 1000 hPa; "
+            f"write --map 'pressure=#{pick.place + 1} [{other.unit}]', or the unit that you trust",
+            column=pick.name,
+        )
 
 
 def _beside_pressure(

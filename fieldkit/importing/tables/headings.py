@@ -77,6 +77,8 @@ _NOT_A_SAMPLE = frozenset().union(*KNOWN_WORDS["not_a_sample"].values())
 """Words of columns that are not samples of a channel: limits, other sensors, other directions, counters."""
 _TIME, _HEIGHT, _SPEED = _NAMES["time"], _NAMES["height"], _NAMES["speed"]
 _ACCEL, _PRESSURE = _NAMES["acceleration"], _NAMES["pressure"]
+_NUMBERED = frozenset().union(*_NAMES.values()) - frozenset("abcdefghijklmnopqrstuvwxyz")
+"""Words that a logger with several sensors numbers: `alt1`, `pressure2`."""
 _QUALIFIERS = frozenset(
     {"x", "y", "z", "raw"}
     | {word for section in KNOWN_WORDS.values() for words in section.values() for word in words if len(word) > 1}
@@ -98,7 +100,10 @@ def heading(spelled: str) -> Heading:
     spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
     name, unit = _divided(spelled) or _bracketed(spelled) or (spelled, _unknown_unit(spelled))
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", folded(name))), unit)
+    words = re.findall(r"[^\W_]+(?:'s)?|/", folded(name))
+    return Heading(
+        spelled, tuple(word[:-1] if word[:-1] in _NUMBERED and word[-1].isdecimal() else word for word in words), unit
+    )
 
 
 def _divided(spelled: str) -> tuple[str, str] | None:
@@ -217,7 +222,7 @@ def _named_channel(head: Heading) -> str:
     if words & _ROLES["worked_out"]:
         return ""
     if words & _PRESSURE and not words & _SPEED:
-        return _pressure(head)
+        return "time" if words & _TIME and not is_pressure(head) else _pressure(head)  # `baro_time` is a clock
     if words & _SPEED:
         if words & {"x", "y", "velx", "vely"} or unit_named("pressure", head.unit):  # sideways, or a dynamic pressure
             return ""

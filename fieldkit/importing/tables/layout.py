@@ -14,7 +14,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.cell import is_grouped
 from fieldkit.importing.tables.headings import channel, heading, unit_named
 from fieldkit.importing.tables.text import encodings
-from fieldkit.units import UNITS
+from fieldkit.units import UNITS, is_unit
 
 LOOKED_AT = 400
 """Number of lines among which the first rows of numbers must be. [1]"""
@@ -22,8 +22,8 @@ _MOST_ABOVE = 4
 """Number of lines above a table among which its names must be: a logger may write messages below them. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
-_WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*[A-Za-z°%]{1,4}\s*")
-"""A number with its unit in the cell, such as `57.6F`: it belongs to a table of numbers, but is not read."""
+_WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*([A-Za-z°%][A-Za-z°%/²]{0,4})\s*")
+"""A number with its unit in the cell, such as `57.6F` or `12.3 m/s`."""
 _ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMALS = {mark: re.compile(rf"\s*[+-]?\d*[{mark}]\d+([eE][+-]?\d+)?\s*") for mark in ",."}
@@ -56,7 +56,12 @@ class Layout:
     def says(self, place: int) -> bool:
         """Whether the first row has a word rather than a number in this column."""
         cell = self.first[place] if place < len(self.first) else ""
-        return cell.lower() not in _ABSENT_MARKS and not _is_number(cell)
+        return cell.lower() not in _ABSENT_MARKS and not _is_number(cell) and not self.suffix(place)
+
+    def suffix(self, place: int) -> str:
+        """The unit after the number in the cells of a column, if the cell in the first row has one; otherwise ""."""
+        match = _WITH_UNIT.fullmatch(self.first[place]) if place < len(self.first) else None
+        return match[1] if match and match[1].isascii() and is_unit(match[1]) else ""
 
 
 def _form(cell: str) -> str:
@@ -121,8 +126,8 @@ def _numbers(cells: Sequence[str], separator: str | None) -> bool:
     A sensor that starts late writes `nan` at first.
     """
     absent = _ABSENT_MARKS - {"nan"}
-    values = [c for c in cells if c.strip().lower() not in absent and not _WITH_UNIT.fullmatch(c)]
-    count = sum(map(_is_number, values))
+    values = [c for c in cells if c.strip().lower() not in absent]
+    count = sum(_is_number(cell) or _WITH_UNIT.fullmatch(cell) is not None for cell in values)
     return count >= 2 and count * 2 > len(values) and not (separator is None and any("," in cell for cell in cells))
 
 
