@@ -16,6 +16,7 @@ from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.nmea import fixes_table
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import shown
+from fieldkit.importing.tables.tracks import track_table
 from fieldkit.importing.tables.wrapped_lines import unwrapped
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
@@ -197,10 +198,10 @@ def table_of(log: bytes, source: str) -> bytes:
 
 
 def _sheet_of(log: bytes, source: str) -> SheetTable:
-    """A log without wrapped lines, or as CSV: a spreadsheet, fixes or labeled values. Raises DamagedLog."""
+    """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track or labeled values. Raises DamagedLog."""
     if not is_spreadsheet(log):
         log = unwrapped(log)
-        table = fixes_table(log) or labeled_table(log)
+        table = fixes_table(log) or track_table(log) or labeled_table(log)
         return SheetTable(log if table is None or claims(log) else table)
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet)))

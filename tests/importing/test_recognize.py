@@ -158,12 +158,6 @@ def test_for_an_unknown_file_the_nearest_formats_are_reported_with_what_it_lacks
     assert "blueraven_usb" not in message
 
 
-def test_a_track_for_maps_is_named_as_xml() -> None:
-    rows = "".join(f"7.0,45.0,{height}\n" for height in range(300, 330))
-    with pytest.raises(UnknownFormat, match="it is XML, such as a track for maps; export a table"):
-        read(f'<?xml version="1.0"?>\n<kml><coordinates>\n{rows}</coordinates></kml>'.encode(), "t.kml", any_motor)
-
-
 def test_the_parser_with_more_matching_signs_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
     greedy = Parser("Greedy", lambda head: True, lambda content: [Reading({"apogee": 100.0})])
     with_parser(monkeypatch, greedy)

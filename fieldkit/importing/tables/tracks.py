@@ -1,0 +1,68 @@
+"""Tracks of satellite receivers for maps and gliders as a table: GPX, KML with times, and IGC.
+
+A receiver in a rocket, a phone or a tracker writes a point for each fix: `<trkpt lat="45.1" lon="7.2"><ele>312</ele>
+<time>2026-05-01T12:00:01Z</time></trkpt>` in GPX, `<when>` and `<gx:coord>` in KML, and in IGC
+`B1200014506000N00712000EA0031200315`, whose two heights are by the standard atmosphere and by satellites. A KML line
+without times is not a log.
+
+Source: the GPX 1.1 schema of Topografix, the KML 2.2 reference, the IGC Technical Specification for GNSS flight
+recorders.
+"""
+
+import re
+from collections.abc import Iterator
+
+from fieldkit.importing.tables.text import lines
+
+_MIN_POINTS, _LOOKED_AT, _MAX_SIZE = 10, 65_536, 32 << 20
+"""Fewest points that form a table [1]; size of the beginning that shows the format, and largest size [bytes]."""
+_HEADER = b"time,latitude [deg],longitude [deg],gps altitude [m]"
+_IGC_HEADER = _HEADER + b",altitude above sea level [m]"
+_TRACK_POINT = re.compile(rb"<trkpt\b([^>]{0,300})>(.{0,2000}?)</trkpt>", re.DOTALL)
+_ATTRIBUTE = {name: re.compile(rb"\b" + name + rb"\s?=\s?[\"'](-?[\d.]{1,20})[\"']") for name in (b"lat", b"lon")}
+_HEIGHT, _TIME = re.compile(rb"<ele>\s?(-?[\d.]{1,20})\s?</ele>"), re.compile(rb"<time>\s?([\dT:.Z+-]{8,40})\s?</time>")
+_WHEN = re.compile(rb"<when>\s?([\dT:.Z+-]{8,40})\s?</when>")
+_PLACE = re.compile(rb"<gx:coord>\s?(-?[\d.]{1,20}) (-?[\d.]{1,20}) (-?[\d.]{1,20})\s?</gx:coord>")
+_FIX = re.compile(rb"B(\d\d)(\d\d)(\d\d)(\d\d)(\d{5})([NS])(\d{3})(\d{5})([EW])[AV](-\d{4}|\d{5})(-\d{4}|\d{5})")
+
+
+def track_table(log: bytes) -> bytes | None:
+    """The points of a track as CSV, a row for each; None if it is no track or has too few points with a time."""
+    if len(log) > _MAX_SIZE:
+        return None
+    start, header = log[:_LOOKED_AT], _HEADER
+    if b"<gpx" in start:
+        rows = list(_of_gpx(log))
+    elif b"<gx:coord>" in log and b"<when>" in log:
+        rows = [
+            b",".join((time, place[2], place[1], place[3]))
+            for time, place in zip(_WHEN.findall(log), _PLACE.finditer(log), strict=False)
+        ]
+    elif any(_FIX.match(line) for line in start.split(b"\n")):
+        rows, header = list(_of_igc(log)), _IGC_HEADER
+    else:
+        return None
+    return b"\n".join((header, *rows, b"")) if len(rows) >= _MIN_POINTS else None
+
+
+def _of_gpx(log: bytes) -> Iterator[bytes]:
+    """The points of a GPX track that have a place, a height and a time, as cells."""
+    for point in _TRACK_POINT.finditer(log):
+        attributes = [pattern.search(point[1]) for pattern in _ATTRIBUTE.values()]
+        found = [_TIME.search(point[2]), *attributes, _HEIGHT.search(point[2])]
+        cells = [match[1] for match in found if match]
+        if len(cells) == len(found):
+            yield b",".join(cells)
+
+
+def _of_igc(log: bytes) -> Iterator[bytes]:
+    """The fixes of an IGC file, as cells."""
+    for fix in filter(None, map(_FIX.match, lines(log))):
+        latitude, longitude = _degrees(fix[4], fix[5], fix[6] == b"S"), _degrees(fix[7], fix[8], fix[9] == b"W")
+        yield b",".join((b":".join(fix.group(1, 2, 3)), latitude, longitude, b"%d,%d" % (int(fix[11]), int(fix[10]))))
+
+
+def _degrees(whole: bytes, thousandths: bytes, negative: bool) -> bytes:
+    """Degrees of whole degrees and thousandths of minutes."""
+    degrees = int(whole) + int(thousandths) / 60_000
+    return b"%.6f" % (-degrees if negative else degrees)
