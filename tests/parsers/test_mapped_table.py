@@ -306,6 +306,12 @@ def test_equal_columns_with_the_same_meaning_are_one_and_different_ones_are_aske
     assert found(both, read_choice(["altitude=alt(m)"]))[1].count("'alt(m)' in m")
 
 
+@pytest.mark.parametrize("names", ["alt1 (m),alt2 (m)", "Altitude (m),Altitude 2 (m)"])
+def test_of_several_sensors_of_one_kind_the_first_is_used(names: str) -> None:
+    log = table(f"t (s),{names}", "{t:.2f},{h:.2f},{ft:.2f}")
+    assert top(found(log)[0][0]) == pytest.approx(285, abs=0.2)
+
+
 def test_a_height_that_does_not_start_at_zero_is_not_above_the_pad() -> None:
     rows = b"".join(b"%.1f,%.1f\n" % (i / 10, 4583 + max(0, i - 50)) for i in range(300))
     (series,), line = found(b"t (s),ALT (ft)\n" + rows)

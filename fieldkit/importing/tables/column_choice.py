@@ -200,6 +200,8 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
         rival = next(one for one in kept if one.channel == pick.channel)
         if _agree(rival, values[pick.channel], pick, column) or pick.channel not in REQUIRED_CHANNELS:
             continue
+        if _are_numbered(rival, pick):
+            continue
         if preferred := _barometric_one(rival, pick):
             kept[kept.index(rival)] = preferred
             values[pick.channel] = column if preferred is pick else values[pick.channel]
@@ -223,6 +225,11 @@ def _barometric_one(one: Pick, other: Pick) -> Pick | None:
     both are."""
     named = [pick for pick in (one, other) if barometric(heading(pick.name))]
     return named[0] if len(named) == 1 and one.channel == "altitude" and not (one.chosen or other.chosen) else None
+
+
+def _are_numbered(one: Pick, other: Pick) -> bool:
+    """Whether two columns are of several sensors of one kind, `alt1` and `alt2`: the first is used."""
+    return one.name != other.name and re.sub(r"[\d\s_]", "", one.name) == re.sub(r"[\d\s_]", "", other.name)
 
 
 def _starts_at_zero(height: Float[Array, "row"]) -> bool:

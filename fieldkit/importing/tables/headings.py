@@ -269,11 +269,14 @@ def _height(words: set[str]) -> str:
 
 
 def _pressure(head: Heading) -> str:
-    if plain(stated_unit(head, "altitude")) in _HEIGHT_UNITS:
+    unit = stated_unit(head, "altitude") if set(head.words) & _BAROMETER else head.unit
+    if plain(unit) in _HEIGHT_UNITS:
         return "altitude"
     return "" if _REFERENCES & set(head.words) else "pressure"
 
 
+_BAROMETER = frozenset({"baro", "barometer"})
+"""Names of the sensor, whose `_m` is a unit; that of `pressure_m` may be a word."""
 _HEIGHT_UNITS = ("m", "cm", "km", "ft", "feet")
 """Units in which `baro` is a height: inches and millimeters are those of mercury."""
 

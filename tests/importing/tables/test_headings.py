@@ -51,6 +51,8 @@ def test_names_in_other_languages_have_their_channels_and_units(names: str) -> N
         ("climb rate (ft/s)", "speed", "ft/s"),
         ("up_fps", "speed", "fps"),
         ("baro_m", "altitude", "m"),
+        ("pressure_m", "pressure", ""),
+        ("baro_time_ms", "time", "ms"),
         ("Baro (in)", "pressure", "in"),
         ("Altitude (AGL ft)", "altitude", "ft"),
         ("Altitude (ft, AGL)", "altitude", "ft"),
