@@ -76,6 +76,8 @@ class Ascent:
     """Satellite data that complement the heights."""
     ended: Event | None = None
     """Burnout as felt by an accelerometer that did not shape the curve."""
+    burnout: Burnout | None = None
+    """Burnout according to the heights, if ports disturb them and no accelerometer recorded it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -229,7 +231,8 @@ def _again(start: FitStart, found: FittedCurve, burnout: Burnout) -> Ascent:
     """The curve for a burnout and a lag, with known settings."""
     guess = guess_for(start, burnout.marks, burnout.lag)
     curve = found.again(start.samples, guess, burnout.marks, burnout.lag)
-    return _drawn(start.samples, guess, curve, False, burnout.sd, burnout.lag)
+    drawn = _drawn(start.samples, guess, curve, False, burnout.sd, burnout.lag)
+    return replace(drawn, burnout=burnout if start.samples.is_barometric else None)
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:

@@ -19,6 +19,8 @@ from fieldkit.analysis.process_noise import FittedCurve
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.samples import Marks, Samples
+from fieldkit.analysis.smooth import apply, unlagged
+from fieldkit.physics.standard_atmosphere import GRAVITY
 
 _BURNOUTS = 21
 """Number of burnout times to try for each lag. [1]"""
@@ -28,6 +30,9 @@ fraction of the climb [1]."""
 _REACH = 0.4
 """Smallest difference of burnout from the fastest climb of the heights that is tried, if their samples are no farther
 apart. [s]"""
+_MOST_SDS = 3.0
+"""Largest error of ports that explains heights, in its prior standard deviations, and largest distance of the highest
+speed of a curve from its burnout, in those of the burnout. [1]"""
 _PEAK_DELAY = 2.5
 """Delay of the fastest climb of lagged heights, in lags: ln((a + d) / d) for a thrust a ten times the drag d. [1]"""
 
@@ -47,12 +52,22 @@ class FitStart:
 
 @dataclass(frozen=True, slots=True)
 class Burnout:
-    """Burnout for one lag [s]: the marks with it, its standard deviation [s], and the log evidence of the lag."""
+    """Burnout for one lag [s]: the marks with it, its standard deviation [s], and the log evidence of the lag; the
+    speed then and its standard deviation [m/s], and the error of the ports in its own prior standard deviations [1]."""
 
     marks: Marks
     sd: float
     lag: float
     evidence: float
+    speed: float = 0.0
+    speed_sd: float = 0.0
+    ports: float = np.inf
+
+    def is_of(self, fastest: float, resolution: float) -> bool:
+        """Whether a curve that is fastest at a time, and averages over a `resolution` [s], shows this burnout, and
+        ports explain the heights: if only an error that none has does, something else disturbs them."""
+        near = abs(fastest - self.marks.burnout) < _MOST_SDS * self.sd + resolution
+        return near and abs(self.ports) < _MOST_SDS
 
 
 def felt_burnout(push: Push, lift: float, seen: Outline) -> Event | None:
@@ -88,6 +103,10 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
 
     The coast shows the middle between lift-off and burnout, so where shocks, ports or few samples hide the corner at
     burnout, an error of lift-off is also one of burnout.
+
+    The speed is the mean over burnout times and the ports' error, given the heights. If ports lower heights by s v²/2g,
+    the coast after a boost is faster by s v a/g and later by s v/2g, and burnout, twice as far from lift-off as that
+    middle, later by s v/g. The coast loses a there, so both errors of the speed nearly cancel.
     """
     lift = lag.lift.time if lag.lift is not None else marks.lift
     marks = replace(marks, lift=lift, released=marks.released - lag.lag)
@@ -95,20 +114,40 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     reach = max(_REACH, 0.25 * (marks.burnout - begin), _spacing(start.samples, marks.burnout))
     first = max(begin + 0.1, marks.burnout - reach - _PEAK_DELAY * lag.lag)
     every = np.linspace(first, max(min(marks.burnout + reach, marks.released - 0.1), first + 0.1), _BURNOUTS)
-    evidence = np.empty(_BURNOUTS)
-    for place, burnout in enumerate(every.tolist()):
-        guess = guess_for(start, replace(marks, burnout=burnout), lag.lag)
-        evidence[place] = found.evidence(start.samples, guess, replace(marks, burnout=burnout), lag.lag, static)
+    tried = [_tried(start, found, replace(marks, burnout=burnout), lag.lag, static) for burnout in every.tolist()]
+    evidence, speeds, moved, ports = np.array(tried).T
     if not np.isfinite(evidence.max()):
         return Burnout(marks, 0.0, lag.lag, -np.inf)
     probability = np.exp(evidence - evidence.max())
     total = float(evidence.max() + np.log(probability.sum() * (every[1] - every[0]) * lag.prior))
     probability /= probability.sum()
-    mean = float(probability @ every)
+    mean, speed = float(probability @ every), float(probability @ speeds)
     sd = float(np.sqrt(probability @ (every - mean) ** 2))
+    speed_sd = float(np.sqrt(probability @ ((speeds - speed) ** 2 + moved**2)))
     if lag.lift is not None:
         sd = float(np.hypot(sd, lag.lift.sd))
-    return Burnout(replace(marks, burnout=mean), sd, lag.lag, total)
+        speed_sd = float(np.hypot(speed_sd, _slows(start.coast, mean - lag.lag) * lag.lift.sd))
+    return Burnout(replace(marks, burnout=mean), sd, lag.lag, total, speed, speed_sd, float(probability @ ports))
+
+
+def _tried(
+    start: FitStart, found: FittedCurve, marks: Marks, lag: float, static: float
+) -> tuple[float, float, float, float]:
+    """Log evidence of a burnout [1], the speed then, and how far one standard deviation of the ports' error moves it
+    [m/s], and that error in its prior standard deviations [1]; an evidence of -inf if no curve fits."""
+    guess, samples = guess_for(start, marks, lag), start.samples
+    try:
+        curve = found.with_ports(samples, guess, marks, lag, static)
+    except np.linalg.LinAlgError:
+        return -np.inf, 0.0, 0.0, 0.0
+    slope = unlagged(samples.grid, np.array([marks.burnout]), 1, lag)
+    speed = float(np.interp(marks.burnout, samples.grid.time, guess.speed)) + float(apply(slope, curve.mean)[0])
+    return found.prior + curve.evidence, speed, float(apply(slope, curve.moved)[0]), curve.shared
+
+
+def _slows(coast: Coast | None, moment: float) -> float:
+    """How fast a coast loses speed at a time [s]; by gravity alone if it is unknown. [m/s^2]"""
+    return GRAVITY if coast is None else -float(np.interp(moment, coast.time, coast.acceleration))
 
 
 def _spacing(samples: Samples, moment: float) -> float:

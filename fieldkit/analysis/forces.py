@@ -47,7 +47,7 @@ _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
 _AVERAGING_TIME = 0.06
 """Longest interval over which sensors average their own samples. [s]"""
-_CHERNOFF_SD = 0.513
+CHERNOFF_SD = 0.513
 """Standard deviation of Chernoff's distribution (Groeneboom and Wellner, Journal of Computational and Graphical
 Statistics 10, 2001). [1]"""
 _CROSSING_STEPS = 1.5
@@ -131,7 +131,9 @@ def boost_event(
     spread of its draws.
 
     Heights that are off by a fraction k of v²/2g shift a speed v that decreases with a by k·v·a/g. An uncertain time of
-    top speed also makes the deceleration until then uncertain.
+    top speed also makes the deceleration until then uncertain. From heights alone both errors nearly cancel
+    (`fieldkit.analysis.burnout`), except those of shocks, which the coast after them does not have. If an accelerometer
+    shows between which of its samples thrust ended, that is the only error of the time.
     """
     inside = (ascent.time >= begin) & (ascent.time <= apogee)
     time = ascent.time[inside]
@@ -145,51 +147,37 @@ def boost_event(
     moment = float(time[place])
     spread = float(ascent.speeds[:, inside][:, place].std())
     if ascent.fused and push:
-        moment = _crossed(push, begin, moment, max(median_step(push.time), median_step(time)))
-        late, spread = (
-            float(
-                np.linalg.norm(
-                    [
-                        late,
-                        max(median_step(push.time), median_step(time)) / np.sqrt(12),
-                        _moved_by_noise(push, ascent, time[place]),
-                    ]
-                )
-            ),
-            float(
-                np.linalg.norm(
-                    [
-                        spread,
-                        _SPEED_ERROR * value,
-                        (push.scale - 1) / 2 * value,
-                        push.missed_speed_sd,
-                        _gained_between(push, begin, time[place]),
-                    ]
-                )
-            ),
-        )
+        step, noise = median_step(push.time), _moved_by_noise(push, ascent, time[place])
+        crossed = _crossed(push, begin, moment, max(step, median_step(time)))
+        if crossed is None:
+            late = float(np.linalg.norm([late, max(step, median_step(time)) / np.sqrt(12), noise]))
+        else:
+            moment, late = crossed[0], float(np.hypot(crossed[1] / np.sqrt(12), noise))
+        gained, scale = _gained_between(push, begin, time[place]), (push.scale - 1) / 2 * value
+        spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, scale, push.missed_speed_sd, gained]))
     else:
         is_barometric, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
         fraction = _LATEST_DISTURBED if is_barometric and disturbed else _BURN_TIME_ERROR
         burn = float(time[place]) - begin
         faded, level = _faded(ascent, value, float(time[place]), begin)
         fades = FADE_SD * burn * max(1 - 2 * level, 0.0)
-        late = float(np.linalg.norm([late, 0.03 + fraction * burn, ascent.burnout_sd, fades]))
-        late = late if ascent.ended is None else ascent.ended.sd
+        shape = float(np.hypot(0.03 + fraction * burn, fades))
+        late = float(np.linalg.norm([late, shape, ascent.burnout_sd])) if ascent.ended is None else ascent.ended.sd
         blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
-        static = (
-            is_barometric
-            * min(
-                (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * brakes / GRAVITY,
-                _MAX_SPEED_ERROR,
-            )
-            * value
-        )
-        off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static))
+        if ascent.burnout is not None and ascent.burnout.is_of(float(time[place]), ascent.resolution):
+            expected, static = ascent.burnout.speed - value, ascent.burnout.speed_sd
+            shocks = np.sqrt(_TRANSONIC_PRESSURE_ERROR**2 - STATIC_SD**2) * brakes / GRAVITY if disturbed else 0.0
+            static = float(np.hypot(static, min(shocks, _MAX_SPEED_ERROR) * value))
+            spread = float(np.hypot(spread, brakes * shape))
+        else:
+            expected, error = 0.0, (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * is_barometric
+            static = min(error * brakes / GRAVITY, _MAX_SPEED_ERROR) * value
+            spread = float(np.hypot(spread, brakes * late))
+        off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static), expected)
         value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MAIN_FRACTION else "")
-        spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, static, brakes * late, faded * FADE_SD / FADE]))
+        spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, static, faded * FADE_SD / FADE]))
         late = float(np.hypot(late, blurred))
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
@@ -228,22 +216,24 @@ def _gained_between(push: Push, begin: float, burnout: float) -> float:
     return float(np.linalg.norm(jumps[wide] * intervals[wide]) / np.sqrt(12))
 
 
-def _crossed(push: Push, begin: float, moment: float, step: float) -> float:
+def _crossed(push: Push, begin: float, moment: float, step: float) -> tuple[float, float] | None:
     """Time of top speed by the samples of an accelerometer, which are up to a `step` apart [s]: the middle between two
-    around a `moment` [s] of which the first one feels thrust and the second one none.
+    around a `moment` [s] of which the first one feels thrust and the second one none, and the interval between them
+    [s], anywhere in which it may lie.
 
-    A curve through widely spaced samples spreads the end of thrust, and is fastest too late. If more than two samples
-    change sides there, thrust fades slowly, and its moment is kept. `begin` is lift-off. [s]
+    A curve through widely spaced samples spreads the end of thrust, and is fastest too late. None if more than two
+    samples change sides there: thrust fades slowly. `begin` is lift-off. [s]
     """
     net = levelled(push, begin)
     near = np.flatnonzero(np.abs(push.time - moment) <= _CROSSING_STEPS * step)
     if net is None or near.size < 2:
-        return moment
+        return None
     pushed = net[near] > 0
     ends = near[:-1][pushed[:-1] & ~pushed[1:]]
     if ends.size != 1 or (~pushed[:-1] & pushed[1:]).any():
-        return moment
-    return float(push.time[ends[0]] + push.time[ends[0] + 1]) / 2
+        return None
+    first, second = push.time[ends[0]], push.time[ends[0] + 1]
+    return float(first + second) / 2, float(second - first)
 
 
 def _moved_by_noise(push: Push, ascent: Ascent, moment: float) -> float:
@@ -259,7 +249,7 @@ def _moved_by_noise(push: Push, ascent: Ascent, moment: float) -> float:
         return 0.0
     slope = max(-2 * float(np.polyfit(ascent.time[near] - moment, ascent.speed[near], 2)[0]), _LEAST_SLOPE)
     noise = mad_sd(np.diff(felt)) / np.sqrt(2)
-    return _CHERNOFF_SD * float((2 * noise * np.sqrt(median_step(push.time)) / slope) ** (2 / 3))
+    return CHERNOFF_SD * float((2 * noise * np.sqrt(median_step(push.time)) / slope) ** (2 / 3))
 
 
 def _moved_by_pressure(ascent: Ascent, inside: Flags) -> float:

@@ -117,17 +117,14 @@ class FittedCurve:
         height, late = samples.above(guess, lag), lags(samples.grid, marks, lag)
         return replace(self, curve=fit(samples.splines, height, 1 / self.variance, variances, late, error))
 
-    def evidence(self, samples: Samples, guess: Guess, marks: Marks, lag: float, static: float) -> float:
-        """Log evidence of another guess and another lag of the samples [s], with the same settings and their prior;
-        -inf if no curve fits.
+    def with_ports(self, samples: Samples, guess: Guess, marks: Marks, lag: float, static: float) -> CurvePosterior:
+        """The curve around another guess and for another lag of the samples [s], with the same settings.
 
         `static` is the standard deviation of the airframe's pressure error, as a fraction of the dynamic pressure.
+        Raises LinAlgError if no curve fits.
         """
         error = static * dynamic_height(samples, guess.speed, marks, lag) if static > 0 else None
-        try:
-            return self.prior + self.again(samples, guess, marks, lag, error).curve.evidence
-        except np.linalg.LinAlgError:
-            return -np.inf
+        return self.again(samples, guess, marks, lag, error).curve
 
     def with_process_of(self, other: "FittedCurve") -> "FittedCurve":
         """The same samples and errors with the process noises of another fit."""

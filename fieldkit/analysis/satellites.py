@@ -226,20 +226,20 @@ def _speeds(receiver: _Receiver, found: _Alignment, pushed: Float[Array, "sample
 
 
 def sighted_speed(
-    sighted: Sightings | None, ascent: Ascent, fastest: float, static: float
+    sighted: Sightings | None, ascent: Ascent, fastest: float, static: float, expected: float = 0.0
 ) -> tuple[float, float, float]:
     """Error of a top speed from pressure [m/s], its remaining uncertainty [m/s], and the satellites' weight [1].
 
     The airframe's pressure error is an unknown fraction of v²/2g, which shifts the speed of the curve by about the same
     amount throughout the fast coast. The slope of satellite heights minus the curve, and the satellite speeds,
-    determine that shift there, with `static` as its prior standard deviation [m/s].
+    determine that shift there, with `expected` as its prior mean and `static` as its prior standard deviation [m/s].
     """
     top_speed = float(np.interp(fastest, ascent.time, ascent.speed))
     if sighted is None or static <= 0 or top_speed > _FASTEST_COMPARED:
-        return 0.0, static, 0.0
+        return expected, static, 0.0
     top = float(ascent.time[int(np.argmax(ascent.height))])
     near = (sighted.time > fastest) & (sighted.time < fastest + _FAST_COAST * (top - fastest))
-    weighted_sum, weight = 0.0, static**-2
+    weighted_sum, weight = expected * static**-2, static**-2
     for order, curve in enumerate((ascent.height, ascent.speed)):
         those = near & (sighted.order == order)
         if those.sum() < _MIN_FAST:
