@@ -111,7 +111,10 @@ def _spread(values: Float[Array, "_"]) -> float:
 
 
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
-    """Height above the pad at an event, by a parabola through the samples of the second before it. [m]"""
+    """Height above the pad at an event, by a parabola through the samples of the second before it. [m]
+
+    A lag that was removed from the heights may be off by half of it, which moves them by that much of their slope.
+    """
     if ascent.time[0] <= moment.time <= ascent.time[-1]:
         value = float(np.interp(moment.time, ascent.time, ascent.height))
         slope = float(np.interp(moment.time, ascent.time, ascent.speed))
@@ -127,5 +130,7 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
         _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
         left = where - np.polyval(np.polyfit(when, where, 2), when)
         spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
-    sd = np.sqrt(spread**2 + seen.pad_sd**2 + slow_error_sd(track, seen) ** 2 + (slope * moment.sd) ** 2)
+    sd = np.sqrt(
+        spread**2 + seen.pad_sd**2 + slow_error_sd(track, seen) ** 2 + slope**2 * (moment.sd**2 + track.lag**2 / 4)
+    )
     return Figure(value, float(sd), track.source)
