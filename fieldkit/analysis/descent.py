@@ -1,38 +1,25 @@
-"""The descent: ejection, landing, and the speed between them.
+"""The descent from ejection: landing, and the speed until then.
 
 Derivation: a rocket lands where the line through the end of its descent meets the level that follows it, and its mean
 speed is a height divided by a time.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from fieldkit.analysis.apogee import slow_error_sd
-from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.descent_stages import SLOWEST_DESCENT
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event, Figure
-from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, student_line
+from fieldkit.analysis.robust_statistics import mad_sd, median_step, student_line
 from fieldkit.flight.recovery import DESCENT_SPEED
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
-_CHARGES = ("ejection", "drogue")
-"""Logger events that mark the first charge to deploy a parachute."""
-_SHOCK = 4 * GRAVITY
-"""An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
-_RISE = 0.02
-"""Rise time of a shock. [s]"""
 _DELAY_SD, _BRAKED_SLACK = 1.0, 2.0
 """Standard deviation of the time from apogee to an undetected charge: delays come in steps of two or three seconds and
 are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent
 speed plus this slack does not reveal when it was braked."""
-_FREE_FALL = 0.55
-"""Least mean acceleration of a fall that nothing brakes but the air around the rocket, as a fraction of gravity. [1]"""
-_FALL_WINDOW = 0.8
-"""Time over which the speed of a fall is taken. The slope of a parabola is a mean of the speeds there whose weights are
-a parabola too, with a standard deviation of half of this over sqrt(5): within it lies the highest speed. [s]"""
 _MIN_LINE_SAMPLES, _MAX_LINE_SAMPLES, _LINES, _BENT = 6, 200, 2, 0.4
 """Fewest and most samples of the last line of a descent, the number of lines, each up to the landing that the one
 before it shows [1], and how long before that a filter or small vents may bend the descent [s]."""
@@ -44,79 +31,6 @@ _MIN_REST_SAMPLES, _REST_SDS = 3, 3.0
 which it excludes a descent. [1]"""
 _GUST_WALK = 2 * 0.5**2 / 3.0
 """Variance that the speed of a descent gains per second in gusts of 0.5 m/s that last for 3 s, 2 u²/T. [m^2/s^3]"""
-_BASELINE_TIME = 0.4
-"""Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
-
-
-def shock(push: Push | None, burnout: float, top: float) -> Event | None:
-    """The first shock that an accelerometer felt around apogee, given the times of `burnout` and `top` [s]."""
-    if push is None or push.vertical:
-        return None
-    near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
-    time, felt = push.time[near], push.felt[near]
-    if time.size < 8:
-        return None
-    away = np.minimum(np.abs(felt - np.median(felt)), np.abs(felt - _before(time, felt)))
-    shocks = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
-    if shocks.size == 0:
-        return None
-    begin, end = time[max(int(shocks[0]) - 1, 0)], time[shocks[0]]
-    return Event(float((begin + end) / 2), float(np.hypot((end - begin) / np.sqrt(12), _RISE)), push.source)
-
-
-def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
-    """Median of what was felt just before each sample: the drag of a fast coast, which fades but does not jump."""
-    width = max(3, round(_BASELINE_TIME / median_step(time)))
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(felt, (width, 0), mode="edge")[:-1], width)
-    return np.asarray(np.median(windows, axis=1))
-
-
-def ejection(
-    stated: Mapping[str, float], shocks: Event | None, track: Heights, apogee: Event, landed: Event | None
-) -> Event | None:
-    """When the first charge fired in the air: as the logger marked it, as it was felt, or when the fall was braked."""
-    for name in _CHARGES:
-        if name in stated and (landed is None or stated[name] < landed.time):
-            return Event(float(stated[name]), 0.1, f"{name} event of the logger")
-    if shocks and (landed is None or shocks.time < landed.time - 3 * landed.sd):
-        return shocks
-    return _braked(track, apogee, landed.time - 1 if landed else np.inf)
-
-
-def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
-    """When a free fall of some length became a steady descent in the air; None if it did not.
-
-    If the fall was braked before it became faster than the parachute allows, it cannot be distinguished from ejection
-    at apogee, and nothing is reported. Nor is it if the fall was slower at any earlier time than a free one: then it is
-    the swinging of a rocket that a parachute already brakes.
-    """
-    span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
-    time, height = track.time[span], track.height[span]
-    if time.size < 20:
-        return None
-    step = median_step(time)
-    even = np.arange(time[0], time[-1], max(step, 0.05))
-    width = max(5, round(_FALL_WINDOW / (even[1] - even[0]))) | 1
-    if even.size < 2 * width:
-        return None
-    speed = local_slopes(np.interp(even, time, height), width, even[1] - even[0])
-    middle = even[width // 2 : -(width // 2)]
-    after = middle > apogee.time
-    fall, when = -speed[after], middle[after]
-    final_speed = float(np.median(fall[-len(fall) // 3 :]))
-    fastest = int(np.argmax(fall))
-    blur = 3 * track.noise / (width * (even[1] - even[0]))
-    freely = _FREE_FALL * GRAVITY * (when - apogee.time)
-    late = when[fastest] - apogee.time
-    if (
-        fall[fastest] < 1.5 * final_speed + max(2.0, blur)
-        or fall[fastest] < _FREE_FALL * GRAVITY * late
-        or fastest > 0.8 * fall.size
-        or (fall[:fastest] < freely[:fastest] - max(2.0, blur) - GRAVITY * apogee.sd).any()
-    ):
-        return None
-    half = width * (even[1] - even[0]) / 2
-    return Event(float(when[fastest]), float(half / np.sqrt(5)), track.source)
 
 
 def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None, float | None]:

@@ -8,10 +8,11 @@ import numpy as np
 from fieldkit.analysis.apogee import apogee_of, falls, height_at
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, MIN_SAMPLES, Heights, Push
-from fieldkit.analysis.descent import descent_speed, ejection, landing, shock
+from fieldkit.analysis.descent import descent_speed, landing
 from fieldkit.analysis.descent_stages import descent_stages
 from fieldkit.analysis.disturbed_heights import lasting_step
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
+from fieldkit.analysis.ejection import ejection, shock
 from fieldkit.analysis.forces import boost_event, climb_of, forces
 from fieldkit.analysis.hard_boost import hidden_lead
 from fieldkit.analysis.height_lag import MAX_HEIGHT_GAP

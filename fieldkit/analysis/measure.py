@@ -11,8 +11,8 @@ from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
 from fieldkit.analysis.boost_length import SHORTEST_BOOST
 from fieldkit.analysis.burnout import felt_burnout
 from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
-from fieldkit.analysis.descent import shock
 from fieldkit.analysis.disturbed_heights import undisturbed
+from fieldkit.analysis.ejection import shock
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
 from fieldkit.analysis.height_lag import averaged, possible_lags, widened_by_unseen_lag
 from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP

@@ -9,13 +9,12 @@ from fieldkit.analysis import measure
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.descent import (
     _GUST_WALK,
-    _braked,
     _final_line,
     _from_unseen_ejection,
     _line_error,
     landing,
-    shock,
 )
+from fieldkit.analysis.ejection import _braked, shock
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import running_median

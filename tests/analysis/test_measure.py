@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fieldkit.analysis import Recorded, columns, measure
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.compare import compare
-from fieldkit.analysis.descent import shock
+from fieldkit.analysis.ejection import shock
 from fieldkit.analysis.forces import forces
 from fieldkit.analysis.notes import (
     CLIPPED_NOTE,

@@ -1,0 +1,125 @@
+"""When the charge that ejects a parachute fired: as the logger marked it, as it was felt, or as it braked a fall.
+
+Derivation: a fall that nothing brakes gains speed at nearly one g, and a parachute ends that at once.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.forces import CHERNOFF_SD
+from fieldkit.analysis.records import Event
+from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float
+
+_CHARGES = ("ejection", "drogue")
+"""Logger events that mark the first charge to deploy a parachute."""
+_SHOCK = 4 * GRAVITY
+"""An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
+_RISE = 0.02
+"""Longest rise time of a shock: the charge fired anything up to that earlier. [s]"""
+_FREE_FALL = 0.55
+"""Least mean acceleration of a fall that nothing brakes but the air around the rocket, as a fraction of gravity. [1]"""
+_FALL_WINDOW = 0.8
+"""Time over which the speed of a fall is taken. [s]"""
+_LEAST_BRAKING = 4.0
+"""Least of the strongest braking by a parachute that opens, as a multiple of gravity. [1]"""
+_BASELINE_TIME = 0.4
+"""Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
+
+
+def shock(push: Push | None, burnout: float, top: float) -> Event | None:
+    """The first shock that an accelerometer felt around apogee, given the times of `burnout` and `top` [s]."""
+    if push is None or push.vertical:
+        return None
+    near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
+    time, felt = push.time[near], push.felt[near]
+    if time.size < 8:
+        return None
+    away = np.minimum(np.abs(felt - np.median(felt)), np.abs(felt - _before(time, felt)))
+    shocks = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
+    if shocks.size == 0:
+        return None
+    begin, end = time[max(int(shocks[0]) - 1, 0)], time[shocks[0]]
+    return Event(
+        float((begin + end) / 2), float(np.hypot((end - begin) / np.sqrt(12), _RISE / np.sqrt(3))), push.source
+    )
+
+
+def _before(time: Float[Array, "sample"], felt: Float[Array, "sample"]) -> Float[Array, "sample"]:
+    """Median of what was felt just before each sample: the drag of a fast coast, which fades but does not jump."""
+    width = max(3, round(_BASELINE_TIME / median_step(time)))
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(felt, (width, 0), mode="edge")[:-1], width)
+    return np.asarray(np.median(windows, axis=1))
+
+
+def ejection(
+    stated: Mapping[str, float], shocks: Event | None, track: Heights, apogee: Event, landed: Event | None
+) -> Event | None:
+    """When the first charge fired in the air: as the logger marked it, as it was felt, or when the fall was braked."""
+    for name in _CHARGES:
+        if name in stated and (landed is None or stated[name] < landed.time):
+            return Event(float(stated[name]), 0.1, f"{name} event of the logger")
+    if shocks and (landed is None or shocks.time < landed.time - 3 * landed.sd):
+        return shocks
+    return _braked(track, apogee, landed.time - 1 if landed else np.inf)
+
+
+def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
+    """When a free fall of some length became a steady descent in the air; None if it did not.
+
+    If the fall was braked before it became faster than the parachute allows, it cannot be distinguished from ejection
+    at apogee, and nothing is reported. Nor is it if the fall was slower at any earlier time than a free one: then it is
+    the swinging of a rocket that a parachute already brakes.
+
+    Derivation: the slope of heights over a window of 2h is a mean of the speeds there, with the weights of a parabola.
+    It is highest when the speed is if the braking is as strong as gravity, and earlier if it is stronger: evenly
+    distributed in between, this has the root mean square of the largest shift over sqrt(3). Around its maximum the mean
+    falls by at least 2g 3/4h t²/2, and noise n of heights d apart adds a Brownian motion of variance 72 n² d/(2h)^4 t,
+    whose maximum has Chernoff's distribution.
+    """
+    span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
+    time, height = track.time[span], track.height[span]
+    if time.size < 20:
+        return None
+    step = median_step(time)
+    even = np.arange(time[0], time[-1], max(step, 0.05))
+    width = max(5, round(_FALL_WINDOW / (even[1] - even[0]))) | 1
+    if even.size < 2 * width:
+        return None
+    speed = local_slopes(np.interp(even, time, height), width, even[1] - even[0])
+    middle = even[width // 2 : -(width // 2)]
+    after = middle > apogee.time
+    fall, when = -speed[after], middle[after]
+    final_speed = float(np.median(fall[-len(fall) // 3 :]))
+    fastest = int(np.argmax(fall))
+    blur = 3 * track.noise / (width * (even[1] - even[0]))
+    freely = _FREE_FALL * GRAVITY * (when - apogee.time)
+    late = when[fastest] - apogee.time
+    if (
+        fall[fastest] < 1.5 * final_speed + max(2.0, blur)
+        or fall[fastest] < _FREE_FALL * GRAVITY * late
+        or fastest > 0.8 * fall.size
+        or (fall[:fastest] < freely[:fastest] - max(2.0, blur) - GRAVITY * apogee.sd).any()
+    ):
+        return None
+    half = width * (even[1] - even[0]) / 2
+    sharp = 2 * GRAVITY * 0.75 / half
+    walk = float(np.sqrt(72 * median_step(time))) * track.noise / (2 * half) ** 2
+    moved = CHERNOFF_SD * (2 * walk / sharp) ** (2 / 3)
+    early = half * _shift(float(fall[fastest]) / max(final_speed, 1.0))
+    return Event(float(when[fastest]), float(np.hypot(early / np.sqrt(3), moved)), track.source)
+
+
+def _shift(faster: float) -> float:
+    """How much earlier than a speed its mean with the weights of a parabola is highest, as a fraction of half its
+    width, if a parachute that falls at the final speed opens at once when the rocket is faster by a factor.
+
+    Derivation: it is where the part 1/(1 + d) of the weights is after the highest speed, because gravity and a braking
+    of d times gravity cancel there; d is the square of the factor minus one, and four in an opening parachute at least.
+    """
+    before = np.linspace(-1.0, 0.0, 101)
+    part = 0.5 + 0.75 * (before - before**3 / 3)
+    return -float(np.interp(1 / (1 + max(faster**2 - 1, _LEAST_BRAKING)), part, before))
