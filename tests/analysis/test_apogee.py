@@ -1,10 +1,16 @@
 """When a fitted curve turns around, and until when nothing may have braked it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fieldkit.analysis.apogee import _vertices
+from fieldkit.analysis.apogee import _vertices, height_at
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.process_noise import phases
+from fieldkit.analysis.records import Event
 from fieldkit.analysis.samples import Marks
 from fieldkit.analysis.smooth import Grid
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -27,3 +33,16 @@ def test_nothing_brakes_a_rocket_until_a_shock_is_felt_soon_after_its_top(charge
     after_top = (grid.middles > 5.0) & (grid.middles < 5.8)
     assert bool((phase[after_top] == 2).all()) == coasts
     assert (phase[(grid.middles > 2.0) & (grid.middles < 4.0)] == 2).all()
+
+
+@pytest.mark.parametrize("moment", [3.0, 8.0])
+def test_an_uncertain_lag_is_an_error_of_a_height_on_a_slope(moment: float) -> None:
+    """Inside the curve and after its end: a lag that may be off by half of it moves a fall of 20 m/s by 10 m/s."""
+    time = np.arange(0.0, 10.0, 0.1)
+    height = 300.0 - 20 * time
+    knots, flat = time[time < 5], np.zeros((2, 50))
+    curve = Ascent(knots, height[:50], flat[0] - 20, flat[0], height[:50] + flat, flat - 20, flat, 0.3, 0.0, fused=True)
+    track = Heights(time, height, True, 0.3, "barometric altitude")
+    seen = Outline(0.0, 1.0, 2.0, True, 0.0, 0.2, 300.0, height, False, 100.0)
+    sds = [height_at(curve, replace(track, lag=lag), seen, Event(moment, 0.02, "")).sd for lag in (0.0, 0.4)]
+    assert sds[1] == pytest.approx(np.hypot(sds[0], 20 * 0.2), rel=0.02)

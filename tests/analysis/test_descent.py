@@ -14,7 +14,7 @@ from fieldkit.analysis.descent import (
     _line_error,
     landing,
 )
-from fieldkit.analysis.ejection import _braked, shock
+from fieldkit.analysis.ejection import _braked, _shift, shock
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import running_median
@@ -136,3 +136,13 @@ def test_a_shock_between_two_samples_was_in_their_middle() -> None:
         off.append(found.time - fired)
     assert np.mean(off) == pytest.approx(0.0, abs=0.003)
     assert np.std(off) < found.sd < 2.5 * np.std(off)
+
+
+@pytest.mark.parametrize("faster", [2.5, 4.0])
+def test_a_mean_of_speeds_is_highest_before_a_parachute_brakes_hard(faster: float) -> None:
+    """The slope of heights over a window is a mean of the speeds with the weights of a parabola."""
+    time = np.arange(-2.0, 2.0, 0.002)
+    speed = GRAVITY * np.where(time < 0, time, -(faster**2 - 1) * time)
+    weights = 1 - np.linspace(-1.0, 1.0, 401) ** 2
+    highest = time[np.argmax(np.convolve(speed, weights, "same")[500:-500]) + 500]
+    assert highest == pytest.approx(-0.4 * _shift(faster), abs=0.005)

@@ -1,13 +1,17 @@
 """Thrust and drag from an accelerometer: at the ends of its log, and with an offset."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.burnout import Burnout
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.flight_parts import _doubted
 from fieldkit.analysis.forces import FADE, FADE_SD, boost_event, forces
 from fieldkit.analysis.records import Figure, MeasuredClimb
+from fieldkit.analysis.samples import Marks
 from fieldkit.motors import catalogue
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 
@@ -143,3 +147,37 @@ def test_a_coast_extrapolated_to_burnout_is_corrected_for_thrust_that_fades(drag
     assert found is not None
     assert found[1].value == pytest.approx(right, abs=0.25 * (curve.max() - right))
     assert found[0].time == pytest.approx(time[top], abs=0.01)
+
+
+def test_the_end_of_thrust_between_two_samples_of_an_accelerometer_is_known_better_than_the_curve() -> None:
+    """The knots of a curve through few heights are far apart, the samples of the accelerometer are not."""
+    time, ticks = np.arange(0, 6, 0.1), np.arange(-2, 6, 0.01)
+    net, felt = (np.where(one < 1.004, 100.0, -20.0) for one in (time, ticks))
+    felt = np.where(ticks < 0, 0.0, felt) + GRAVITY
+    speed = np.cumsum(net) * 0.1
+    draws = (np.tile(one, (2, 1)) for one in (np.cumsum(speed) * 0.1, speed, net))
+    ascent = Ascent(time, np.cumsum(speed) * 0.1, speed, net, *draws, noise=0.4, burnout_sd=0.0, fused=True)
+    found = boost_event(ascent, Push(ticks, felt, False, "acceleration", weighs=True), 0.0, 5.9, "acceleration")
+    assert found is not None
+    assert found[0].time == pytest.approx(1.004, abs=0.005)
+    assert found[0].sd == pytest.approx(0.01 / np.sqrt(12), rel=0.01)
+
+
+@pytest.mark.parametrize(("moment", "ports", "counts"), [(1.1, 0.5, True), (2.4, 0.5, False), (1.1, 3.5, False)])
+def test_the_speed_at_a_burnout_counts_only_if_the_curve_is_fastest_there(
+    moment: float, ports: float, counts: bool
+) -> None:
+    """Where samples near the speed of sound are missing, the likeliest burnout may lie in the coast."""
+    time = np.arange(0, 6, 0.02)
+    net = np.where(time < 1, 100.0, -20.0)
+    speed = np.cumsum(net) * 0.02
+    draws = (np.tile(one, (2, 1)) for one in (np.cumsum(speed) * 0.02, speed, net))
+    ended = Burnout(Marks(0.0, moment, 5.0, np.inf), 0.1, 0.0, 0.0, 90.0, 2.0, ports)
+    curve = Ascent(time, np.cumsum(speed) * 0.02, speed, net, *draws, noise=0.4, burnout_sd=0.1, fused=False)
+    alone, both = (
+        boost_event(one, None, 0.0, 5.9, "barometric altitude") for one in (curve, replace(curve, burnout=ended))
+    )
+    assert alone is not None
+    assert both is not None
+    assert (both[1].value < alone[1].value - 5) is counts
+    assert (both[1].sd < alone[1].sd) is counts
