@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from tools.history_opinions import WORLDS, compared
 from tools.markdown import measured, percent, prose, table
 
 FORECAST_COLUMNS = (
@@ -83,6 +84,9 @@ def beside_fit() -> Iterator[str]:
                 if way in one
             ),
         )
+    found = {world: (measured(f"history_{world}") or {}).get("opinions") for world in WORLDS}
+    yield from prose("The probabilities of `loop --quick`, pooled, and those of which they are pooled:")
+    yield from compared({world: one for world, one in found.items() if one})
     for name, title in (("journal", "The public journal"), ("reference", "The reference flights")):
         if measurements := measured(f"history_{name}"):
             yield from (f"{title}, forward in time, `{measurements['command']}`:", "")

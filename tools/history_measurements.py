@@ -34,6 +34,7 @@ from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
 from fieldkit.services.imports.add_files import bring_in
 from fieldkit.services.plausible_flights import followed
+from tools.history_opinions import opinions, scores
 from tools.markdown import MEASURED
 
 DRAWS = 1000
@@ -93,6 +94,7 @@ def simulated(count: int, network: Ensemble) -> None:
     rng, choice = np.random.default_rng(FRESH_SEED), stock(known)
     rows: dict[str, list[ForecastRow]] = {"selection": [], "forecast": []}
     errors: dict[str, list[list[float]]] = {"selection": [], "forecast": []}
+    judged = []
     while sum(map(len, rows.values())) < count:
         for one in simulated_histories(rng, choice, quick_candidates, inclusion_probabilities(), 10, 1):
             world = "selection" if one.selects else "forecast"
@@ -108,6 +110,8 @@ def simulated(count: int, network: Ensemble) -> None:
             middle = time.process_time()
             answer = quick_answer(one.history, quick_candidates, network)
             ended = time.process_time()
+            if one.selects:
+                judged.append((opinions(answer, network), one.effects))
             used = sum(one.history.used_in_fit)
             rows[world].append(
                 ForecastRow(
@@ -132,7 +136,8 @@ def simulated(count: int, network: Ensemble) -> None:
         for world, some in rows.items()
         if some
     }
-    write("history_simulated", network, {"command": f"python tools/history_report.py --simulated {count}", **found})
+    command = {"command": f"python tools/history_report.py --simulated {count}"}
+    write("history_simulated", network, command | found | {"opinions": scores(judged)})
 
 
 def flights_of(path: Path) -> FlownFlights:
@@ -169,6 +174,7 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
         entry = {
             "label": label["label"],
             "network": {**look.answer.inclusion, "none": look.answer.none, "unexplained": look.answer.unexplained},
+            "opinions": opinions(look.answer, network),
             "network_verdict": look.effect,
             "network_seconds": seconds,
         }
@@ -189,6 +195,7 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
         "sets": len(judged),
         "forecast": summary(rows),
         "selection": {"all": selection(judged, ("network",)), "beside the loop": selection(both, ("network", "fit"))},
+        "opinions": scores([(entry["opinions"], entry["label"].split("+")) for entry in judged]),
     }
     write("history_bench", network, document)
 

@@ -83,7 +83,10 @@ def asked() -> Iterator[str]:
     """Uses of the network, and the check of its forecasts."""
     yield from ("## Uses", "")
     yield from prose(
-        "`loop --quick` gives the probability of every effect, and `predict --quick` the next apogee, Cd and alpha. On",
+        "`loop --quick` gives the probability of every effect. Its odds are the geometric mean of the network's and of",
+        "those of all sets of at most two effects in closed form (the logarithmic opinion pool: Genest and Zidek,",
+        "Combining Probability Distributions, Statistical Science 1, 1986), because a network knows only",
+        "histories like those of its training. `predict --quick` gives the next apogee, Cd and alpha. On",
         "the Add page, Cd, alpha and the next apogee follow each readout as it is typed; flights are simulated again",
         "only if the setup changes. The motor guide forecasts all motors in one batch: the Next page shows these quick",
         "answers, marked ≈, until the fit of each motor replaces them, and `motors --fit ROCKET --quick` prints them.",

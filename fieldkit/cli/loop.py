@@ -38,7 +38,10 @@ def loop(
         bool, typer.Option("--dry-run", "--look", help="Show the result without changing the model.")
     ] = False,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Probabilities from the network, at once; do not change the model.")
+        bool,
+        typer.Option(
+            "--quick", help="Probabilities at once, by the network and closed forms; do not change the model."
+        ),
     ] = False,
     details: Annotated[
         bool, typer.Option("--details", help="Also print every effect, the residuals and the held-out errors.")

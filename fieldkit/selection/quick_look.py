@@ -1,7 +1,7 @@
 """The quick search for missing effects of a rocket by the history network.
 
-The probabilities come from the network. Strengths, evidence and leave-one-out errors come from one linear fit, with
-each effect in its most probable place.
+The probabilities are pooled from the network and closed-form evidence. Strengths, evidence and leave-one-out errors
+come from one linear fit, with each effect in its most probable place.
 """
 
 from collections.abc import Sequence
@@ -145,9 +145,9 @@ def _verdict(estimate: QuickAnswer) -> tuple[str, float]:
 
 def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
     if effect == "none":
-        return "the flights match the model within their scatter, according to the network"
+        return "the flights match the model within their scatter"
     if effect == "unexplained":
-        return "the flights differ from the model, but the network finds no known effect probable enough to name"
+        return "the flights differ from the model, but no known effect is probable enough to name"
     return "; ".join(f"{one.place}: {with_sd(one.mean, one.sd)} {one.unit}" for one in named)
 
 

@@ -30,6 +30,8 @@ NAME_OF_NOTHING = "nothing"
 """The name that `odds_of` gives to a model without any effect or pattern."""
 LOG_BAYES_SCALE = 4.0
 """Unit of evidence under the inverse hyperbolic sine, which is linear for weak evidence. [nat]"""
+ODDS, NONE_ODDS, PATTERN_ODDS = "odds", "none_odds", "pattern_odds"
+"""The log odds of an effect, of nothing and of a pattern, from sets of at most two effects. [nat]"""
 PER_EFFECT = (
     "log_bayes",
     "robust",
@@ -41,7 +43,7 @@ PER_EFFECT = (
     "size",
     "z",
     "acts",
-    "odds",
+    ODDS,
 )
 """Features of every effect."""
 EVIDENCE_COLUMNS = PER_EFFECT.index("places")
@@ -88,8 +90,8 @@ OF_HISTORY = (
     "cd_sd",
     "alpha_sd",
     "cd_alpha",
-    "none_odds",
-    "pattern_odds",
+    NONE_ODDS,
+    PATTERN_ODDS,
 )
 """Features of the whole history and of the plan."""
 
@@ -217,8 +219,8 @@ def of_evidence(found: RankedFamilies, beside_forecast: Trials, odds: Mapping[st
         "any_effect": float(shown_evidence(np.logaddexp.reduce(named) - np.log(len(named)))) if named else 0.0,
         "first": float(shown_evidence(named[0])) if named else 0.0,
         "second": float(shown_evidence(named[1])) if len(named) > 1 else 0.0,
-        "none_odds": odds[NAME_OF_NOTHING],
-        "pattern_odds": odds.get("", 0.0),
+        NONE_ODDS: odds[NAME_OF_NOTHING],
+        PATTERN_ODDS: odds.get("", 0.0),
     }
     pattern = "" in bayes
     columns |= {

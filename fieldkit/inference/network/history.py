@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.errors import DamagedModel
+from fieldkit.inference.history.columns import NONE_ODDS, ODDS, PATTERN_ODDS
 from fieldkit.inference.history.features import (
     HistorySummary,
     PreparedHistory,
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 NAME = "history"
+SMALLEST_CHANCE = 1e-9
+"""Limit of the network's probabilities, so that their odds are finite. [1]"""
 NORMAL_95 = STANDARD[LEVELS.index(0.95)]
 """The 95% quantile of a standard normal distribution. [1]"""
 
@@ -45,11 +48,11 @@ class QuickAnswer:
     """The network's answer for a history and its plan.
 
     `inclusion` is the probability of each effect that the network knows and these flights can show, `none` the
-    probability that nothing is missing, and `unexplained` the probability of something that no effect represents.
-    Effects do not exclude each other. `log_apogee` are quantiles of the plan's log apogee [log m] at `levels`; `log_cd`
-    and `log_alpha` are mean and standard deviation, and `correlation` is the correlation of the two. [1] `readouts` are
-    the 5, 50 and 95% quantiles of the plan's other readouts, without reading errors, in SI, from the linear fit with
-    the network's Cd and alpha.
+    probability that nothing is missing, and `unexplained` the probability of something that no effect represents; all
+    are `pooled`. Effects do not exclude each other. `log_apogee` are quantiles of the plan's log apogee [log m] at
+    `levels`; `log_cd` and `log_alpha` are mean and standard deviation, and `correlation` is the correlation of the two.
+    [1] `readouts` are the 5, 50 and 95% quantiles of the plan's other readouts, without reading errors, in SI, from the
+    linear fit with the network's Cd and alpha.
     `plan` is the number of the plan in the history.
     """
 
@@ -125,6 +128,12 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
     """The network's answers for the plans of a history, in one batch."""
     names = tuple(network.card["effects"])
     estimate = answer(network.members(summary.features), len(names))
+    columns = feature_names(names)
+    odds = [*(f"{name}.{ODDS}" for name in names), NONE_ODDS, PATTERN_ODDS]
+    chances = pooled(
+        np.column_stack([estimate.inclusion, estimate.none, estimate.unexplained]),
+        summary.features[:, [columns.index(name) for name in odds]],
+    ).tolist()
     base = summary.baseline
     acting = set(summary.trials.family)
     middle = np.stack(
@@ -140,9 +149,9 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
     readouts = _readouts(plans.mean, plans.sd)
     return [
         QuickAnswer(
-            {name: float(estimate.inclusion[plan, i]) for i, name in enumerate(names) if name in acting},
-            float(estimate.none[plan]),
-            float(estimate.unexplained[plan]),
+            {name: chance for name, chance in zip(names, chances[plan], strict=False) if name in acting},
+            chances[plan][len(names)],
+            chances[plan][len(names) + 1],
             LEVELS,
             apogees[plan],
             (float(middle[plan, 0]), float(sds[plan, 0])),
@@ -155,6 +164,18 @@ def answers(summary: HistorySummary, network: "Ensemble") -> list[QuickAnswer]:
         )
         for plan in range(len(apogees))
     ]
+
+
+def pooled(chance: Float[Array, "*many"], log_odds: Float[Array, "*many"]) -> Float[Array, "*many"]:
+    """The probability whose odds are the geometric mean of the network's odds and the closed-form ones [nat],
+    elementwise. [1]
+
+    The network is the better judge of rockets like those of its training; the closed form depends less on what those
+    were. Source: the logarithmic opinion pool with equal weights (Genest and Zidek, Combining Probability
+    Distributions, Statistical Science 1, 1986).
+    """
+    limited = np.clip(chance, SMALLEST_CHANCE, 1 - SMALLEST_CHANCE)
+    return np.asarray(1 / (1 + np.exp(-0.5 * (np.log(limited / (1 - limited)) + log_odds))))
 
 
 def _readouts(
