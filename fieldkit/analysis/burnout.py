@@ -63,11 +63,13 @@ class Burnout:
     speed_sd: float = 0.0
     ports: float = np.inf
 
-    def is_of(self, fastest: float, resolution: float) -> bool:
-        """Whether a curve that is fastest at a time, and averages over a `resolution` [s], shows this burnout, and
-        ports explain the heights: if only an error that none has does, something else disturbs them."""
+    def is_of(self, fastest: float, resolution: float, climbs: float) -> bool:
+        """Whether a curve that is fastest at a time, averages over a `resolution` [s] and then climbs this far [m],
+        shows this burnout: it is near, ports explain the heights (if only an error that none has does, something else
+        disturbs them), and the speed suffices for the climb, v² >= 2 g h, up to its standard deviation."""
         near = abs(fastest - self.marks.burnout) < _MOST_SDS * self.sd + resolution
-        return near and abs(self.ports) < _MOST_SDS
+        suffices = (self.speed + self.speed_sd) ** 2 >= 2 * GRAVITY * max(climbs, 0.0)
+        return near and suffices and abs(self.ports) < _MOST_SDS
 
 
 def felt_burnout(push: Push, lift: float, seen: Outline) -> Event | None:

@@ -166,7 +166,8 @@ def boost_event(
         blurred = _moved_by_pressure(ascent, inside) if is_barometric else 0.0
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
-        if ascent.burnout is not None and ascent.burnout.is_of(float(time[place]), ascent.resolution):
+        climbs = float(np.interp(apogee, ascent.time, ascent.height)) - float(ascent.height[inside][place])
+        if ascent.burnout is not None and ascent.burnout.is_of(float(time[place]), ascent.resolution, climbs):
             expected, static = ascent.burnout.speed - value, ascent.burnout.speed_sd
             shocks = np.sqrt(_TRANSONIC_PRESSURE_ERROR**2 - STATIC_SD**2) * brakes / GRAVITY if disturbed else 0.0
             static = float(np.hypot(static, min(shocks, _MAX_SPEED_ERROR) * value))

@@ -163,16 +163,20 @@ def test_the_end_of_thrust_between_two_samples_of_an_accelerometer_is_known_bett
     assert found[0].sd == pytest.approx(0.01 / np.sqrt(12), rel=0.01)
 
 
-@pytest.mark.parametrize(("moment", "ports", "counts"), [(1.1, 0.5, True), (2.4, 0.5, False), (1.1, 3.5, False)])
-def test_the_speed_at_a_burnout_counts_only_if_the_curve_is_fastest_there(
-    moment: float, ports: float, counts: bool
+@pytest.mark.parametrize(
+    ("moment", "speed_then", "ports", "counts"),
+    [(1.1, 90.0, 0.5, True), (2.4, 90.0, 0.5, False), (1.1, 90.0, 3.5, False), (1.1, 60.0, 0.5, False)],
+)
+def test_the_speed_at_a_burnout_counts_only_if_the_curve_is_fastest_there_and_the_climb_is_possible_with_it(
+    moment: float, speed_then: float, ports: float, counts: bool
 ) -> None:
-    """Where samples near the speed of sound are missing, the likeliest burnout may lie in the coast."""
+    """Where samples near the speed of sound are missing, the likeliest burnout may lie in the coast. The curve climbs
+    250 m after it, for which 70 m/s is the least."""
     time = np.arange(0, 6, 0.02)
     net = np.where(time < 1, 100.0, -20.0)
     speed = np.cumsum(net) * 0.02
     draws = (np.tile(one, (2, 1)) for one in (np.cumsum(speed) * 0.02, speed, net))
-    ended = Burnout(Marks(0.0, moment, 5.0, np.inf), 0.1, 0.0, 0.0, 90.0, 2.0, ports)
+    ended = Burnout(Marks(0.0, moment, 5.0, np.inf), 0.1, 0.0, 0.0, speed_then, 2.0, ports)
     curve = Ascent(time, np.cumsum(speed) * 0.02, speed, net, *draws, noise=0.4, burnout_sd=0.1, fused=False)
     alone, both = (
         boost_event(one, None, 0.0, 5.9, "barometric altitude") for one in (curve, replace(curve, burnout=ended))
