@@ -404,6 +404,7 @@ READERS = {
     "motors/catalogue.py": "the catalog that comes along",
     "planning/contest.py": "rules that come along",
     "importing/tables/flight_headings.py": "a table that comes along",
+    "importing/tables/headings.py": "a table that comes along",
     "presentation/report/html.py": "a page that comes along",
     "inference/network/ensemble.py": "reads so many bytes and no more",
     "importing/tables/spreadsheet.py": "the first bytes of a member of an archive",
