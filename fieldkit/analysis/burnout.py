@@ -52,8 +52,9 @@ class FitStart:
 
 @dataclass(frozen=True, slots=True)
 class Burnout:
-    """Burnout for one lag [s]: the marks with it, its standard deviation [s], and the log evidence of the lag; the
-    speed then and its standard deviation [m/s], and the error of the ports in its own prior standard deviations [1]."""
+    """Burnout for one lag [s]: the marks with it, its standard deviation [s], and the log evidence of the lag; the top
+    speed and its standard deviation [m/s], which does not include that of lift-off [s], and the error of the ports in
+    its own prior standard deviations [1]."""
 
     marks: Marks
     sd: float
@@ -62,6 +63,7 @@ class Burnout:
     speed: float = 0.0
     speed_sd: float = 0.0
     ports: float = np.inf
+    lift_sd: float = 0.0
 
     def is_of(self, fastest: float, resolution: float, climbs: float) -> bool:
         """Whether a curve that is fastest at a time, averages over a `resolution` [s] and then climbs this far [m],
@@ -128,28 +130,27 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     speed_sd = float(np.sqrt(probability @ ((speeds - speed) ** 2 + moved**2)))
     if lag.lift is not None:
         sd = float(np.hypot(sd, lag.lift.sd))
-        speed_sd = float(np.hypot(speed_sd, _slows(start.coast, mean - lag.lag) * lag.lift.sd))
-    return Burnout(replace(marks, burnout=mean), sd, lag.lag, total, speed, speed_sd, float(probability @ ports))
+    lift_sd = lag.lift.sd if lag.lift is not None else 0.0
+    off = float(probability @ ports)
+    return Burnout(replace(marks, burnout=mean), sd, lag.lag, total, speed, speed_sd, off, lift_sd)
 
 
 def _tried(
     start: FitStart, found: FittedCurve, marks: Marks, lag: float, static: float
 ) -> tuple[float, float, float, float]:
-    """Log evidence of a burnout [1], the speed then, and how far one standard deviation of the ports' error moves it
-    [m/s], and that error in its prior standard deviations [1]; an evidence of -inf if no curve fits."""
+    """Log evidence of a burnout [1], the highest speed until then, and how far one standard deviation of the ports'
+    error moves it [m/s], and that error in its prior standard deviations [1]; an evidence of -inf if no curve fits."""
     guess, samples = guess_for(start, marks, lag), start.samples
     try:
         curve = found.with_ports(samples, guess, marks, lag, static)
     except np.linalg.LinAlgError:
         return -np.inf, 0.0, 0.0, 0.0
-    slope = unlagged(samples.grid, np.array([marks.burnout]), 1, lag)
-    speed = float(np.interp(marks.burnout, samples.grid.time, guess.speed)) + float(apply(slope, curve.mean)[0])
-    return found.prior + curve.evidence, speed, float(apply(slope, curve.moved)[0]), curve.shared
-
-
-def _slows(coast: Coast | None, moment: float) -> float:
-    """How fast a coast loses speed at a time [s]; by gravity alone if it is unknown. [m/s^2]"""
-    return GRAVITY if coast is None else -float(np.interp(moment, coast.time, coast.acceleration))
+    before = samples.grid.time[(samples.grid.time > marks.burnout - _REACH) & (samples.grid.time < marks.burnout)]
+    moments = np.append(before, marks.burnout)
+    slope = unlagged(samples.grid, moments, 1, lag)
+    speeds = np.interp(moments, samples.grid.time, guess.speed) + apply(slope, curve.mean)
+    fastest = int(np.argmax(speeds))
+    return found.prior + curve.evidence, float(speeds[fastest]), float(apply(slope, curve.moved)[fastest]), curve.shared
 
 
 def _spacing(samples: Samples, moment: float) -> float:

@@ -171,7 +171,7 @@ def boost_event(
             expected, static = ascent.burnout.speed - value, ascent.burnout.speed_sd
             shocks = np.sqrt(_TRANSONIC_PRESSURE_ERROR**2 - STATIC_SD**2) * brakes / GRAVITY if disturbed else 0.0
             static = float(np.hypot(static, min(shocks, _MAX_SPEED_ERROR) * value))
-            spread = float(np.hypot(spread, brakes * shape))
+            spread = float(np.linalg.norm([spread, brakes * shape, brakes * ascent.burnout.lift_sd]))
         else:
             expected, error = 0.0, (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * is_barometric
             static = min(error * brakes / GRAVITY, _MAX_SPEED_ERROR) * value

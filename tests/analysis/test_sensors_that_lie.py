@@ -49,6 +49,16 @@ def shocked(truth: Truth, lowest: float, depth: float, **settings: float) -> tup
     return replace(series, altitude=series.altitude - fakes), *others
 
 
+@pytest.mark.parametrize(("rate", "noise"), [(100.0, 1.3), (20.0, 0.5)])
+@pytest.mark.parametrize("delay", [0.1, 0.4])
+def test_a_charge_soon_after_burnout_leaves_the_top_speed(delay: float, rate: float, noise: float) -> None:
+    """The coast before the charge is too short for its deceleration, which the parachute makes large."""
+    truth = flown(Rocket(thrust=27.0, burn=1.8, mass=0.5, area=0.001, delay=delay, sink=8.0))
+    recorded = measure(recording(truth, 0, rate=rate, noise=noise))
+    assert not misses(recorded, truth, "top_speed", sds=2.0)
+    assert recorded.figures["top_speed"].sd < 0.3 * truth.readouts()["top_speed"]
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize("wait", [0.0, 0.3, 2.0])
 @pytest.mark.parametrize("lowest", [0.3, 0.8])
