@@ -21,7 +21,14 @@ from numpy.random import Generator
 
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.moments import acting, own_variance
-from fieldkit.inference.laplace.importance import INFLATION, MORE_DRAWS, RELIABLE_PARETO_K, log_likelihood, log_prior
+from fieldkit.inference.laplace.importance import (
+    INFLATION,
+    MORE_DRAWS,
+    RELIABLE_PARETO_K,
+    log_likelihood,
+    log_prior,
+    summed,
+)
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import term_sds
 from fieldkit.inference.network.history import QuickAnswer
@@ -83,11 +90,10 @@ def _check(answer: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -
     likelihood = log_likelihood(replace(linear.fit, data=data), scales, flown[:, :-1])
     past = replace(linear.fit.model, terms=(*linear.fit.model.terms, *linear.fresh))
     joint = log_prior(past, scales, terms) + likelihood.sum(axis=-1)
-    total = np.logaddexp.reduce(joint, axis=1)
+    total, parts = summed(joint)
     smooth, pareto_k = smoothed(total - log_density)
     weights = _normalized(smooth)
-    with np.errstate(invalid="ignore"):
-        by_scale = weights[:, None] * np.nan_to_num(np.exp(joint - total[:, None]))
+    by_scale = weights[:, None] * parts
     apogees, own_density = _apogees(answer.log_apogee, draws, linear.model.hyperprior.tail)
     by_apogee = _normalized(_log_forecast(linear, flown[:, -1, 0], by_scale, apogees) - own_density)
     return Check(float(pareto_k), _effective(weights), _effective(by_apogee), draws)

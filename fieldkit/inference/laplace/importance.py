@@ -94,7 +94,7 @@ def _flown(fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int)
 def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled:
     log_density, likelihood, apogee, target = flown
     draws = len(target)
-    log_weight = _summed(target)[0] - log_density
+    log_weight = summed(target)[0] - log_density
     smooth, pareto_k = smoothed(log_weight)
     log_evidence = float(np.logaddexp.reduce(smooth)) - log(draws)
     normalized = np.exp(smooth - np.logaddexp.reduce(smooth))
@@ -185,15 +185,15 @@ def _without(
     target: Float[Array, "draw scale"], likelihood: Float[Array, "draw scale"], log_density: Float[Array, "draw"]
 ) -> tuple[float, float, Float[Array, "draw scale"]]:
     """Log evidence without a flight, the Pareto k of its weights, and the weights by draw and scale."""
-    total, scale_share = _summed(target - likelihood)
+    total, scale_share = summed(target - likelihood)
     smooth, pareto_k = smoothed(total - log_density)
     log_evidence = np.logaddexp.reduce(smooth)
     return float(log_evidence) - log(len(total)), pareto_k, np.exp(smooth - log_evidence)[:, None] * scale_share
 
 
-def _summed(joint: Float[Array, "draw scale"]) -> tuple[Float[Array, "draw"], Float[Array, "draw scale"]]:
-    """The logarithm of the sum of exponentials over the scales, and the part of each scale in the sum; zeros for a draw
-    outside the bounds of a term."""
+def summed(joint: Float[Array, "draw scale"]) -> tuple[Float[Array, "draw"], Float[Array, "draw scale"]]:
+    """The logarithm of the sum of exponentials over the scales [nat], and the part of each scale in the sum [1]; zeros
+    for a draw outside the bounds of a term."""
     highest = joint.max(axis=1, keepdims=True)
     with np.errstate(invalid="ignore"):
         each = np.nan_to_num(np.exp(joint - highest))

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import genpareto
 
 from fieldkit.inference.laplace.fit import fit, refits_without
-from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, _squares, _summed, sampled
+from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, _squares, sampled, summed
 from fieldkit.inference.laplace.outlier_weights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
@@ -108,6 +108,6 @@ def test_squares_are_the_mahalanobis_distances_of_each_flight() -> None:
 
 def test_sums_over_scales_keep_their_parts_and_pass_draws_outside_the_bounds() -> None:
     joint = np.array([[-1000.0, -1001.0], [-np.inf, -np.inf], [3.0, -np.inf]])
-    total, parts = _summed(joint)
+    total, parts = summed(joint)
     np.testing.assert_allclose(total, [-1000 + np.log1p(np.exp(-1)), -np.inf, 3.0])
     np.testing.assert_allclose(parts.sum(axis=1), [1, 0, 1])

@@ -7,8 +7,9 @@ import pytest
 
 from fieldkit.errors import DamagedModel
 from fieldkit.forecast.at_once import forecast_at_once, forecasts_at_once
+from fieldkit.inference.history.features import feature_names
 from fieldkit.inference.history.records import History
-from fieldkit.inference.network.history import checked, load_history, quick_answer
+from fieldkit.inference.network.history import checked, load_history, pooled, quick_answer
 from fieldkit.inference.network.history_parts import LEVELS, MEDIAN, STANDARD, answer, monotone, quantile_draws, width
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import catalogue
@@ -23,6 +24,25 @@ def ends(of: History) -> tuple[float, float]:
     estimate = quick_answer(of, quick_candidates)
     low, high = (float(estimate.log_apogee[LEVELS.index(level)]) for level in (0.05, 0.95))
     return float(np.exp(estimate.log_apogee[MEDIAN])), high - low
+
+
+def test_a_pool_is_between_its_opinions_and_agrees_if_they_do() -> None:
+    chance = np.array([0.0, 0.02, 0.5, 0.9, 1.0])
+    odds = np.log(np.clip(chance, 1e-9, 1 - 1e-9) / (1 - np.clip(chance, 1e-9, 1 - 1e-9)))
+    np.testing.assert_allclose(pooled(chance, odds), chance, atol=1e-8)
+    np.testing.assert_allclose(pooled(chance, -odds), 0.5)
+    assert (np.diff(pooled(chance, np.zeros(5))) > 0).all()
+
+
+def test_the_probabilities_of_a_history_are_pooled_with_its_own_odds() -> None:
+    estimate, network = quick_answer(history(12), quick_candidates), load_history()
+    names = tuple(network.card["effects"])
+    features = estimate.summary.features
+    alone, columns = answer(network.members(features), len(names)), feature_names(names)
+    for name, chance in estimate.inclusion.items():
+        own = pooled(alone.inclusion[0, names.index(name)], features[0, columns.index(f"{name}.odds")])
+        assert chance == pytest.approx(float(own), abs=1e-12)
+    assert estimate.none == pytest.approx(float(pooled(alone.none[0], features[0, columns.index("none_odds")])))
 
 
 def test_strong_wear_is_found_and_is_the_most_probable_effect() -> None:
