@@ -48,6 +48,10 @@ def test_mappings_are_listed_changed_and_forgotten(run: Run, tmp_path: Path) -> 
     run("mappings", "--edit", "1", *options("rocket=Model", "apogee=Reached (feet) [m]"))
     (one,) = json.loads(run("mappings", "--json")[1])["mappings"]
     assert one["map"] == {"rocket": "Model", "apogee": "Reached (feet) [m]"}
+    refused = run("mappings", "--edit", "1", *options("rocket=Model", "apogee=Height"), status=1).err
+    assert "Height" in refused
+    assert "Reached (feet)" in refused
+    assert json.loads(run("mappings", "--json")[1])["mappings"] == [one]
     run("mappings", "--forget", "2", status=1)
     run("mappings", "--forget", "1")
     assert "No saved mappings" in run("mappings")[1]

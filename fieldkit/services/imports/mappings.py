@@ -1,6 +1,6 @@
 """Saved column mappings: listed, edited, deleted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -17,12 +17,12 @@ from fieldkit.importing.tables.mapping import (
     LIFTOFF_MASS,
     MOTOR_MASS,
     choice_for,
-    edit,
     forget,
     is_of_flights,
     read_choice,
     remembered,
 )
+from fieldkit.importing.tables.mapping import edit as replace_columns
 from fieldkit.importing.tables.text import decode, first_names, first_row, no_column, rows
 from fieldkit.services.imports.gather import read_file
 from fieldkit.units import UNITS, Unit, typed_unit
@@ -100,6 +100,17 @@ def columns_of(choice: ColumnChoice) -> TableColumns:
         return TableColumns("flights", choice.headers, (), choice.channels)
     names = (f"#{n}" if name.startswith(f"#{n} ") else name for n, name in enumerate(choice.headers, start=1))
     return TableColumns("samples", tuple(names), (), choice.channels)
+
+
+def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
+    """Replace the columns of a saved mapping, for the same headers. Raises BadValue for a column that these lack,
+    FieldkitError if it cannot be saved."""
+    typed, known = list(texts), list_mappings()
+    if 1 <= number <= len(known) and known[number - 1].headers:
+        columns = columns_of(known[number - 1])
+        for channel, column in read_choice(typed).channels.items():
+            columns.checked(channel, column)
+    return replace_columns(number, typed)
 
 
 def table_columns(path: Path, of: str = "") -> TableColumns:
