@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.flight import READOUTS
+from fieldkit.flight import LOGGED, READOUTS
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.simulated_readouts import shown
@@ -35,9 +35,9 @@ class FingerprintMark:
 
 
 def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
-    """The ten readouts under one effect at its fitted strength, with the sign of flights that show more of it. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
+    """The ten readouts, and those from logs that some flight has, under one effect at its fitted strength, with the
+    sign of flights that show more of it. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a
+    recovery figure or rail direction that cannot be read.
     """
     plain, seen = diagnosis.base.fit, diagnosis.data.seen
     readings = _with_and_without(trial)
@@ -49,7 +49,8 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
         for i, name in enumerate(OBSERVED_READOUTS)
     }
     rows |= _others(diagnosis, readings, along)
-    return [rows[column.name] for column in READOUTS]
+    logged = [column for column in LOGGED if seen[:, OBSERVED_READOUTS.index(column.name)].any()]
+    return [rows[column.name] for column in (*READOUTS, *logged)]
 
 
 def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:

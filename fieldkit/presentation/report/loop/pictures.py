@@ -114,7 +114,7 @@ def forward(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) ->
 
 
 def fingerprints(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
-    """Draw the fingerprints of the most likely effects in the ten readouts, and the observed residuals."""
+    """Draw the fingerprints of the most likely effects in the readouts, and the observed residuals."""
     count = len(found.fingerprints)
     if not count:
         return
@@ -122,7 +122,8 @@ def fingerprints(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -
     for panel, (trial, row) in zip(panels, found.fingerprints, strict=True):
         _fingerprint(panel, row)
         panel.set_title(shortened(str(trial.candidate.place), 30))
-    panels[0].set_yticks(range(10), [BY_NAME[mark.readout].title.lower() for mark in found.fingerprints[0][1]])
+    titles = [BY_NAME[mark.readout].title.lower() for mark in found.fingerprints[0][1]]
+    panels[0].set_yticks(range(len(titles)), titles)
     panels[0].invert_yaxis()
     reach = max(abs(end) for panel in panels for end in panel.dataLim.intervalx)
     panels[0].set_xlim(-1.1 * reach, 1.1 * reach)
