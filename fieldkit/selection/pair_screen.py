@@ -1,8 +1,9 @@
 """Screening of pairs of effects, with readouts linear around a smaller model, for the search's choice of sets.
 
 Two effects may cancel, such as wear and wind on days that become calmer, so that neither improves the model alone. The
-change in evidence from both follows in closed form as from one (a normal linear model with two more parameters; Bishop,
-Pattern Recognition and Machine Learning, 2006, section 3.5), from products that all pairs share.
+change in evidence from both follows in closed form as from one, from products that all pairs share.
+
+Derivation: `fieldkit.inference.evidence`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,13 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fieldkit.inference.evidence import pair_evidence
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.physics.effect import Effect
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.hypotheses import Members
 from fieldkit.selection.prior import log_prior_odds
 from fieldkit.selection.screen import NEGLIGIBLE_SCALE_WEIGHT, Columns, stacked
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.shapes import Array, Float
 
 
 class _Tried(NamedTuple):
@@ -67,37 +69,19 @@ def _tried(families: Sequence[Sequence[Candidate]]) -> Iterator[_Tried]:
 def _gains(tried: Sequence[_Tried], columns: Columns, near: Fit) -> Float[Array, "tried other"]:
     """Log Bayes factor of the model with two effects against the one without, for every pair. [nat]
 
-    Determinant and inverse of the 2 x 2 precision of the strengths are written out. Each score is that of the row's
-    effect with the column's at its expected strength.
+    The score of each effect is that with the other at its expected strength.
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
     slope, expected = stacked([(one.candidate, one.start) for one in tried], columns, near)
     count = len(tried)
     shown = np.concatenate([near.evidence.miss[..., None], slope[..., 0], expected], axis=-1)
-    products = _products(shown, scales, near)
     own, other = slice(1, count + 1), slice(count + 1, None)
     sds = np.array([one.candidate.terms[0].sd for one in tried])
     found = np.full((count, count), -np.inf)
-    for scale, product in zip(scales, products, strict=True):
+    for scale, product in zip(scales, near.linear(scales).regressors(shown).gram(), strict=True):
         between, moved, both = product[own, own], product[own, other], product[other, other]
         score = (product[own, 0] - np.diagonal(moved))[:, None] - moved
-        precision = np.diagonal(between) + 1 / sds**2
-        det = np.multiply.outer(precision, precision) - between**2
-        one = precision * score**2
-        raised = (one + one.T - 2 * between * score * score.T) / det
         shift = product[0, other] - np.diagonal(both) / 2
-        gain = shift[:, None] + shift - both + 0.5 * (raised - np.log(det))
+        gain = shift[:, None] + shift - both + pair_evidence(between, np.diagonal(between) + 1 / sds**2, score)
         np.logaddexp(found, near.log_weight[scale] + gain, out=found)
     return np.asarray(found - near.log_evidence - np.log(np.multiply.outer(sds, sds)))
-
-
-def _products(
-    columns: Float[Array, "flight used column"], scales: Int[Integers, "scale"], near: Fit
-) -> Float[Array, "scale column column"]:
-    """Inner products of columns of readouts, weighted by the noise of the flights, after the smaller model's terms are
-    refitted."""
-    evidence, flat = near.evidence, columns.reshape(-1, columns.shape[-1])
-    absorbed = evidence.slope.reshape(len(flat), -1).T
-    weighed = (evidence.sharpness[scales] @ columns).reshape(len(scales), *flat.shape)
-    pull = absorbed @ weighed
-    return np.asarray(flat.T @ weighed - np.swapaxes(pull, 1, 2) @ (near.covariance[scales] @ pull))

@@ -1,9 +1,8 @@
 """Screening of an effect's places before a fit, with readouts linear around a smaller model.
 
 An effect is simulated once for each start, acting on every flight. In a place it acts on some of them, by their
-weights, and the change in evidence follows in closed form from the smaller model's fit (a normal linear model with a
-few more parameters; Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5). So more places cost
-multiplications, not simulations.
+weights, and the change in evidence follows in closed form from the smaller model's fit. So
+more places cost multiplications, not simulations. Derivation: `fieldkit.inference.evidence`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.inference.evidence import normal_posterior
 from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS
@@ -164,32 +164,18 @@ def _gains_of_size(pairs: Sequence[tuple[Candidate, float]], columns: Columns, n
     Around the start `x0` the readouts are the smaller model's plus `shift + slope (x - x0)`.
     """
     scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
-    evidence, covariance, sharpness = near.evidence, near.covariance[scales], near.evidence.sharpness[scales]
+    linear, evidence = near.linear(scales), near.evidence
     slope, expected = stacked(pairs, columns, near)
-    flights, used, count, own = slope.shape
-    absorbed = evidence.slope.reshape(flights * used, -1).T
-    entries = (sharpness @ slope.reshape(flights, used, -1)).reshape(len(scales), flights * used, -1)
-    ties = absorbed @ entries  # scale term pair*own
-    miss = evidence.miss[..., None] - expected
-    before, _ = _left(evidence.miss[..., None], sharpness, absorbed, covariance)
-    after, moved = _left(miss, sharpness, absorbed, covariance)
-    weighed = entries.reshape(*entries.shape[:2], count, own)
-    known = ties.reshape(*ties.shape[:2], count, own)
-    flat = slope.reshape(-1, count, own)
-    score = (weighed * miss.reshape(-1, count, 1)).sum(axis=1) - (known * moved[..., None]).sum(axis=1)
-    absorbing = (covariance @ ties).reshape(known.shape)
-    information = np.stack(
-        [
-            (weighed * flat[..., i, None]).sum(axis=1) - (absorbing * known[..., i, None]).sum(axis=1)
-            for i in range(own)
-        ],
-        axis=-2,
-    )
+    count, own = slope.shape[2:]
+    known = linear.regressors(evidence.miss[..., None])
+    left = linear.regressors(evidence.miss[..., None] - expected)
+    flat = linear.regressors(slope.reshape(*slope.shape[:2], count * own))
+    parts = [flat.every(i, own) for i in range(own)]
+    score = np.stack([part.products(left) for part in parts], axis=-1)
+    information = np.stack([np.stack([one.products(other) for other in parts], axis=-1) for one in parts], axis=-1)
     sds = np.array([[term.sd for term in one.terms] for one, _ in pairs])
-    precision = information + np.eye(own) / sds[:, None] ** 2
-    raised = (score * np.linalg.solve(precision, score[..., None])[..., 0]).sum(axis=-1)
-    log_det = np.linalg.slogdet(precision)[1] + 2 * np.log(sds).sum(axis=-1)
-    gain = 0.5 * (before - after + raised - log_det)
+    raised = normal_posterior(information, score, np.eye(own) / sds[:, None] ** 2, -2 * np.log(sds).sum(axis=-1))
+    gain = 0.5 * (known.products(known) - left.products(left)) + raised.log_bayes
     return np.asarray(np.logaddexp.reduce(near.log_weight[scales, None] + gain, axis=0) - near.log_evidence)
 
 
@@ -205,16 +191,3 @@ def stacked(
         slopes.append(slope[:, used])
         shifts.append(shift[:, used] + slopes[-1] @ away)
     return np.stack(slopes, axis=2), np.stack(shifts, axis=2)
-
-
-def _left(
-    miss: Float[Array, "flight used pair"],
-    sharpness: Float[Array, "scale flight used used"],
-    absorbed: Float[Array, "term entry"],
-    covariance: Float[Array, "scale term term"],
-) -> tuple[Float[Array, "scale pair"], Float[Array, "scale term pair"]]:
-    """Squared standardized residuals after the smaller model's terms are refitted, and the shift of its terms."""
-    weighed = (sharpness @ miss).reshape(len(sharpness), absorbed.shape[1], -1)
-    gradient = absorbed @ weighed
-    moved = covariance @ gradient
-    return (miss.reshape(absorbed.shape[1], -1) * weighed).sum(axis=1) - (gradient * moved).sum(axis=1), moved

@@ -1,8 +1,9 @@
 """Closed-form evidence for additions to a model, from one linear fit of the model without them.
 
 A strength s with a normal prior adds s times a known shift of the readouts. With the model's inverse covariance M of
-the readouts, a = shift' M shift and b = shift' M miss, the log Bayes factor is that of a normal mean (Bishop, Pattern
-Recognition and Machine Learning, 2006, section 3.5), plus the log ratio of posterior to prior mass inside the bounds.
+the readouts, the log Bayes factor follows from a = shift' M shift and b = shift' M miss.
+
+Derivation: `fieldkit.inference.evidence`.
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.inference.history.bounded_strength import strength_posterior
+from fieldkit.inference.evidence import normal_posterior, pair_evidence, strength_posterior
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.placed_effects import Directions, Placed, PlacedEffect, directions
 from fieldkit.inference.laplace.posterior import Fit
@@ -56,18 +57,15 @@ class Trials:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Weights:
-    """Matrices that turn shifts of the flown flights' readouts into evidence, for every pair of scales.
+    """What turns shifts of the flown flights' readouts into evidence, for every pair of scales.
 
     `used` are the indices of the readouts of any flight and of the apogee; `usable` marks those that a flight has.
-    `sharp` is the inverse covariance of single flights, and `weighted_residual` the inverse covariance of all readouts
-    times the residual.
+    `weighted_residual` is the inverse covariance of all readouts times the residual.
     """
 
     fit: Fit
     used: Int[Integers, "readout"]
     usable: Flags
-    slope: Float[Array, "flight readout term"]
-    sharp: Float[Array, "scale flight readout readout"]
     weighted_residual: Float[Array, "scale flight readout"]
     log_weight: Float[Array, "scale"]
 
@@ -81,33 +79,13 @@ class _Weights:
         shift = columns.shift(linear.moved, self.used)[: len(self.usable)]
         return np.where(self.usable[..., None], shift, 0.0)
 
-    def absorbed(
-        self, shift: Float[Array, "flight readout column"]
-    ) -> tuple[
-        Float[Array, "scale entry column"], Float[Array, "scale term column"], Float[Array, "scale term column"]
-    ]:
-        """The inverse covariance of single flights times shifts, its sum along the terms, and the change of the terms
-        that absorbs it."""
-        first = (self.sharp @ shift).reshape(len(self.sharp), self.usable.size, -1)
-        taken = self.slope.reshape(self.usable.size, -1).T @ first
-        return first, taken, self.fit.covariance @ taken
-
-    def weighed(self, shift: Float[Array, "flight readout column"]) -> Float[Array, "scale flight readout column"]:
-        """The inverse covariance of all readouts times shifts (Woodbury's identity)."""
-        first, _, back = self.absorbed(shift)
-        moved = (self.slope.reshape(self.usable.size, -1) @ back).reshape(len(back), *shift.shape)
-        return np.asarray(first.reshape(moved.shape) - self.sharp @ moved)
-
 
 def _weights(fit: Fit) -> _Weights:
-    flights = fit.evidence
-    used, sharp, slope = flights.readouts, flights.sharpness, flights.slope
-    prior_mean = np.array([term.mean for term in fit.model.terms])
-    miss = flights.miss - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
-    usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
-    return _Weights(
-        fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence
-    )
+    flights, prior_mean = fit.evidence, np.array([term.mean for term in fit.model.terms])
+    miss = flights.miss - np.moveaxis(flights.slope @ (fit.mean - prior_mean).T, -1, 0)
+    usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, flights.readouts]
+    residual = (flights.sharpness @ miss[..., None])[..., 0]
+    return _Weights(fit, flights.readouts, usable, residual, fit.log_weight - fit.log_evidence)
 
 
 def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
@@ -126,19 +104,18 @@ def weigh_placed(linear: LinearFit, placed: Placed) -> Trials:
 
 def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials:
     """Candidates with one strength."""
-    shift, best, count = weights.shift(linear, columns), weights.best, len(columns.number)
-    flat = shift.reshape(-1, count)
-    first, taken, back = weights.absorbed(shift)
-    a = np.einsum("ec,sec->sc", flat, first) - np.einsum("stc,stc->sc", taken, back)
-    b = weights.weighted_residual.reshape(len(first), -1) @ flat
+    shift, best, own = weights.shift(linear, columns), weights.best, weights.fit.linear()
+    flat = own.regressors(shift)
+    a = flat.products(flat)
+    b = weights.weighted_residual.reshape(len(a), -1) @ flat.plain
     prior = columns.mean, columns.sd, columns.low, columns.high, columns.log_prior_mass
     bayes, mean, sd = strength_posterior(a, b, *prior)
     joint = weights.log_weight[:, None] + bayes
     log_bayes = np.logaddexp.reduce(joint, axis=0)
     fraction = np.exp(joint - log_bayes)
     middle = (fraction * mean).sum(axis=0)
-    weighed = first[best].reshape(shift.shape) - weights.sharp[best] @ (weights.slope @ back[best])
-    own_a = (shift * weighed).sum(axis=1)
+    weighed = own.weighed(flat, best)
+    own_a = (shift * weighed.reshape(shift.shape)).sum(axis=1)
     own_b = (shift * weights.weighted_residual[best][..., None]).sum(axis=1)
     without = strength_posterior(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
     ahead = columns.shift(linear.moved, np.zeros(1, int))[linear.flown :, 0]
@@ -153,10 +130,10 @@ def _single(linear: LinearFit, weights: _Weights, columns: Directions) -> Trials
         prior_mean=prior[0],
         prior_sd=prior[1],
         unit=columns.unit,
-        shift=flat,
-        weighed=weighed.reshape(flat.shape),
+        shift=flat.plain,
+        weighed=weighed,
         gradient=b[best],
-        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ back[best],
+        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ flat.absorbed[best],
     )
 
 
@@ -165,15 +142,11 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
 
     Its `robust` evidence leaves out no flight, bounds are ignored, and it does not change the forecasts of plans.
     """
-    shift, sds = weights.shift(linear, columns), columns.sd
-    weighed = weights.weighed(shift)
-    flat = shift.reshape(-1, len(sds))
-    a = flat.T @ weighed.reshape(len(weighed), *flat.shape)
-    b = weights.weighted_residual.reshape(len(weighed), -1) @ flat
-    precision = a + np.diag(1 / sds**2)
-    covariance = np.linalg.inv(precision)
-    middle = (covariance @ b[..., None])[..., 0]
-    bayes = 0.5 * ((b * middle).sum(axis=1) - np.linalg.slogdet(precision * np.outer(sds, sds))[1])
+    own, sds = weights.fit.linear(), columns.sd
+    flat = own.regressors(weights.shift(linear, columns))
+    b = weights.weighted_residual.reshape(len(weights.log_weight), -1) @ flat.plain
+    log_det = np.array(-2 * np.log(sds).sum())
+    middle, covariance, bayes = normal_posterior(flat.gram(), b, np.diag(1 / sds**2), log_det)
     joint = weights.log_weight + bayes
     log_bayes = np.array([np.logaddexp.reduce(joint)])
     best = int(np.argmax(joint))
@@ -190,9 +163,9 @@ def _several(linear: LinearFit, weights: _Weights, columns: Directions, plans: i
         prior_mean=np.zeros(1),
         prior_sd=np.array([sds.mean()]),
         unit=np.ones(1),
-        shift=(shift @ along).reshape(-1, 1),
-        weighed=(weighed[weights.best] @ along).reshape(-1, 1),
-        gradient=np.array([((shift @ along) * weights.weighted_residual[weights.best]).sum()]),
+        shift=(flat.plain @ along)[:, None],
+        weighed=(own.weighed(flat, weights.best) @ along)[:, None],
+        gradient=np.array([b[weights.best] @ along]),
         forecast_gain=np.zeros((plans, 1)),
     )
 
@@ -226,11 +199,8 @@ def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
     unbounded = np.full(len(some), np.inf)
     alone = strength_posterior(a, b, mean, sd, -unbounded, unbounded, np.zeros(len(some)))[0]
     p, q = a + 1 / sd**2, b + mean / sd**2
-    det = p[:, None] * p[None, :] - gram**2
-    det = np.maximum(det, 1e-9 * p[:, None] * p[None, :])
-    square = p[None, :] * q[:, None] ** 2 + p[:, None] * q[None, :] ** 2 - 2 * gram * q[:, None] * q[None, :]
-    prior = (mean / sd) ** 2
-    both = 0.5 * (square / det - prior[:, None] - prior[None, :] - np.log(det * (sd[:, None] * sd[None, :]) ** 2))
+    prior = 0.5 * (mean / sd) ** 2 + np.log(sd)
+    both = pair_evidence(gram, p, q[:, None]) - np.add.outer(prior, prior)
     beside = both - alone[None, :]
     beside[np.diag_indices(len(some))] = alone
     return np.asarray(beside)

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from fieldkit.inference.history.bounded_strength import log_mass
+from fieldkit.inference.evidence import log_mass
 from fieldkit.inference.history.response import started
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import Effect, effects

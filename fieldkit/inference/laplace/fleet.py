@@ -103,18 +103,13 @@ def joint_evidence(rockets: Sequence[RocketFit]) -> float:
     The sum over rockets, plus the log ratio of the joint likelihood of their messages to the product of separate ones.
     """
     prior = merged([one.prior for one in rockets])
-    alone = sum(one.log_evidence - _log_mass(prior, [one.message]) for one in rockets)
-    return float(alone + _log_mass(prior, [one.message for one in rockets]))
+    alone = sum(one.log_evidence - _log_integral(prior, [one.message]) for one in rockets)
+    return float(alone + _log_integral(prior, [one.message for one in rockets]))
 
 
-def _log_mass(prior: SharedPrior, messages: Sequence[Message]) -> float:
+def _log_integral(prior: SharedPrior, messages: Sequence[Message]) -> float:
     """Logarithm of the integral of a normal prior times messages, without the constants of the messages."""
-    place = {name: i for i, name in enumerate(prior.names)}
-    inverse = np.linalg.inv(prior.covariance)
-    precision, shift = inverse.copy(), np.zeros(len(prior.names))
-    for message in messages:
-        rows = [place[name] for name in message.names]
-        precision[np.ix_(rows, rows)] += message.precision
-        shift[rows] += message.shift
-    log_det = np.linalg.slogdet(inverse)[1] - np.linalg.slogdet(precision)[1]
-    return float(0.5 * (log_det + shift @ np.linalg.solve(precision, shift)))
+    known = combined(prior, messages)
+    moved = known.mean - prior.mean
+    log_det = np.linalg.slogdet(known.covariance)[1] - np.linalg.slogdet(prior.covariance)[1]
+    return float(0.5 * (log_det + moved @ np.linalg.solve(known.covariance, moved)))

@@ -6,11 +6,11 @@ factors on a grid, weighted by their evidence.
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from math import erf, isfinite, log, pi, sqrt
+from math import isfinite, log, pi
 
 import numpy as np
 
+from fieldkit.inference.evidence import LinearModel, log_mass, normal_posterior
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
@@ -22,8 +22,8 @@ UNOBSERVED_SD = 1e3
 """Standard deviation of readouts that were not observed."""
 SCALED_BY = ("", "scatter", "reading")
 """What may scale the standard deviation of a term, in the order of the factors in `term_sds`."""
-NEGLIGIBLE_TAIL_SDS = 7.0
-"""At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
+_PRIOR_FIELDS = ("mean", "sd", "low", "high")
+"""The prior of a term."""
 
 
 def term_sds(model: Model) -> Float[Array, "scale term"]:
@@ -112,6 +112,10 @@ class Fit:
         """Posterior weight of each pair of scales. [1]"""
         return np.asarray(np.exp(self.log_weight - np.logaddexp.reduce(self.log_weight)))
 
+    def linear(self, scales: Int[Integers, "some"] | slice = slice(None)) -> LinearModel:
+        """The fit as a linear model of the used readouts, for all or `some` pairs of scales."""
+        return LinearModel(self.evidence.slope, self.evidence.sharpness[scales], self.covariance[scales])
+
     def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
         """Posterior mean and standard deviation of every term, in its unit."""
         weights, variance = self.weights, np.diagonal(self.covariance, axis1=1, axis2=2)
@@ -155,18 +159,13 @@ def _concluded(
     """The posterior from the sums over flights: the information matrix, the score at the prior means, and the squared
     distance of the flights from them."""
     information, gain, misfit = sums
-    prior_mean = np.array([term.mean for term in model.terms])
     prior, log_det_prior = prior_precision(model, which)
-    precision = information + prior
-    covariance = np.asarray(np.linalg.inv(precision), float)
-    offset = (covariance @ gain[..., None])[..., 0]
-    log_terms = np.linalg.slogdet(precision)[1] - log_det_prior
-    left = misfit - (gain * offset).sum(axis=1)
-    log_likelihood = -0.5 * (left + evidence.log_det.sum(axis=1) + log_terms)
-    mean = prior_mean + offset
+    offset, covariance, log_bayes = normal_posterior(information, gain, prior, log_det_prior)
+    mean = np.array([term.mean for term in model.terms]) + offset
     log_prior = model.hyperprior.scales()[2]
-    log_weight = log_likelihood + (log_prior if which is None else log_prior[which])
-    log_weight += _log_inside(model, mean, covariance)
+    log_weight = log_bayes - 0.5 * (misfit + evidence.log_det.sum(axis=1))
+    log_weight += log_prior if which is None else log_prior[which]
+    log_weight += log_inside(model, mean, covariance)
     return Fit(model, data, near, evidence, mean, covariance, log_weight, scales=which)
 
 
@@ -226,28 +225,20 @@ def _noise(
     return np.asarray(noise)
 
 
-def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "scale"]:
-    """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time."""
-    total = np.zeros(len(mean))
-    for i, term in enumerate(model.terms):
-        if isfinite(term.low) or isfinite(term.high):
-            total -= log(_mass(term.low, term.high, term.mean, term.sd))
-            middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
-            near = np.minimum(middle - term.low, term.high - middle) < NEGLIGIBLE_TAIL_SDS * sd
-            pairs = zip(middle[near].tolist(), sd[near].tolist(), strict=True)
-            total[near] += [log(max(_mass(term.low, term.high, m, s), 1e-12)) for m, s in pairs]
-    return total
+def log_inside(
+    model: Model, mean: Float[Array, "*batch term"], covariance: Float[Array, "*batch term term"]
+) -> Float[Array, "*batch"]:
+    """Log ratio of posterior to prior mass inside the bounds of bounded terms, one term at a time. [nat]"""
+    rows = [i for i, term in enumerate(model.terms) if isfinite(term.low) or isfinite(term.high)]
+    low, high = (np.array([getattr(model.terms[i], end) for i in rows], float) for end in ("low", "high"))
+    sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)[..., rows])
+    return np.asarray(log_mass(mean[..., rows], sd, low, high).sum(axis=-1) - bounds_log_mass(model))
 
 
 def bounds_log_mass(model: Model) -> float:
     """Log prior mass inside the bounds of all terms together. [nat]"""
-    return sum(log(_mass(term.low, term.high, term.mean, term.sd)) for term in model.terms)
-
-
-@lru_cache(maxsize=4096)
-def _mass(low: float, high: float, mean: float, sd: float) -> float:
-    """Probability of a normal distribution between two bounds."""
-    return 0.5 * (erf((high - mean) / (sd * sqrt(2))) - erf((low - mean) / (sd * sqrt(2))))
+    mean, sd, low, high = (np.array([getattr(term, name) for term in model.terms], float) for name in _PRIOR_FIELDS)
+    return float(log_mass(mean, sd, low, high).sum())
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,27 +263,10 @@ def growing(whole: Fit) -> Growing:
     if whole.flight_weight is not None:
         own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole.data, whole.tangent), model.hyperprior.tail)
     prior, log_det_prior = prior_precision(model)
-    precision = information + prior[:, None]
-    covariance = np.asarray(np.linalg.inv(precision), float)
-    offset = (covariance @ gain[..., None])[..., 0]
-    log_terms = np.linalg.slogdet(precision)[1] - log_det_prior[:, None]
-    log_likelihood = -0.5 * (_before(own) - (gain * offset).sum(axis=-1) + log_terms)
+    offset, covariance, log_bayes = normal_posterior(information, gain, prior[:, None], log_det_prior[:, None])
     mean = np.array([term.mean for term in model.terms]) + offset
-    inside = _log_inside_each(model, mean, np.diagonal(covariance, axis1=-2, axis2=-1))
-    return Growing(mean, covariance, log_likelihood + model.hyperprior.scales()[2][:, None] + inside)
-
-
-def _log_inside_each(
-    model: Model, mean: Float[Array, "*batch term"], variance: Float[Array, "*batch term"]
-) -> Float[Array, "*batch"]:
-    """As `_log_inside`, for a batch of posteriors."""
-    from scipy.special import ndtr  # takes 0.18 s to import
-
-    rows = [i for i, term in enumerate(model.terms) if np.isfinite(term.low) or np.isfinite(term.high)]
-    low, high = (np.array([getattr(model.terms[i], end) for i in rows]) for end in ("low", "high"))
-    middle, sd = mean[..., rows], np.sqrt(variance[..., rows])
-    mass = ndtr((high - middle) / sd) - ndtr((low - middle) / sd)
-    return np.asarray(np.log(np.maximum(mass, 1e-12)).sum(axis=-1) - bounds_log_mass(model))
+    log_weight = log_bayes - 0.5 * _before(own) + model.hyperprior.scales()[2][:, None]
+    return Growing(mean, covariance, log_weight + log_inside(model, mean, covariance))
 
 
 def _before(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale flight *rest"]:

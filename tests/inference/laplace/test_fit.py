@@ -17,7 +17,7 @@ from fieldkit.inference.laplace.damped_steps import DampedSteps
 from fieldkit.inference.laplace.fit import Lane, fit, fit_lanes, refits_without
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope
-from fieldkit.inference.laplace.posterior import Fit, _log_inside, growing, solve, term_sds
+from fieldkit.inference.laplace.posterior import Fit, growing, log_inside, solve, term_sds
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import FROM_LOGS, Hyperprior, learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, compared, observe, reading_sd
@@ -232,8 +232,8 @@ def test_leaving_a_flight_out_equals_solving_without_it(flight: int) -> None:
     assert np.all(full <= spread)
     assert np.all(own > 0)
     assert np.all(np.diff(own.reshape(6, 3), axis=0) > 0), "more scatter, more spread"
-    evidence = rest.log_weight - _log_inside(rest.model, rest.mean, rest.covariance)
-    other = left.log_weight[:, flight] - _log_inside(result.model, result.mean, result.covariance)
+    evidence = rest.log_weight - log_inside(rest.model, rest.mean, rest.covariance)
+    other = left.log_weight[:, flight] - log_inside(result.model, result.mean, result.covariance)
     np.testing.assert_allclose(evidence, other, atol=1e-6)
 
 
@@ -243,7 +243,7 @@ def test_leaving_an_outlier_out_leaves_the_evidence_of_the_others() -> None:
     data = replace(plain.data, seen=plain.data.seen & (np.arange(plain.data.seen.shape[1]) != 1))
     result = solve(plain.model, data, plain.tangent, weight)
     rest = solve(plain.model, without(data, 2), plain.tangent, weight)
-    inside = [_log_inside(one.model, one.mean, one.covariance) for one in (rest, result)]
+    inside = [log_inside(one.model, one.mean, one.covariance) for one in (rest, result)]
     left = leave_one_out(result).log_weight[:, 2]
     np.testing.assert_allclose(rest.log_weight - inside[0], left - inside[1], atol=1e-6)
 

@@ -1,0 +1,149 @@
+"""The evidence of linear models with normal priors and noise, in closed form.
+
+Readouts that are linear in some terms, with normal noise and a normal prior, have a normal posterior, and the evidence
+follows by completing the square (Bishop, Pattern Recognition and Machine Learning, 2006, sections 2.3 and 3.5). Terms
+added to a fitted model only need the products of their columns after the model's own terms are refitted, by Woodbury's
+identity. Bounds on a term add the logarithm of the ratio of the probabilities within them, posterior to prior.
+"""
+
+from dataclasses import dataclass
+from math import erfc
+from typing import NamedTuple
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+
+INSIDE_SDS = 7.0
+"""At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
+MIN_MASS = 1e-250
+"""Minimum probability between two bounds, so that its logarithm is finite. [1]"""
+MIN_DETERMINANT = 1e-9
+"""Minimum determinant of the precision of two strengths, relative to the product of its diagonal. [1]"""
+_ERFC = np.frompyfunc(erfc, 1, 1)  # `scipy.special` would take 0.18 s to import
+
+
+class NormalPosterior(NamedTuple):
+    """A normal posterior: `mean` from the prior mean, `covariance`, and the log ratio of the evidence to the density of
+    the readouts at the prior mean. [nat]"""
+
+    mean: Float[Array, "*batch term"]
+    covariance: Float[Array, "*batch term term"]
+    log_bayes: Float[Array, "*batch"]
+
+
+def normal_posterior(
+    information: Float[Array, "*batch term term"],
+    score: Float[Array, "*batch term"],
+    prior: Float[Array, "*prior term term"],
+    log_det_prior: Float[Array, "*prior"],
+) -> NormalPosterior:
+    """The posterior of terms from the information matrix of the readouts, the derivative of their log likelihood at the
+    prior mean (`score`), and the precision of the prior with the logarithm of its determinant; in the
+    units of the terms."""
+    precision = information + prior
+    covariance = np.asarray(np.linalg.inv(precision), float)
+    mean = (covariance @ score[..., None])[..., 0]
+    log_bayes = 0.5 * ((score * mean).sum(axis=-1) - np.linalg.slogdet(precision)[1] + log_det_prior)
+    return NormalPosterior(mean, covariance, np.asarray(log_bayes))
+
+
+def strength_posterior(
+    a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array, log_prior_mass: Array
+) -> tuple[Array, Array, Array]:
+    """Log Bayes factor against a strength of zero [nat], posterior mean and standard deviation of a strength with a
+    truncated normal prior, in its unit; elementwise.
+
+    `a` is the precision with which the readouts determine the strength, and `b` is `a` times their estimate of it.
+    `log_prior_mass` is the log probability of its prior between the bounds `low` and `high`. The mean is clipped to the
+    bounds; the standard deviation is that of the normal distribution without them.
+    """
+    precision = a + 1 / sd**2
+    middle = (b + mean / sd**2) / precision
+    spread = 1 / np.sqrt(precision)
+    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2)) - log_prior_mass
+    return bayes + log_mass(middle, spread, low, high), np.clip(middle, low, high), spread
+
+
+def pair_evidence(
+    between: Float[Array, "one other"], precision: Float[Array, "one"], score: Float[Array, "one #other"]
+) -> Float[Array, "one other"]:
+    """The part of the log evidence of two strengths that depends on the readouts, for every pair. [nat]
+
+    `precision` is that of each strength alone, `between` the inner products of their columns, and `score` that of the
+    row's strength with the column's at its prior mean. Derivation: determinant and inverse of the 2 x 2 precision
+    written out.
+    """
+    product = np.multiply.outer(precision, precision)
+    det = np.maximum(product - between**2, MIN_DETERMINANT * product)
+    score = np.broadcast_to(score, det.shape)
+    one = precision * score**2
+    return np.asarray(0.5 * ((one + one.T - 2 * between * score * score.T) / det - np.log(det)))
+
+
+def log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
+    """Log of the probability of a normal distribution between two bounds, elementwise. [nat]
+
+    Derivation: the difference of its distribution function at the bounds, mirrored where both values would be near 1.
+    """
+    mean, sd, low, high = np.broadcast_arrays(mean, sd, low, high)
+    found = np.zeros(mean.shape)
+    near = np.minimum(mean - low, high - mean) < INSIDE_SDS * sd
+    if near.any():
+        above, below = ((end[near] - mean[near]) / sd[near] for end in (high, low))
+        mirrored = below > 0  # where both would be near 1
+        above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)
+        mass = 0.5 * (_ERFC(-above * np.sqrt(0.5)) - _ERFC(-below * np.sqrt(0.5))).astype(float)
+        found[near] = np.log(np.maximum(mass, MIN_MASS))
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Regressors:
+    """Changes of the readouts, a column each, with their products with the noise and with the terms of a fitted model.
+
+    `plain` are the changes, `weighed` the inverse covariance of single flights times them, `along` the products of
+    these with the model's slopes, and `absorbed` the change of the model's terms that absorbs them.
+    """
+
+    plain: Float[Array, "entry column"]
+    weighed: Float[Array, "scale entry column"]
+    along: Float[Array, "scale term column"]
+    absorbed: Float[Array, "scale term column"]
+
+    def every(self, first: int, step: int) -> "Regressors":
+        """Every `step`-th column."""
+        rows = slice(first, None, step)
+        return Regressors(*(part[..., rows] for part in (self.plain, self.weighed, self.along, self.absorbed)))
+
+    def products(self, other: "Regressors") -> Float[Array, "scale column"]:
+        """Inner product of each column with that of another, the model's terms refitted. [1]"""
+        return np.asarray(
+            np.einsum("ec,sec->sc", self.plain, other.weighed) - np.einsum("stc,stc->sc", self.along, other.absorbed)
+        )
+
+    def gram(self) -> Float[Array, "scale column other"]:
+        """Inner products of all columns, the model's terms refitted. [1]"""
+        return np.asarray(self.plain.T @ self.weighed - np.swapaxes(self.along, 1, 2) @ self.absorbed)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearModel:
+    """A fitted linear model, to which terms can be added: the slopes of its terms, the inverse covariance of the
+    readouts of each flight given the terms, and the covariance of the terms, for some pairs of scales."""
+
+    slope: Float[Array, "flight used term"]
+    sharpness: Float[Array, "scale flight used used"]
+    covariance: Float[Array, "scale term term"]
+
+    def regressors(self, change: Float[Array, "flight used column"]) -> Regressors:
+        """Changes of the readouts as columns to add. [1] or [s]"""
+        weighed = (self.sharpness @ change).reshape(len(self.sharpness), -1, change.shape[-1])
+        along = self.slope.reshape(weighed.shape[1], -1).T @ weighed
+        return Regressors(change.reshape(weighed.shape[1], -1), weighed, along, self.covariance @ along)
+
+    def weighed(self, columns: Regressors, scale: int) -> Float[Array, "entry column"]:
+        """The inverse covariance of all readouts times columns, at one pair of scales (Woodbury's identity), in the
+        inverse of their units."""
+        moved = self.sharpness[scale] @ (self.slope @ columns.absorbed[scale])
+        return np.asarray(columns.weighed[scale] - moved.reshape(columns.plain.shape))
