@@ -4,9 +4,11 @@
 
 Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes. Figures that
 documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors that are newer
-than the package (`fieldkit/data/motor_additions.csv`) added with a curve made from their certification letters. Motors
-without samples, or whose samples disagree with what was certified, are left out and listed; a mass that is missing is
-estimated by the rules of `motor_masses` and marked.
+than the package (`fieldkit/data/motor_additions.csv`) added with a curve made from their certification letters. A
+curve whose burn time or average thrust is not the certified one is replaced by another (`fieldkit/data/
+motor_curves.csv`), or reshaped to the certified impulse and burn time (`fieldkit.motors.record`), and marked. Motors
+without samples, or whose samples disagree with the certified impulse, are left out and listed; a mass that is missing
+is estimated by the rules of `motor_masses` and marked.
 """
 
 import argparse
@@ -26,9 +28,14 @@ from fieldkit.motors.catalogue import DATA
 from fieldkit.motors.corrections import DATA as CORRECTIONS
 from fieldkit.motors.corrections import QUANTITIES, Correction, as_rows, read_corrections
 from fieldkit.motors.motor import impulse, knots
+from fieldkit.motors.record import AGREEMENT, CertifiedRecord, agreement, reshaped, states_whole_burn
+from fieldkit.shapes import Array
 from tools.motor_masses import Row, estimate_casing, estimate_propellant, unfit
 
 PACKAGE, VERSION = "thrustcurve-db", "3.0.4"
+STATES_WHOLE_BURN = "National Association of Rocketry"
+"""The certifying organization that mostly states burn times from ignition to the end of thrust; others those above 5%
+of the peak thrust."""
 IMPULSE_TOLERANCE = 0.25
 """Samples are left out if their impulse differs from the certified one by more than this fraction. [1]"""
 SOURCE_KEYS = {
@@ -48,6 +55,8 @@ SOURCE_KEYS = {
 
 ADDITIONS = CORRECTIONS.with_name("motor_additions.csv")
 """Motors that are newer than the package."""
+CURVES = CORRECTIONS.with_name("motor_curves.csv")
+"""Curves that replace one of the package."""
 PEAK, FALLING = 0.1, 0.75
 """Time of the peak of an estimated curve, and duration of the slow decline after it, as fractions of the burn. [1]"""
 
@@ -67,12 +76,13 @@ def corrected(motors: list[Row], corrections: Corrections) -> list[Row]:
 
     Raises BadValue for a correction of a motor that is missing, or of a figure whose value has changed.
     """
-    known = {(motor["manufacturerAbbrev"], motor["designation"]) for motor in motors}
-    if strange := sorted(set(corrections) - known):
+    if strange := sorted(set(corrections) - set(map(_key, motors))):
         raise BadValue(f"{CORRECTIONS.name}: found no motor {' '.join(strange[0])} in the source")
-    return [
-        _corrected(motor, corrections.get((motor["manufacturerAbbrev"], motor["designation"]), ())) for motor in motors
-    ]
+    return [_corrected(motor, corrections.get(_key(motor), ())) for motor in motors]
+
+
+def _key(motor: Row) -> tuple[str, str]:
+    return motor["manufacturerAbbrev"], motor["designation"]
 
 
 def _corrected(motor: Row, corrections: Sequence[Correction]) -> Row:
@@ -95,6 +105,7 @@ def row(motor: Row) -> Row:
     ratio = impulse(time, thrust) / motor["totImpulseNs"]
     if abs(ratio - 1) > IMPULSE_TOLERANCE:
         raise BadValue("impulse of the samples off the certified one by more than 25%")
+    time, thrust, origin = certified_curve(motor, time, thrust)
     total = motor.get("totalWeightG")
     propellant = motor.get("propWeightG")
     return {
@@ -108,6 +119,8 @@ def row(motor: Row) -> Row:
         "total_impulse_ns": motor["totImpulseNs"],
         "average_n": certified_average(motor),
         "peak_n": motor.get("maxThrustN"),
+        "burn_s": motor["burnTimeS"],
+        "curve_origin": origin,
         "propellant_g": propellant or None,
         "casing_g": round(total - propellant, 4) if total and propellant else None,
         "total_g": total or None,
@@ -120,6 +133,32 @@ def row(motor: Row) -> Row:
         "corrections": motor.get("corrections", []),
         "curve": " ".join(f"{t:.7g} {f:.7g}" for t, f in zip(time, thrust, strict=True)),
     }
+
+
+def certified_curve(motor: Row, time: Array, thrust: Array) -> tuple[Array, Array, str]:
+    """The curve of a motor and its origin: the recorded one (empty) if it agrees with the record once it is scaled to
+    the certified impulse, else that reshaped to the record."""
+    total, certifier = motor["totImpulseNs"], motor.get("certOrg", "")
+    record = CertifiedRecord(total, motor["burnTimeS"], certified_average(motor), motor.get("maxThrustN"))
+    scaled = thrust * (total / impulse(time, thrust))
+    found = agreement(time, scaled, record)
+    if abs(found.deviation) <= AGREEMENT:
+        return time, thrust, motor.get("curveOrigin", "")
+    whole = certifier.startswith(STATES_WHOLE_BURN) and states_whole_burn(time, scaled, record)
+    origin = f"recorded curve of {found.burn:.3g} s reshaped to the certified burn time of {record.burn:.3g} s"
+    return *reshaped(time, thrust, record, whole=whole), origin
+
+
+def read_curves(table: Path = CURVES) -> dict[tuple[str, str], Row]:
+    """The curves of a table by maker and designation: their samples, and their origin."""
+    with table.open(encoding="utf-8", newline="") as file:
+        return {(one["maker"], one["designation"]): _curve(one) for one in csv.DictReader(file)}
+
+
+def _curve(one: Mapping[str, str]) -> Row:
+    numbers = [float(word) for word in one["curve"].split()]
+    samples = [[0.0, 0.0], *map(list, zip(numbers[::2], numbers[1::2], strict=True))]
+    return {"samples": samples, "curveOrigin": f"another curve: {one['source']}"}
 
 
 def certified_average(motor: Row) -> float | None:
@@ -171,6 +210,7 @@ def _added(one: dict[str, str]) -> Row:
         "totImpulseNs": total,
         "avgThrustN": float(one["average_n"]),
         "maxThrustN": peak,
+        "burnTimeS": burn,
         "propWeightG": float(one["propellant_g"]),
         "totalWeightG": float(one["loaded_g"]),
         "propInfo": one["propellant"],
@@ -183,12 +223,20 @@ def _added(one: dict[str, str]) -> Row:
     }
 
 
-def build(motors: list[Row], digest: str, corrections: Corrections | None = None, added: Sequence[Row] = ()) -> Row:
-    """The catalog as one document: its source, what was left out, and a row per motor."""
+def build(
+    motors: list[Row],
+    digest: str,
+    corrections: Corrections | None = None,
+    added: Sequence[Row] = (),
+    curves: Mapping[tuple[str, str], Row] | None = None,
+) -> Row:
+    """The catalog as one document: its source, what was left out, and a row per motor. `curves` replace those of the
+    source."""
     rows: list[Row] = []
     left_out: dict[str, list[str]] = defaultdict(list)
     corrections = corrections or {}
-    motors = [*corrected(motors, corrections), *added]
+    others = curves or {}
+    motors = [motor | others.get(_key(motor), {}) for motor in corrected(motors, corrections)] + list(added)
     for motor in sorted(motors, key=lambda motor: motor["motorId"]):
         try:
             rows.append(row(motor))
@@ -237,7 +285,9 @@ def main() -> None:
     options = arguments.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         source = (options.data or fetch(Path(folder))).read_bytes()
-    document = build(json.loads(source), hashlib.sha256(source).hexdigest(), read_corrections(), additions())
+    document = build(
+        json.loads(source), hashlib.sha256(source).hexdigest(), read_corrections(), additions(), read_curves()
+    )
     options.out.write_bytes(packed(document))
     counts = {why: len(names) for why, names in document["left_out"].items()}
     print(f"{options.out}: {document['kept']} of {document['read']} motors; left out {counts}")

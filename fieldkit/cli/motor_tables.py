@@ -1,11 +1,15 @@
-"""What `fieldkit motors --compare` and `--corrections` print: the catalog and tables of figures."""
+"""What `fieldkit motors --check`, `--compare` and `--corrections` print: the catalog, records and tables of figures."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
 from fieldkit.cli.session import known_motors
 from fieldkit.paths import motor_folder
 from fieldkit.quantities import counted, rounded
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
 
 MAX_DIFFERENCES = 40
 """Maximum number of differences in a table. [1]"""
@@ -49,6 +53,36 @@ def print_comparison(file: Path, json: bool) -> None:
         complain(f"the {MAX_DIFFERENCES} largest differences are listed, --json has all")
     if found.unknown:
         complain(f"not in the catalog: {', '.join(found.unknown[:5])}{' and more' if len(found.unknown) > 5 else ''}")
+
+
+def print_records(motors: "list[Motor]", json: bool) -> None:
+    """Print every thrust curve beside its certified record, largest deviation first."""
+    from fieldkit.motors.record import AGREEMENT, checked, document, used_curve
+
+    found = checked(motors)
+    if json:
+        print_json({"motors": [document(*one) for one in found]})
+        return
+    rows = [
+        (
+            f"{motor.maker} {motor.designation}",
+            f"{rounded(one.impulse)}/{rounded(one.record.impulse)}",
+            f"{one.burn:.3g}/{one.record.burn:.3g}",
+            f"{rounded(one.average)}/{rounded(one.record.average) if one.record.average else '-'}",
+            f"{rounded(one.peak)}/{rounded(one.record.peak) if one.record.peak else '-'}",
+            f"{abs(one.deviation):.1%}",
+            used_curve(motor),
+        )
+        for motor, one in found
+    ]
+    headers = ("motor", "N s", "burn s", "avg N", "peak N", "off", "curve")
+    print_table(headers, rows, numbers=headers[1:6])
+    changed = sum(bool(motor.curve) for motor, _ in found)
+    beyond = sum(abs(one.deviation) > AGREEMENT for _, one in found)
+    complain(
+        f"each figure of the curve / of the record; {counted(len(found), 'motor')}, {changed} with a curve that is not "
+        f"the recorded one; off by more than {AGREEMENT:.0%} in impulse, burn time or average thrust: {beyond}"
+    )
 
 
 def print_own_corrections(json: bool) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.motor_tables import print_comparison, print_own_corrections
+from fieldkit.cli.motor_tables import print_comparison, print_own_corrections, print_records
 from fieldkit.cli.numbers import not_negative
 from fieldkit.cli.options import dashed, takes_plan
 from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, system
@@ -48,6 +48,9 @@ def motors(
     compare: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Compare the motors with a table of test results (CSV).")
     ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Compare every thrust curve, or those searched for, with its record.")
+    ] = False,
     corrections: Annotated[
         bool,
         typer.Option("--corrections", help="Show the file of your own corrections and lots; create it if missing."),
@@ -105,7 +108,7 @@ def motors(
 ) -> None:
     """Search motors, add your own, or with --fit forecast every motor that fits a rocket."""
     tasks = {"--fit": fit, "--compare": compare, "--corrections": corrections, "--import": import_, "--about": about}
-    _check_one_task({**tasks, "a search": search})
+    _check_one_task({**tasks, "--check": check} if check else {**tasks, "a search": search})
     guide_options: dict[str, object] = {
         "--target": target,
         "--class": class_,
@@ -117,7 +120,7 @@ def motors(
     _check_needs_fit(
         fit, {**guide_options, "--shortlist": shortlist, "--all": every, "--quick": quick, **dashed(given)}
     )
-    if shortlist_for is not None and (fit or compare or corrections or about):
+    if shortlist_for is not None and (fit or compare or corrections or about or check):
         raise typer.BadParameter("found --shortlist-for without a search or --import, expected one of them")
     if quick and (season is not None or every):
         raise typer.BadParameter(f"found --quick with {'--all' if every else '--season'}, expected one of the two")
@@ -149,6 +152,9 @@ def motors(
             _check_near(text, found, known.complaint(text), strict=json or shortlist_for is not None)
         if note := known.unknown_lot(text, found):
             complain(f"note: {note}")
+    if check:
+        print_records(found, json)
+        return
     if shortlist_for is not None and found:
         _put_by(context, shortlist_for, found)
     if json:
@@ -240,7 +246,7 @@ def _list(found: "list[Motor]") -> None:
             f"{motor.diameter * 1e3:g}",
             rounded(motor.total_impulse),
             rounded(motor.rated_thrust),
-            f"{motor.burn_time:.3g}",
+            f"{motor.rated_burn:.3g}",
             rounded(mass.from_si(motor.loaded_mass)),
             delays_text(motor.delays),
             "" if motor.available else "no longer made",
@@ -251,5 +257,5 @@ def _list(found: "list[Motor]") -> None:
     if len(found) > MAX_LISTED_MOTORS:
         complain(f"and {len(found) - MAX_LISTED_MOTORS} more; narrow it by a longer name or a diameter such as 24mm")
     for motor in found if len(found) <= MAX_CORRECTED_MOTORS else ():
-        for one in motor.corrections:
-            complain(f"{motor.maker} {motor.designation}: {one.text()}")
+        for text in (*([motor.curve] if motor.curve else ()), *(one.text() for one in motor.corrections)):
+            complain(f"{motor.maker} {motor.designation}: {text}")

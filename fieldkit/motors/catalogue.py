@@ -244,6 +244,8 @@ def _motor(entry: Mapping[str, Any], source: str) -> Motor:
         url=entry["url"],
         certified_average=entry["average_n"],
         certified_peak=entry["peak_n"],
+        certified_burn=entry["burn_s"],
+        curve=entry["curve_origin"],
         corrections=tuple([Correction(*one) for one in entry["corrections"]]),
         estimated=tuple(entry["estimated"]),
     )

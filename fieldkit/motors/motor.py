@@ -29,14 +29,16 @@ class Motor:
     """One motor in SI units. Its thrust is linear between the knots `time`, `thrust`.
 
     The first knot is (0, 0), the last thrust is 0, time strictly increases, and the integral of the thrust is
-    `total_impulse`. `delays` are those for sale, in seconds, including `PLUGGED_DELAY` if it is sold plugged; empty if
-    not recorded. `estimated` names the fields that the source lacks and that were estimated. `certified_average` and
-    `certified_peak` are the thrusts stated by the certification [N], None if unknown or only the number in the name;
-    `corrections` are the values that differ from the source, and those on which documents disagree. `parts` are the
-    motors of the cluster or stages that this motor combines, empty for a single motor. For these, `spent` is the
-    fraction of `propellant_mass` burned at each knot [1], None if it is proportional to the impulse, and `drag` is the
-    ratio of the rocket's drag from each knot on to that of its uppermost stage [1], None if it is constant. `remarks`
-    say what was corrected in a file of the user's. Two motors are equal only if they are the same object.
+    `total_impulse`. `delays` are those for sale, in seconds, including `PLUGGED_DELAY` if it is sold plugged; empty
+    if not recorded. `estimated` names the fields that the source lacks and that were estimated. `certified_average`
+    and `certified_peak` are the thrusts stated by the certification [N], None if unknown or only the number in the
+    name; `certified_burn` is its burn time [s]. `curve` is the origin of the curve if it is not the recorded one,
+    such as `recorded curve of 1.61 s reshaped to the certified burn time of 1.94 s`; `corrections` are the values
+    that differ from the source, and those on which documents disagree. `parts` are the motors of the cluster or
+    stages that this motor combines, empty for a single motor. For these, `spent` is the fraction of
+    `propellant_mass` burned at each knot [1], None if it is proportional to the impulse, and `drag` is the ratio of
+    the rocket's drag from each knot on to that of its uppermost stage [1], None if it is constant. `remarks` say
+    what was corrected in a file of the user's. Two motors are equal only if they are the same object.
     """
 
     maker: str
@@ -60,6 +62,8 @@ class Motor:
     estimated: tuple[str, ...] = ()
     certified_average: float | None = None
     certified_peak: float | None = None
+    certified_burn: float | None = None
+    curve: str = ""
     corrections: tuple[Correction, ...] = ()
     parts: tuple["Motor", ...] = ()
     spent: Float[Array, "knot"] | None = field(default=None, repr=False)
@@ -69,13 +73,7 @@ class Motor:
     @property
     def burning(self) -> tuple[float, float]:
         """Times at which the thrust first reaches and last leaves 5% of its peak. [s]"""
-        threshold = BURN_THRUST_FRACTION * self.peak_thrust
-        first, last = np.flatnonzero(self.thrust >= threshold)[[0, -1]]
-        up, down = slice(first - 1, first + 1), slice(last, last + 2)
-        return (
-            float(np.interp(threshold, self.thrust[up], self.time[up])),
-            float(np.interp(threshold, self.thrust[down][::-1], self.time[down][::-1])),
-        )
+        return burning(self.time, self.thrust)
 
     @property
     def burn_time(self) -> float:
@@ -104,9 +102,15 @@ class Motor:
         return self.total_impulse / self.burn_time
 
     @property
+    def rated_burn(self) -> float:
+        """The certified burn time, else that of the curve. [s]"""
+        return self.burn_time if self.certified_burn is None else self.certified_burn
+
+    @property
     def rated_thrust(self) -> float:
-        """The average thrust that rules refer to: the certified one, else that of the curve; never the name's. [N]"""
-        return self.average_thrust if self.certified_average is None else self.certified_average
+        """The average thrust that rules refer to: the certified one, else impulse over `rated_burn`; never the name's.
+        [N]"""
+        return self.total_impulse / self.rated_burn if self.certified_average is None else self.certified_average
 
     @property
     def loaded_mass(self) -> float:
@@ -118,6 +122,17 @@ class Motor:
         """Mean [s] and variance [s^2] of time, weighted by the thrust."""
         mean = _integral(self.time, self.thrust, self.time) / self.total_impulse
         return mean, _integral(self.time, self.thrust, (self.time - mean) ** 2, mean) / self.total_impulse
+
+
+def burning(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> tuple[float, float]:
+    """Times at which the thrust of a curve first reaches and last leaves 5% of its peak. [s]"""
+    threshold = BURN_THRUST_FRACTION * float(thrust.max())
+    first, last = np.flatnonzero(thrust >= threshold)[[0, -1]]
+    up, down = slice(first - 1, first + 1), slice(last, last + 2)
+    return (
+        float(np.interp(threshold, thrust[up], time[up])),
+        float(np.interp(threshold, thrust[down][::-1], time[down][::-1])),
+    )
 
 
 def _integral(
@@ -232,6 +247,8 @@ def describe(motor: Motor) -> dict[str, object]:
         "url": motor.url,
         "certified_average_thrust_n": motor.certified_average,
         "certified_peak_thrust_n": motor.certified_peak,
+        "certified_burn_time_s": motor.certified_burn,
+        "curve": motor.curve,
         "corrections": [one.json() for one in motor.corrections],
         "estimated": list(motor.estimated),
         "source": motor.source,

@@ -169,7 +169,8 @@ def _with(motor: Motor, one: OwnCorrection) -> Motor:
         return replace(motor, total_impulse=value, thrust=thrust)
     if field == "burn_s":
         stretch = value / motor.burn_time
-        return replace(motor, time=np.asarray(motor.time * stretch), thrust=np.asarray(motor.thrust / stretch))
+        stretched, thrust = np.asarray(motor.time * stretch), np.asarray(motor.thrust / stretch)
+        return replace(motor, time=stretched, thrust=thrust, certified_burn=value, curve="")
     if field == "average_n":
         return replace(motor, certified_average=value)
     if field == "peak_n":

@@ -183,6 +183,8 @@ def _found(name: Name, listing: Listing, text: str, note: str = "") -> Found:
             )
     if motor.estimated:
         notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not listed, estimated")
+    if motor.curve.startswith("recorded"):
+        notes.append(f"{listing.label}: {motor.curve}")
     return Found(motor, name.delay, tuple(notes), doubt)
 
 

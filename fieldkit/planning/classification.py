@@ -45,7 +45,8 @@ def build_of(motor: Motor, dry_mass: float) -> Build:
 def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
     """What makes a rocket high power; an empty text if nothing does.
 
-    A motor's certified average thrust counts, not that of its curve, and never the number in its name.
+    A motor's certified average thrust counts, or else its certified impulse over its burn time; not that of its curve,
+    and never the number in its name.
     """
     limit: Mapping[str, Any] = next((one.definition for one in sets if one.definition), {})
     if not limit:
@@ -68,7 +69,7 @@ def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
         return f"more than {limit['impulse_of_one_ns']:g} N s"
     if motor.rated_thrust > limit["average_thrust_n"]:
         if motor.certified_average is None:
-            return f"the average thrust of its curve, {motor.rated_thrust:.1f} N"
+            return f"its impulse over its burn time, {motor.rated_thrust:.1f} N"
         return f"its certified average thrust of {motor.rated_thrust:.1f} N"
     if motor.propellant_mass * 1e3 > limit["propellant_g"]:
         return f"more than {limit['propellant_g']:g} g of propellant"

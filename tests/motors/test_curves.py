@@ -115,6 +115,7 @@ def _source(number: int, **changes: Any) -> dict[str, Any]:
         "diameter": 20 + number,
         "length": 60 + number**2,
         "totImpulseNs": 40,
+        "burnTimeS": 1.9,
         "propWeightG": 20,
         "totalWeightG": 50 + number,
         "propInfo": "White",

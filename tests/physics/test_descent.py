@@ -28,6 +28,7 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.wind import WindProfile
 from fieldkit.units import DEGREE
+from tests.recorded_curves import recorded
 
 pytestmark = pytest.mark.fast
 
@@ -210,7 +211,7 @@ ALOFT = {"wind_aloft": "mps", "wind_aloft_height": "m"}
 
 def flown_again(case: dict[str, Any], stability: str = "") -> dict[str, float]:
     """A case of the reference simulated with fieldkit's own physics."""
-    found = catalogue().resolve(case["motor"])
+    found = recorded(catalogue().resolve(case["motor"]))
     area = np.pi / 4 * case["diameter"] ** 2
     direction = np.arctan2(case["rail_across"], case["rail_into"])
     aloft = {f"{name}_{unit}": f"{case[name]}" for name, unit in ALOFT.items() if name in case}

@@ -221,9 +221,10 @@ def test_what_makes_a_motor_high_power_besides_its_size(changes: dict[str, Any],
 
 
 def test_the_average_of_the_curve_decides_only_without_a_certified_one() -> None:
-    more = 81 / C6.average_thrust
+    more = 81 / (C6.total_impulse / C6.rated_burn)
     strong = replace(C6, thrust=C6.thrust * more, total_impulse=C6.total_impulse * more, certified_average=None)
-    assert "average thrust of its curve" in rocket(strong).why
+    assert "its impulse over its burn time, 81.0 N" in rocket(strong).why
+    assert rocket(replace(strong, certified_burn=1.02 * C6.rated_burn)).why == ""
     assert rocket(replace(strong, certified_average=80.0)).why == ""
 
 

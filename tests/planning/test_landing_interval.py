@@ -15,6 +15,7 @@ from fieldkit.planning.landing import CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY, L
 from fieldkit.planning.quantiles import three
 from fieldkit.units import DEGREE
 from tests.physics.test_descent import ALOFT, CASES, flown_again
+from tests.recorded_curves import recorded
 
 CHECK_SHAPES = False
 
@@ -73,7 +74,7 @@ def test_landings_that_the_static_margin_would_move_are_within_their_ellipse_and
 
 def _forecast(case: dict[str, Any]) -> Landing:
     """The landing as forecast after four flights in calm air."""
-    found = catalogue().resolve(case["motor"])
+    found = recorded(catalogue().resolve(case["motor"]))
     body = Flight(
         rocket="R", dry_mass=case["dry_mass"], diameter=case["diameter"], rail_length=case["rail_length"], wind=0.0
     )

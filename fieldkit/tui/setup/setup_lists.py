@@ -42,7 +42,7 @@ def motors_listed(found: Sequence[Motor], system: str, width: int) -> ListConten
         gone = "" if motor.available else "no longer made" if wide else "gone"
         figures = (
             [
-                f"{motor.burn_time:.2f}",
+                f"{motor.rated_burn:.2f}",
                 written(motor.loaded_mass, "g", system, 1 if system == "SI" else None).split()[0],
             ]
             if wide
