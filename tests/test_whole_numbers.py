@@ -19,7 +19,6 @@ pytestmark = pytest.mark.fast
 ROOT = Path(__file__).parents[1]
 BOUNDED = {
     "planning/contest.py",
-    "importing/tables/spreadsheet_bounds.py",
     "tui/serve.py",
     "importing/tables/column_choice.py",
 }

@@ -1,18 +1,23 @@
 """Spreadsheets (`.xlsx`, `.ods`) are read like CSV with the same cells: flight tables and tables of samples."""
 
+import csv
 import io
 import tracemalloc
 import zipfile
+from collections.abc import Sequence
+from contextlib import suppress
 from datetime import datetime, timedelta
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog, UnknownFormat
 from fieldkit.importing.read import read, read_recordings
-from fieldkit.importing.tables import spreadsheet
-from fieldkit.importing.tables.spreadsheet_bounds import check_bounds
+from fieldkit.importing.tables import sheet_xml, spreadsheet
 from tests.samples import any_motor
 
 pandas = pytest.importorskip("pandas")
@@ -108,51 +113,196 @@ def test_a_truncated_spreadsheet_is_damaged_and_not_a_crash() -> None:
         read(out.getvalue(), "table.xlsx", any_motor)
 
 
-XLSX = {
-    "xl/workbook.xml": '<workbook><sheets><sheet name="S" sheetId="1"/></sheets></workbook>',
-    "xl/sharedStrings.xml": f"<sst><si><t>{'x' * 60_000}</t></si></sst>",
-}
-TEXT_CELL = '<c t="s"><v>0</v></c>'
-ODS = "<d><table>{}</table></d>"
-HOSTILE = {
-    "opposite corners": {"xl/s.xml": '<w><row r="1"><c r="A1"/></row><row r="1048576"><c r="XFD1048576"/></row></w>'},
-    "a prefix": {"xl/s.xml": '<x:w xmlns:x="n"><x:row><x:c r="XFD1048576"/></x:row></x:w>'},
-    "a shared text": {"xl/s.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 10_000 + "</row></w>"},
-    "an entity": {"xl/s.xml": '<!DOCTYPE w [<!ENTITY a "b">]><w><row><c><v>&a;</v></c></row></w>'},
-    "cells of many sheets": {f"xl/s{n}.xml": '<w><row r="2000"><c r="ALL2000"/></row></w>' for n in range(5)},
-    "a text of many sheets": {
-        f"xl/s{n}.xml": "<w><row>" + '<c t="s"><v>0</v></c>' * 500 + "</row></w>" for n in range(9)
-    },
-    "a torn sheet": {"xl/s.xml": '<w><row><c r="A1"><v>1</v></c>'},
-    "a row of letters": {"xl/s.xml": '<w><row r="one"><c/></row></w>'},
-    "spaces": {"content.xml": ODS.format('<table-row><table-cell><p><s c="2000000000"/></p></table-cell></table-row>')},
-    "a repeated text": {
-        "content.xml": ODS.format(
-            '<table-row number-rows-repeated="1000000"><table-cell><p>' + "x" * 500 + "</p></table-cell></table-row>"
-        )
-    },
-    "a repeated cell": {
-        "content.xml": ODS.format(
-            '<table-row number-rows-repeated="1000000"><table-cell value-type="float" number-columns-repeated="16384"/>'
-            "</table-row>"
-        )
-    },
-}
+WORKBOOK = '<workbook xmlns:r="r"><sheets>{}</sheets></workbook>'
+RELATIONS = "<Relationships>{}</Relationships>"
+SHARED = f"<sst><si><t>{'x' * 30_000}</t></si></sst>"
+ODS = '<d xmlns:o="o"><table o:name="S">{}</table></d>'
 
 
-@pytest.mark.parametrize("parts", HOSTILE.values(), ids=HOSTILE)
-def test_a_spreadsheet_that_expands_beyond_memory_is_refused_before_it_is_read(parts: dict[str, str]) -> None:
+def archive(**parts: str) -> bytes:
+    """A zip archive of these parts, `__` for a slash."""
     out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in (XLSX | parts).items():
-            archive.writestr(name, content)
-    with zipfile.ZipFile(out) as archive, pytest.raises(DamagedLog, match="found"):
-        check_bounds(archive)
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, content in parts.items():
+            packed.writestr(f"{name.replace('__', '/')}.xml" if "." not in name else name.replace("__", "/"), content)
+    return out.getvalue()
+
+
+def xlsx(*parts: str, targets: Sequence[str] = (), **more: str) -> bytes:
+    """A workbook with these XML parts as sheets, or with `targets` as the part of each sheet."""
+    targets = targets or [f"worksheets/sheet{n}.xml" for n in range(len(parts))]
+    named = "".join(f'<sheet name="S{n}" r:id="a{n}"/>' for n in range(len(targets)))
+    related = "".join(f'<Relationship Id="a{n}" Type="x/worksheet" Target="{t}"/>' for n, t in enumerate(targets))
+    return archive(
+        xl__workbook=WORKBOOK.format(named),
+        **{"xl___rels__workbook.xml.rels": RELATIONS.format(related)},
+        **{f"xl__worksheets__sheet{n}": part for n, part in enumerate(parts)},
+        xl__sharedStrings=SHARED,
+        **more,
+    )
+
+
+SHEET = "<w><row>{}</row></w>"
+HOSTILE = {
+    "opposite corners": xlsx(
+        '<w><row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>1</v></c></row></w>'
+    ),
+    "a prefix": xlsx('<x:w xmlns:x="n"><x:row r="1048576"><x:c r="XFD1048576"><x:v>1</x:v></x:c></x:row></x:w>'),
+    "a shared text": xlsx(SHEET.format('<c t="s"><v>0</v></c>' * 10_000)),
+    "an entity": xlsx('<!DOCTYPE w [<!ENTITY a "b">]><w><row><c><v>&a;</v></c></row></w>'),
+    "an entity of another file": xlsx('<!DOCTYPE w SYSTEM "a.dtd"><w><row><c><v>&a;</v></c></row></w>'),
+    "an undefined entity": xlsx("<w>&a;<row><c><v>1</v></c></row></w>"),
+    "a doubled attribute": xlsx('<w><row r="1" r="2"><c><v>1</v></c></row></w>'),
+    "a wrong end tag": xlsx("<w><a></b><row><c><v>1</v></c></row></w>"),
+    "a control character": xlsx("<w>\x01<row><c><v>1</v></c></row></w>"),
+    "an undefined entity in styles": xlsx(SHEET.format("<c><v>1</v></c>"), xl__styles="<s>&a;</s>"),
+    "cells of many sheets": xlsx(*5 * ['<w><row r="2000"><c r="ALL2000"><v>1</v></c></row></w>']),
+    "a text of many sheets": xlsx(*9 * [SHEET.format('<c t="s"><v>0</v></c>' * 500)]),
+    "sheets that share a part": xlsx(SHEET.format("<c><v>1</v></c>"), targets=2 * ["worksheets/sheet0.xml"]),
+    "a torn sheet": xlsx('<w><row><c r="A1"><v>1</v></c>'),
+    "a missing sheet": xlsx(targets=["worksheets/sheet0.xml"]),
+    "a row of letters": xlsx('<w><row r="one"><c><v>1</v></c></row></w>'),
+    "a cell without letters": xlsx(SHEET.format('<c r="12"><v>1</v></c>')),
+    "rows upward": xlsx('<w><row r="2"><c><v>1</v></c></row><row r="1"><c><v>1</v></c></row></w>'),
+    "a shared text that is missing": xlsx(SHEET.format('<c t="s"><v>7</v></c>')),
+    "a long text": xlsx(SHEET.format(f"<c><v>{'x' * 200_000}</v></c>")),
+    "a long tag": xlsx(SHEET.format(f'<c a="{"x" * 3_000_000}"/>')),
+    "a long comment": xlsx(f"<w><!--{'x' * 3_000_000}--></w>"),
+    "depth": xlsx(f"<w>{'<a>' * 200}{'</a>' * 200}</w>"),
+    "nothing": xlsx(SHEET.format('<c r="XFD1048576"/>')),
+    "spaces": archive(
+        content=ODS.format('<table-row><table-cell><p><s o:c="2000000000"/></p></table-cell></table-row>')
+    ),
+    "an undefined entity before a table": archive(content=f"<d>&a;{ODS.format('')}</d>"),
+    "a count of letters": archive(content=ODS.format('<table-row o:number-rows-repeated="x"/>')),
+    "a repeated text": archive(
+        content=ODS.format(
+            f'<table-row o:number-rows-repeated="1000000"><table-cell><p>{"x" * 500}</p></table-cell></table-row>'
+        )
+    ),
+    "a repeated cell": archive(
+        content=ODS.format(
+            '<table-row o:number-rows-repeated="1000000"><table-cell o:value-type="float" o:value="1"'
+            ' o:number-columns-repeated="16384"/></table-row>'
+        )
+    ),
+}
+
+
+@pytest.mark.parametrize("log", HOSTILE.values(), ids=HOSTILE)
+def test_a_spreadsheet_that_is_damaged_or_expands_beyond_memory_is_refused_in_little_memory(log: bytes) -> None:
+    assert len(log) < 40_000
+    tracemalloc.start()
+    try:
+        with pytest.raises(DamagedLog, match="found"):
+            spreadsheet.as_csv(log, lambda sheet: False)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 200 << 20
+
+
+def test_the_number_of_elements_is_limited_even_without_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sheet_xml, "MAX_ELEMENTS", 100)
+    with pytest.raises(DamagedLog, match="elements"):
+        list(spreadsheet.sheets(xlsx(SHEET.format("<c/>" * 100))))
+
+
+@pytest.mark.sampled
+@given(st.sampled_from(sorted(KINDS)), st.data())
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+def test_a_spreadsheet_with_any_damage_inside_is_read_or_refused(kind: str, data: st.DataObject) -> None:
+    with zipfile.ZipFile(io.BytesIO(small_book(kind))) as packed:
+        parts = {name: packed.read(name) for name in packed.namelist()}
+    name = data.draw(st.sampled_from(sorted(parts)))
+    at = data.draw(st.integers(0, len(parts[name])))
+    piece = data.draw(
+        st.sampled_from([b"", b"<", b">", b'"', b"&a;", b"&#0;", b"\xff", b"9" * 30, b"</row>", b"]]>", b"<a>"])
+    )
+    parts[name] = parts[name][:at] + piece + parts[name][at + data.draw(st.integers(0, 20)) :]
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed:
+        for part, content in parts.items():
+            packed.writestr(part, content)
+    with suppress(DamagedLog):
+        spreadsheet.as_csv(out.getvalue(), lambda sheet: False)
+
+
+@cache
+def small_book(kind: str) -> bytes:
+    """A spreadsheet of the flights."""
+    return book(kind, flights=FLIGHTS, notes=[["none", 1.5]])
+
+
+CELLS = st.one_of(
+    st.none(),
+    st.text(
+        st.characters(codec="utf-8", exclude_categories=("Cc", "Cs"), exclude_characters="\ufffe\uffff"), max_size=8
+    ),
+    st.floats(-1e300, 1e300),
+    st.integers(-(10**9), 10**9),
+    st.datetimes(datetime(1950, 1, 1), datetime(2100, 1, 1)).map(lambda moment: moment.replace(microsecond=0)),
+)
+
+
+@pytest.mark.sampled
+@given(st.lists(st.lists(CELLS, min_size=1, max_size=5), min_size=1, max_size=5))
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+def test_every_cell_of_a_workbook_arrives_where_it_is(rows: list[list[object]]) -> None:
+    openpyxl = pytest.importorskip("openpyxl")
+    rows = [[*row, "end"] for row in rows]
+    workbook = openpyxl.Workbook()
+    for number, row in enumerate(rows, start=1):
+        for column, value in enumerate(row, start=1):
+            cell = workbook.active.cell(number, column, value)
+            if isinstance(value, str):
+                cell.data_type = "s"  # not a formula, whatever it starts with
+    out = io.BytesIO()
+    workbook.save(out)
+    ((_, content),) = spreadsheet.sheets(out.getvalue())
+    found = list(csv.reader(io.StringIO(content.decode(), newline="")))
+    for row, cells in zip(rows, found, strict=True):
+        for value, cell in zip(row, cells, strict=False):
+            if isinstance(value, datetime):
+                assert datetime.fromisoformat(cell) == value
+            elif isinstance(value, int | float):
+                assert float(cell) == pytest.approx(value, rel=1e-15)
+            else:
+                assert cell == (value or "")
+
+
+def test_values_are_read_by_their_kind_and_not_as_shown() -> None:
+    styles = (
+        '<s><numFmts><numFmt numFmtId="170" formatCode="[h]:mm:ss"/><numFmt numFmtId="171"'
+        ' formatCode="0 &quot;days&quot;"/>'
+        '<numFmt numFmtId="172" formatCode="[$-409]d/m/yy;@"/></numFmts><cellStyleXfs>'
+        '<xf numFmtId="14"/></cellStyleXfs>'
+        + "<cellXfs>"
+        + "".join(f'<xf numFmtId="{n}"/>' for n in (0, 14, 170, 171, 172, 21))
+        + "</cellXfs></s>"
+    )
+    cells = "".join(f'<c s="{style}"><v>45780.5</v></c>' for style in range(5)) + '<c s="5"><v>0.42709</v></c>'
+    cells += '<c t="b"><v>1</v></c><c t="e"><v>#N/A</v></c><c t="inlineStr"><is><r><t>a</t></r><r><t>b</t></r></is></c>'
+    ((_, content),) = spreadsheet.sheets(xlsx(SHEET.format(cells), xl__styles=styles))
+    day = "2025-05-03T12:00:00"
+    assert content.decode() == f"45780.5,{day},1098732:00:00,45780.5,{day},10:15:00.576,True,,ab\n"
+    values = {
+        'value-type="float" o:value="1.50"': "1.5",
+        'value-type="date" o:date-value="2025-05-03T10:15:00.25"': "2025-05-03T10:15:00.250",
+        'value-type="date" o:date-value="2025-05-03"': "2025-05-03",
+        'value-type="time" o:time-value="PT30H15M01.5S"': "30:15:01.500",
+        'value-type="boolean" o:boolean-value="true"': "True",
+        'value-type="string" o:string-value="other"': "other",
+    }
+    note = "<annotation><p>note</p></annotation>"
+    body = "".join(f"<table-cell o:{value}>{note}<p>shown</p></table-cell>" for value in values)
+    ((_, content),) = spreadsheet.sheets(archive(content=ODS.format(f"<table-row>{body}</table-row>")))
+    assert content.decode() == ",".join(values.values()) + "\n"
 
 
 def test_a_table_that_starts_in_another_column_keeps_the_empty_ones() -> None:
     rows = [[None, None, None], [None, "a", "b"], [None, 1.5, 2]]
-    (found,) = spreadsheet._sheets(book(".xlsx", log=rows))
+    (found,) = spreadsheet.sheets(book(".xlsx", log=rows))
     assert found == ("log", b",,\n,a,b\n,1.5,2\n")
 
 
@@ -163,7 +313,7 @@ def test_a_large_spreadsheet_is_read_row_by_row(kind: str) -> None:
     log = book(kind, log=[[n + 0.125] * 8 for n in range(4000)])
     tracemalloc.start()
     try:
-        (found,) = spreadsheet._sheets(log)
+        (found,) = spreadsheet.sheets(log)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -171,9 +321,6 @@ def test_a_large_spreadsheet_is_read_row_by_row(kind: str) -> None:
 
 
 def test_empty_rows_below_a_table_are_not_counted() -> None:
-    empty = '<table-row number-rows-repeated="1048576"><table-cell number-columns-repeated="16384"/></table-row>'
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w") as archive:
-        archive.writestr("content.xml", ODS.format("<table-row><table-cell><p>1</p></table-cell></table-row>" + empty))
-    with zipfile.ZipFile(out) as archive:
-        check_bounds(archive)
+    empty = '<table-row o:number-rows-repeated="1048576"><table-cell o:number-columns-repeated="16384"/></table-row>'
+    log = archive(content=ODS.format("<table-row><table-cell><p>1</p></table-cell></table-row>" + empty))
+    assert list(spreadsheet.sheets(log)) == [("S", b"1\n")]
