@@ -131,14 +131,14 @@ def _guided(rocket: Any, plan: Any, motors: Any, *rest: Any) -> object:
     return repr((rocket.flights, rocket.averaged, rocket.earlier, plan, names, rest))
 
 
-def _fitted(model: Any, data: Any) -> object:
+def _fitted(model: Any, data: Any, *, causes: bool = False) -> object:
     """The cache key for a fit: effects by their names, because functions of plug-ins have no address."""
     terms = [
         (term.name, *[getattr(term, key) for key in ("mean", "sd", "weight", "low", "high", "scaled_by")])
         for term in model.terms
     ]
     rest = (model.flights, model.found, model.area, model.flight_index, repr(model.hyperprior), model.shared)
-    return terms, rest, model.coarse, data
+    return terms, rest, model.coarse, data, causes
 
 
 ONCE = {

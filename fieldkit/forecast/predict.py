@@ -195,7 +195,8 @@ def _drawn_with(
     known = set(part.shared.names) if part.shared else set()
     acted = [i for i, term in enumerate(part.terms) if term.name in known or np.any(term.weight[:flown] != 0)]
     used = acted or [0]  # a rocket never flown has the prior instead of a fit
-    result = fit_robustly(replace(part.part(slice(0, len(data.seen))).only(used), coarse=True), data)
+    flown_part = replace(part.part(slice(0, len(data.seen))).only(used), coarse=True)
+    result = fit_robustly(flown_part, data, causes=True)
     part = replace(part, hyperprior=result.model.hyperprior)
     own, scales = term_draws(part, used, result, draws, rng)
     values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))

@@ -31,12 +31,15 @@ class Data:
 
     `sd` is the expected or recorded error of each readout [1] or [s]; `seen` marks readouts recorded on flights used in
     the fit. `trust` is the expected precision of each residual relative to an ordinary one: less than 1 for an outlier.
+    `normal` is the probability that each flight is one of its rocket's usual ones, by default 1: the power of its
+    likelihood. [1]
     """
 
     values: Float[Array, "flight readout"]
     sd: Float[Array, "flight readout"]
     seen: Flags
     trust: Float[Array, "flight readout"]
+    normal: Float[Array, "flight"] | None = None
 
 
 def observe(

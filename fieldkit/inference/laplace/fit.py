@@ -10,10 +10,12 @@ import numpy as np
 
 from fieldkit.inference.laplace.damped_steps import DampedSteps
 from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope, launch_angle_slope, tangents
+from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.inference.laplace.scale_grids import around_mode
+from fieldkit.model.causes import signatures
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -28,6 +30,9 @@ OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit starts. [s]"""
 ROBUST_ROUNDS = 2
 """Maximum number of steps after the weights of outliers have converged."""
+ONE_OFF_FITS, ONE_OFF_ROUNDS = 2, 3
+"""Maximum number of points at which flights are weighted by their probability of being usual ones, and number of
+updates of the weights at each. [1]"""
 TRUST_ROUNDS = 4
 """Number of updates of the outliers' weights at one point."""
 REFIT_ROUNDS = 4
@@ -229,24 +234,48 @@ def _unseen(data: Data, row: int) -> Data:
     return replace(data, seen=seen)
 
 
-def fit_robustly(model: Model, data: Data) -> Fit:
+def fit_robustly(model: Model, data: Data, *, causes: bool = False) -> Fit:
     """As `fit`, with a Student t instead of a normal distribution for each residual, so that outliers count less.
 
     A Student t is a normal whose precision is Gamma distributed; the factors are integrated by variational Bayes, for
     each residual separately from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] /
     variance) (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is the part of a readout that
     terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The log evidence
-    is a lower bound. The result has finer grids of scales than the fit. Raises ImpossibleFlight for a
-    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    is a lower bound. With `causes`, every flight has the weight of its probability of being one of the rocket's usual
+    ones (`fieldkit.inference.laplace.one_offs`). The result has finer grids of scales than the fit. Raises
+    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
+    read.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
         for _ in range(TRUST_ROUNDS):
             result = solve(model, replace(data, trust=outlier_weights(result)), result.tangent)
         result = _followed(result)
+    mixture = np.zeros(len(data.seen))
+    if causes:
+        result, mixture = _without_one_offs(result)
     if model.hyperprior.motors:
-        return _bounded(around_mode(result))
-    return _bounded(solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent))
+        result = around_mode(result)
+    else:
+        result = solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
+    return _bounded(replace(result, log_weight=result.log_weight + mixture.sum()))
+
+
+def _without_one_offs(result: Fit) -> tuple[Fit, Float[Array, "flight"]]:
+    """The fit with flights weighted by their probability of being usual ones, and what each adds to the log evidence.
+    [nat]"""
+    for _ in range(ONE_OFF_FITS):
+        known = signatures(result.model, result.tangent.at, result.tangent.values, result.data.seen)
+        for _ in range(ONE_OFF_ROUNDS):
+            found = one_offs(result, known=known)
+            data = replace(result.data, normal=found.weight)
+            result = solve(result.model, data, result.tangent)
+            result = solve(result.model, replace(data, trust=outlier_weights(result)), result.tangent)
+        moved = _followed(result)
+        if moved is result:
+            break
+        result = moved
+    return result, found.log_mixture
 
 
 def _bounded(result: Fit) -> Fit:

@@ -40,7 +40,8 @@ def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | Non
     """
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     model = replace(base_model(flights, found, hyperprior, period=period), coarse=True)
-    result = fit_robustly(model, observe(flights, found, [flight.clean for flight in flights], hyperprior))
+    data = observe(flights, found, [flight.clean for flight in flights], hyperprior)
+    result = fit_robustly(model, data, causes=True)
     return RocketFit(result.log_evidence, message_of(result), independent_prior([model]))
 
 

@@ -48,7 +48,8 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
     own = np.where(data.seen[:, used], variance / data.trust[:, used], 0.0)
     offset = result.mean - np.array([term.mean for term in result.model.terms])
     left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
-    gain = own[..., None] * evidence.sharpness  # D N^-1
+    sharpness = evidence.sharpness if data.normal is None else evidence.sharpness / data.normal[:, None, None]
+    gain = own[..., None] * sharpness  # D N^-1
     mean = (gain @ left[..., None])[..., 0]
     spread = gain @ evidence.slope
     flat = spread.reshape(len(spread), -1, spread.shape[-1])

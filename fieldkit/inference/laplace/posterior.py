@@ -189,7 +189,12 @@ def flight_evidence(
         wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
         noise *= wider[:, :, None] * wider[:, None, :]
     sharpness, log_det = inverses(noise)
-    return FlightEvidence(readouts, slope, miss, sharpness, log_det + density_constant(seen))
+    log_det += density_constant(seen)
+    if (
+        data.normal is not None
+    ):  # the expected log likelihood: a flight that is none of the rocket's usual ones has none
+        sharpness, log_det = sharpness * data.normal[:, None, None], log_det * data.normal
+    return FlightEvidence(readouts, slope, miss, sharpness, log_det)
 
 
 def density_constant(seen: Flags) -> Float[Array, "flight"]:

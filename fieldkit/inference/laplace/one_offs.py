@@ -1,0 +1,246 @@
+"""The probability that a flight is one of its rocket's usual ones, and of each cause if it is not.
+
+Each flight is compared with the prediction of its readouts from the others: with a linear model the fit without the
+flight follows in closed form (Woodbury's identity). A usual flight has the scatter and the Student t tails of the
+model. Under a cause with some strength, its readouts are shifted as the simulator shifts them; the strength is summed
+over a grid, and Bayes' rule gives the probability of every cause.
+
+Two faulty flights may hide each other. So the fit is repeated with every flight weighted by its probability of being a
+usual one, which is expectation-maximization for a mixture (Dempster, Laird and Rubin, 1977; with the probabilities from
+the other flights alone, a flight does not vouch for itself).
+
+What lasts is not a one-off. If the first or the last flights together differ from the rest, a change of the rocket
+between them is the alternative, with the evidence of two rockets that share nothing but their prior; the later flights
+then are the usual ones.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from math import log, pi
+
+import numpy as np
+
+from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.laplace.outlier_weights import outlier_weights
+from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve
+from fieldkit.model.causes import NAMES, NORMAL, Signatures, signatures
+from fieldkit.model.readout_data import Data
+from fieldkit.shapes import Array, Float, Int, Integers
+
+TAIL_DRAWS = 32
+"""Draws of the precisions of a flight's residuals, which make their normal distributions Student t. [1]"""
+MAX_SCALES = 4
+"""Number of pairs of scales that are kept for a flight. [1]"""
+LEAST_WEIGHT = 1e-3
+"""Lowest weight of a flight in a fit. [1]"""
+CHANGED = 0.1
+"""Prior probability that a rocket changes for good between two of its flights, a round judgment. [1]"""
+CHANGE_ROUNDS = 2
+"""Updates of the weights of outliers in the fits before and after a change. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class OneOffs:
+    """Flights compared with the others of their rocket.
+
+    `miss` is each readout as compared minus its prediction from the other flights, and `sd` the standard deviation of
+    the prediction for a usual flight, nan if not recorded [1] or [s]. `normal` is the probability that a flight is a
+    usual one, 1 for a flight without readouts, `cause` that of each of `NAMES`, and `strength` its expectation in the
+    unit of the cause. `weight` is the weight of each flight in the next fit: less than `normal` for flights before a
+    lasting change, which has probability `changed` [1]. `log_mixture` is what each flight adds to the log evidence of a
+    fit with these weights. [nat]
+    """
+
+    miss: Float[Array, "flight readout"]
+    sd: Float[Array, "flight readout"]
+    normal: Float[Array, "flight"]
+    cause: Float[Array, "flight cause"]
+    strength: Float[Array, "flight cause"]
+    weight: Float[Array, "flight"]
+    log_mixture: Float[Array, "flight"]
+    changed: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _LeftOut:
+    """Predictions of every flight from the others for every pair of scales: the error of the prediction, its covariance
+    without the flight's own scatter, and the log weight of the scales."""
+
+    error: Float[Array, "scale flight used"]
+    known: Float[Array, "scale flight used used"]
+    log_weight: Float[Array, "scale flight"]
+    evidence: FlightEvidence
+
+
+def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None) -> OneOffs:
+    """The probabilities of all flights in a fit; with `data`, also of flights that the fit does not use.
+
+    `known` are the signatures at the point of the fit, if they were computed before. Raises ImpossibleFlight for a
+    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    """
+    data = data or fit.data
+    if known is None:
+        known = signatures(fit.model, fit.tangent.at, fit.tangent.values, data.seen)
+    left_out = _left_out(fit, data)
+    usable = data.seen & np.isfinite(fit.tangent.values)
+    shape = usable.shape
+    miss, sd = np.full(shape, np.nan), np.full(shape, np.nan)
+    normal, log_causes = np.ones(len(usable)), np.full(len(usable), -np.inf)
+    cause, strength = np.zeros((len(usable), len(NAMES))), np.zeros((len(usable), len(NAMES)))
+    scatter = fit.model.scatter_scales() ** 2
+    variance = residual_variance(fit.model, data)
+    for row in np.flatnonzero(usable.any(axis=1)).tolist():
+        own = np.flatnonzero(usable[row])
+        place = np.searchsorted(left_out.evidence.readouts, own)
+        log_weight = left_out.log_weight[:, row]
+        scales = np.argsort(-log_weight)[:MAX_SCALES]
+        log_scale = log_weight[scales] - np.logaddexp.reduce(log_weight[scales])
+        error = left_out.error[scales, row][:, place]
+        spread = fit.tangent.scatter_slope[row, own]
+        joint = left_out.known[scales, row][:, place[:, None], place]
+        joint = joint + np.einsum("sk,ok,pk->sop", scatter[scales], spread, spread)
+        reading = variance[scales, row][:, own]
+        likely = _Flight(error, joint, reading, log_scale, fit.model.hyperprior.tail)
+        weight = np.exp(log_scale)
+        miss[row, own] = weight @ error
+        between = weight @ (error - miss[row, own]) ** 2
+        sd[row, own] = np.sqrt(weight @ (np.diagonal(joint, axis1=1, axis2=2) + reading) + between)
+        normal[row], cause[row], strength[row], log_causes[row] = _probabilities(likely, known, row, own)
+    weight = np.maximum(normal, LEAST_WEIGHT)
+    found = OneOffs(miss, sd, normal, cause, strength, weight, _log_mixture(weight, log_causes))
+    return _with_change(fit, found)
+
+
+def _log_mixture(weight: Float[Array, "flight"], log_causes: Float[Array, "flight"]) -> Float[Array, "flight"]:
+    """What each flight adds to the lower bound of the log evidence of a mixture, beside its weighted log likelihood as
+    a usual flight, from the log of prior probability times likelihood of all causes. [nat]"""
+    rest = np.maximum(1 - weight, 1e-300)
+    usual = weight * (log(NORMAL) - np.log(weight))
+    return np.where(np.isfinite(log_causes), usual + rest * (log_causes - np.log(rest)), 0.0)
+
+
+def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
+    """The same with the probability of a lasting change, if two or more flights at an end of the history differ."""
+    flown = np.flatnonzero(fit.data.seen.any(axis=1))
+    odd = found.normal[flown] < 0.5
+    if not odd.any() or odd.all():
+        return found
+    leading, trailing = int(np.argmin(odd)), int(np.argmin(odd[::-1]))
+    cuts = [cut for cut, run in ((leading, leading), (len(odd) - trailing, trailing)) if run > 1]
+    if not cuts:
+        return found
+    alone = [_log_evidence_of_two(fit, flown[:cut], flown[cut:]) for cut in cuts]
+    cut = cuts[int(np.argmax(alone))]
+    odds = max(alone) + log(CHANGED / (len(flown) - 1)) - log(1 - CHANGED)
+    odds -= fit.log_evidence + found.log_mixture.sum()
+    changed = float(1 / (1 + np.exp(-np.clip(odds, -500, 500))))
+    end = slice(0, cut) if cut == leading else slice(cut, None)
+    run, before = np.isin(np.arange(len(found.normal)), flown[end]), np.arange(len(found.normal)) < flown[cut]
+    normal = np.where(run, changed + (1 - changed) * found.normal, found.normal)
+    cause = np.where(run[:, None], (1 - changed) * found.cause, found.cause)
+    weight = np.where(before, (1 - changed) * found.weight, np.where(run, normal, found.weight))
+    return replace(found, normal=normal, cause=cause, weight=np.maximum(weight, LEAST_WEIGHT), changed=changed)
+
+
+def _log_evidence_of_two(fit: Fit, *parts: Integers) -> float:
+    """Log evidence of some flights and others as those of two rockets. [nat]"""
+    total = 0.0
+    for rows in parts:
+        seen = np.zeros_like(fit.data.seen)
+        seen[rows] = fit.data.seen[rows]
+        result = solve(fit.model, replace(fit.data, seen=seen, trust=np.ones(seen.shape), normal=None), fit.tangent)
+        for _ in range(CHANGE_ROUNDS):
+            result = solve(fit.model, replace(result.data, trust=outlier_weights(result)), fit.tangent)
+        total += result.log_evidence
+    return total
+
+
+def _left_out(fit: Fit, data: Data) -> _LeftOut:
+    """Predictions of every flight from all the others; those that the fit does not use are predicted from all.
+
+    With a flight's noise N in the fit and the covariance G of its predicted readouts given all flights, M = 1 / (N - G)
+    and the residual r give the error r + G M r of the prediction without it and the covariance G + G M G.
+    """
+    data = replace(data, trust=fit.data.trust, normal=fit.data.normal)
+    evidence = flight_evidence(fit.model, data, fit.tangent, fit.flight_weight)
+    offset = fit.mean - np.array([term.mean for term in fit.model.terms])
+    residual = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
+    flat = evidence.slope.reshape(evidence.miss.size, -1)
+    spread = (flat @ fit.covariance).reshape(len(offset), *evidence.slope.shape)
+    known = spread @ np.swapaxes(evidence.slope, 1, 2)
+    noise, log_sharpness = inverses(evidence.sharpness)
+    used = np.asarray(fit.data.seen.any(axis=1))
+    sharper, log_det = inverses(noise - np.where(used[:, None, None], known, 0.0))
+    taken = known @ sharper
+    weighed = (taken @ residual[..., None])[..., 0]
+    error = residual + np.where(used[:, None], weighed, 0.0)
+    without = known + np.where(used[:, None, None], taken @ known, 0.0)
+    distance = (residual * (sharper @ residual[..., None])[..., 0]).sum(axis=-1)
+    own = -0.5 * (distance - log_sharpness - log_det + evidence.log_det)
+    log_weight = fit.log_weight[:, None] - np.where(used, own, 0.0)
+    return _LeftOut(error, without, log_weight, evidence)
+
+
+@dataclass(frozen=True, slots=True)
+class _Flight:
+    """One flight's readouts for some pairs of scales: the error of their prediction, its covariance with the flight's
+    scatter, the variances of the residuals, and the log weight of the scales."""
+
+    error: Float[Array, "scale own"]
+    joint: Float[Array, "scale own own"]
+    reading: Float[Array, "scale own"]
+    log_weight: Float[Array, "scale"]
+    tail: float
+
+    def log_likelihoods(
+        self, shift: Float[Array, "strength own"], spread: Float[Array, "strength own"]
+    ) -> Float[Array, "strength"]:
+        """Log likelihood of the flight if a cause shifts its readouts. [nat]
+
+        The inverse and determinant with the added rank of the spread v follow from those without: Sherman and
+        Morrison's formula and the matrix determinant lemma.
+        """
+        precision = _precisions(self.tail, self.error.shape[1])
+        diagonal = np.arange(self.error.shape[1])
+        covariance = np.repeat(self.joint[:, None], len(precision), axis=1)
+        covariance[..., diagonal, diagonal] += self.reading[:, None] / precision
+        sharpness, log_det = inverses(covariance)
+        off = self.error[:, None] - shift
+        weighed = off[:, None] @ sharpness  # scale draw strength own
+        spreaded = spread @ sharpness
+        added = 1.0 + (spreaded * spread).sum(axis=-1)
+        along = (weighed * spread).sum(axis=-1)
+        square = (weighed * off[:, None]).sum(axis=-1) - along**2 / added
+        constant = self.log_weight[:, None, None] - log(len(precision)) - self.error.shape[1] / 2 * log(2 * pi)
+        each = constant - 0.5 * (square + np.log(added) + log_det[..., None])
+        highest = each.max(axis=(0, 1))
+        return np.asarray(highest + np.log(np.exp(each - highest).sum(axis=(0, 1))))
+
+
+@cache
+def _precisions(tail: float, count: int) -> Float[Array, "draw own"]:
+    """Precisions of the residuals of a flight, Gamma distributed with mean one: every draw has a stratum of each
+    (Latin hypercube; McKay, Beckman and Conover, 1979)."""
+    from scipy.special import gammaincinv  # takes 0.18 s to import
+
+    level = (np.arange(TAIL_DRAWS) + 0.5) / TAIL_DRAWS
+    strata = np.random.default_rng(0).permuted(np.tile(level, (count, 1)), axis=1).T
+    return np.asarray(gammaincinv(tail / 2, strata) / (tail / 2))
+
+
+def _probabilities(
+    flight: _Flight, known: Signatures, row: int, own: Int[Integers, "own"]
+) -> tuple[float, Float[Array, "cause"], Float[Array, "cause"], float]:
+    """The probability that a flight is a usual one, that of each cause, the expected strengths, and the log of prior
+    times likelihood of all causes."""
+    possible = np.flatnonzero(np.isfinite(known.log_prior[:, row]))
+    shift, spread = (
+        np.vstack([np.zeros(len(own)), part[possible, row][:, own]]) for part in (known.shift, known.spread)
+    )
+    log_joint = flight.log_likelihoods(shift, spread)
+    log_joint += np.concatenate([[np.log(NORMAL)], known.log_prior[possible, row]])
+    chance = np.exp(log_joint - np.logaddexp.reduce(log_joint))
+    of = np.eye(len(NAMES))[known.cause[possible]]
+    cause = chance[1:] @ of
+    strength = (chance[1:] * known.strength[possible, row]) @ of / np.maximum(cause, 1e-300)
+    return float(chance[0]), cause, strength, float(np.logaddexp.reduce(log_joint[1:], initial=-np.inf))

@@ -1,0 +1,212 @@
+"""What may go wrong on a single flight: causes by which one flight differs from its rocket, and how each would show.
+
+A cause is mostly absent. Its strength has a prior with a heavy tail and the sign that physics gives it: an arc only
+lowers the apogee, a lost fin only adds drag. Every strength of a grid is simulated for every flight, so the change of
+the readouts is not linear in it; the rest of the flight is as the rocket usually flies.
+
+The prevalences and typical strengths are round judgments, not fitted to flights: one flight in ten has something, most
+often an arc, a weak motor or extra drag.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared
+from fieldkit.model.rocket_model import Model
+from fieldkit.model.simulated_readouts import bent, shown
+from fieldkit.physics.setups import delays
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
+
+LOG_SD = 0.7
+"""Standard deviation of the log strength of a cause: half of the strengths are 0.6 to 1.6 times the median, one in a
+hundred more than five times. [1]"""
+MISREAD_LOG_SD = 1.2
+"""The same for an error of a readout: from one digit to feet for meters. [1]"""
+OTHER_MOTOR_SD = 0.35
+"""Standard deviation of the log impulse, and of the log burn time, of a motor other than the one recorded. [1]"""
+DEGREES_OF_TILT = 5.0
+"""Launch angle of one unit of `tilt`, which is its square. [deg]"""
+EJECT_ERROR = 5.0
+"""Error of a misread time to ejection, relative to the log ratio of any other readout. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """A way in which one flight may differ from its rocket.
+
+    `prevalence` is the prior probability for one flight [1], `median` the typical strength in `unit`, and `tag` marks
+    such a flight as an anomaly.
+    """
+
+    prevalence: float
+    median: float
+    unit: str
+    tag: str = ""
+
+
+CAUSES: Mapping[str, Cause] = MappingProxyType(
+    {
+        "weak_motor": Cause(0.02, 0.2, "log of impulse, recorded motor over flown", "weak_launch"),
+        "other_motor": Cause(0.005, 0.0, "log of impulse, recorded motor over flown", "weak_launch"),
+        "extra_drag": Cause(0.02, 0.5, "log of drag, flight over rocket", "extra_drag"),
+        "arc": Cause(0.025, 25.0, "deg from vertical", "off_axis"),
+        "early_ejection": Cause(0.01, 0.0, "s before apogee", "early_ejection"),
+        "late_ejection": Cause(0.005, 1.5, "s late"),
+        "mass": Cause(0.005, 0.15, "log of mass, flown over recorded"),
+        "misread": Cause(0.01, 0.3, "log of readout, shown over true; s for ejection", "altimeter_fault"),
+    }
+)
+"""Every cause of a single flight by name."""
+NAMES = tuple(CAUSES)
+NORMAL = 1.0 - sum(cause.prevalence for cause in CAUSES.values())
+"""Prior probability that a flight has none. [1]"""
+_STEPS = np.linspace(-1.75, 2.25, 9)
+"""Log strengths on a grid, in standard deviations around the median."""
+_EJECTED_AT = np.array([0.1, 0.25, 0.4, 0.55, 0.65, 0.75, 0.83, 0.9])
+"""Fractions of the coast after which an early charge fires."""
+_IMPULSES, _BURNS = np.linspace(-0.8, 0.8, 7), np.linspace(-0.6, 0.6, 9)
+"""Log impulse and log burn time of another motor."""
+
+
+@dataclass(frozen=True, slots=True)
+class Signatures:
+    """The change of every flight's readouts under every strength of every cause.
+
+    `cause` indexes `NAMES`. `shift` is the change of the readouts as compared, and `spread` its standard deviation
+    within the interval of strengths that a point of the grid stands for [1] or [s]. `log_prior` is the log prior
+    probability of the cause with this strength, minus infinity on flights that cannot have or show it. [nat]
+    """
+
+    cause: Int[Integers, "strength"]
+    strength: Float[Array, "strength flight"]
+    shift: Float[Array, "strength flight readout"]
+    spread: Float[Array, "strength flight readout"]
+    log_prior: Float[Array, "strength flight"]
+
+
+def signatures(
+    model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"], seen: Flags
+) -> Signatures:
+    """The signatures of all causes at a point of a model's terms, where its readouts as compared are `values`; `seen`
+    marks the readouts that flights have.
+
+    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
+    cannot be read.
+    """
+    usable = seen & np.isfinite(values)
+    found = [*_simulated(model, at, values), _early(model, at, values), *_readings(usable)]
+    every = Signatures(*(np.concatenate([getattr(one, name) for one in found]) for name in Signatures.__slots__))
+    shift, spread = (np.where(usable, part, 0.0) for part in (every.shift, every.spread))
+    flies = np.isfinite(shift).all(axis=-1) & (shift != 0).any(axis=-1)
+    log_prior = np.where(flies, every.log_prior, -np.inf)
+    shift, spread = (np.where(np.isfinite(part), part, 0.0) for part in (shift, spread))
+    return replace(every, shift=shift, spread=spread, log_prior=log_prior)
+
+
+def _simulated(model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"]) -> list[Signatures]:
+    """The causes that change a property of the flight, simulated in one batch."""
+
+    def strengths(name: str) -> Float[Array, "strength"]:
+        return np.asarray(CAUSES[name].median * np.exp(LOG_SD * _STEPS))
+
+    weak, drag, arc, mass = (strengths(name) for name in ("weak_motor", "extra_drag", "arc", "mass"))
+    usual = -0.5 * _STEPS**2
+    rows: list[tuple[str, Array, dict[str, Array], Array]] = [
+        ("weak_motor", weak, {"thrust": -weak}, usual),
+        ("extra_drag", drag, {"drag": drag}, usual),
+        ("arc", arc, {"tilt": (arc / DEGREES_OF_TILT) ** 2}, usual),
+        *(("mass", side * mass, {"mass": side * mass}, usual) for side in (1, -1)),
+    ]
+    for stretch in _BURNS.tolist():
+        bends = {"thrust": _IMPULSES, "stretch": np.full(len(_IMPULSES), stretch)}
+        rows.append(("other_motor", -_IMPULSES, bends, -0.5 * (_IMPULSES**2 + stretch**2) / OTHER_MOTOR_SD**2))
+    ends = np.cumsum([len(strength) for _, strength, *_ in rows])
+    scatter = {kind: np.zeros((ends[-1], len(model.flights))) for kind in ("thrust", "drag", "tilt", "mass", "stretch")}
+    for end, (_, strength, own, _) in zip(ends.tolist(), rows, strict=True):
+        for kind, amount in own.items():
+            scatter[kind][end - len(strength) : end] = amount[:, None]
+    shifts = np.split(_shift(model, at, values, scatter), ends[:-1])
+    whole = {name: np.logaddexp.reduce(np.concatenate([w for own, *_, w in rows if own == name])) for name, *_ in rows}
+    return [
+        _row(name, strength[:, None], shift, (weight - whole[name])[:, None])
+        for (name, strength, _, weight), shift in zip(rows, shifts, strict=True)
+    ]
+
+
+def _early(model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"]) -> Signatures:
+    """Ejection before apogee at any time of the coast, all equally likely, if the usual ejection is later; a flight
+    without a known delay ejects at apogee otherwise."""
+    coast = np.exp(values[:, OBSERVED_READOUTS.index("coast_to_apogee")])
+    known = delays(model.flights, model.found)
+    delay = np.where(np.isnan(known), np.maximum(np.nan_to_num(coast), 0.1), known)
+    timed = [flight.with_changes(delay=time) for flight, time in zip(model.flights, delay.tolist(), strict=True)]
+    usual = np.log(delay) + bent(model, at[None], "delay")[0]
+    wanted = np.log(_EJECTED_AT[:, None] * coast)
+    shift = _shift(replace(model, flights=tuple(timed)), at, values, {"delay": wanted - usual})
+    log_prior = np.where(wanted < usual, -np.log(len(_EJECTED_AT)), -np.inf)
+    return _row("early_ejection", (1 - _EJECTED_AT[:, None]) * coast, shift, log_prior)
+
+
+def _readings(usable: Flags) -> list[Signatures]:
+    """The causes that change one readout: a late charge, which comes after the apogee, and a misread readout, any of
+    those that the flight has."""
+    late = CAUSES["late_ejection"].median * np.exp(LOG_SD * _STEPS)
+    ejection = OBSERVED_READOUTS.index("apogee_to_eject")
+    found = [_row("late_ejection", late[:, None], _one_readout(ejection, late, usable), _normal(_STEPS)[:, None])]
+    share = -np.log(np.maximum(usable.sum(axis=1), 1))
+    for column, logarithmic in enumerate(IS_LOGARITHMIC.tolist()):
+        for side in (1, -1):
+            error = side * CAUSES["misread"].median * np.exp(MISREAD_LOG_SD * _STEPS)
+            error = error if logarithmic else error * EJECT_ERROR
+            log_prior = _normal(_STEPS)[:, None] + share - np.log(2)
+            found.append(_row("misread", error[:, None], _one_readout(column, error, usable), log_prior))
+    return found
+
+
+def _normal(steps: Float[Array, "strength"]) -> Float[Array, "strength"]:
+    """Log of normal weights that add to one."""
+    return np.asarray(-0.5 * steps**2 - np.logaddexp.reduce(-0.5 * steps**2))
+
+
+def _one_readout(
+    column: int, error: Float[Array, "strength"], usable: Flags
+) -> Float[Array, "strength flight readout"]:
+    shift = np.zeros((len(error), *usable.shape))
+    shift[..., column] = error[:, None]
+    return shift
+
+
+def _shift(
+    model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"], scatter: Mapping[str, Array]
+) -> Float[Array, "strength flight readout"]:
+    """The change of the readouts by properties of single flights; nan on a flight that stays on the pad."""
+    count = len(next(iter(scatter.values())))
+    readings = shown(model, np.broadcast_to(at, (count, len(at))), scatter)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1)) - values)
+
+
+def _row(
+    name: str,
+    strength: Float[Array, "strength #flight"],
+    shift: Float[Array, "strength flight readout"],
+    log_fraction: Float[Array, "strength #flight"],
+) -> Signatures:
+    """Strengths of a cause that follow each other, with the log fraction of the cause's prior that each has.
+
+    A point of the grid stands for the interval to the middle of its neighbors, in which the readouts are linear: the
+    standard deviation of a uniform distribution is its width over the square root of twelve.
+    """
+    with np.errstate(invalid="ignore"):
+        spread = np.gradient(shift, axis=0) / np.sqrt(12.0)
+    flights = shift.shape[1]
+    return Signatures(
+        np.full(len(shift), NAMES.index(name)),
+        np.broadcast_to(strength, (len(shift), flights)),
+        shift,
+        spread,
+        np.broadcast_to(log_fraction + np.log(CAUSES[name].prevalence), (len(shift), flights)),
+    )

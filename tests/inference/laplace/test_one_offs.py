@@ -1,0 +1,177 @@
+"""Flights that differ from their rocket: found, named by what they show, and without influence on its forecasts."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import forecast_model, predict
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
+from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.causes import CAUSES, NAMES, signatures
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
+from fieldkit.model.simulated_readouts import shown
+from fieldkit.motors import Found, catalogue
+from fieldkit.shapes import Array
+
+pytestmark = pytest.mark.fast
+
+Flown = list[tuple[Flight, Found]]
+MOTOR = catalogue().resolve("F24-7W")
+READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+NOISE = {"apogee": 0.02, "top_speed": 0.02, "burn_time": 0.02, "peak_accel": 0.05, "coast_to_apogee": 0.02}
+
+
+def season(
+    bends: Mapping[int, Mapping[str, float]] | None = None, names: tuple[str, ...] = READOUTS, count: int = 8
+) -> Flown:
+    """Flights of one rocket with scatter; `bends` are the properties that differ on some of them."""
+    rng = np.random.default_rng(5)
+    plans = [
+        Flight(f"{i}", "Law", "A", "F24-7W", dry_mass=0.322, diameter=0.066, rail_length=1.2) for i in range(count)
+    ]
+    model = forecast_model(plans, [MOTOR] * count)
+    scatter: dict[str, Array] = {
+        name: np.zeros((1, count)) for name in ("thrust", "drag", "stretch", "delay", "mass", "tilt")
+    }
+    for row, own in (bends or {}).items():
+        for name, amount in own.items():
+            scatter[name][0, row] = amount
+    readings = shown(model, np.array([[term.mean for term in model.terms]]), scatter)
+    rows = []
+    for i, plan in enumerate(plans):
+        noisy = {name: float(readings[name][0, i] * np.exp(NOISE.get(name, 0.0) * rng.normal())) for name in READOUTS}
+        rows.append((plan.with_changes(**{name: noisy[name] for name in names}), MOTOR))
+    return rows
+
+
+def fitted(flown: Flown) -> Fit:
+    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
+    model = replace(forecast_model(flights, found), coarse=True)
+    return fit_robustly(model, observe(flights, found, [True] * len(flown), model.hyperprior), causes=True)
+
+
+def judged(flown: Flown) -> OneOffs:
+    return one_offs(fitted(flown))
+
+
+def likeliest(found: OneOffs, row: int) -> str:
+    return NAMES[int(np.argmax(found.cause[row]))]
+
+
+def next_apogee(flown: Flown) -> float:
+    plan = flown[0][0].unflown(flight_id="")
+    (made,) = predict(flown, [(plan, MOTOR)])
+    return made.apogee_quantiles()[1]
+
+
+def test_probabilities_of_a_flight_add_to_one() -> None:
+    found = judged(season({3: {"tilt": 20.0}}))
+    assert found.normal + found.cause.sum(axis=1) == pytest.approx(1.0)
+
+
+def test_usual_flights_are_not_singled_out() -> None:
+    assert judged(season()).normal.min() > 0.8
+
+
+@pytest.mark.parametrize(
+    ("bends", "cause"),
+    [
+        ({"thrust": -0.35}, "weak_motor"),
+        ({"drag": 1.2}, "extra_drag"),
+        ({"tilt": 49.0}, "arc"),  # 35 degrees
+        ({"delay": -1.0}, "early_ejection"),
+    ],
+)
+def test_a_faulty_flight_is_named_by_what_its_readouts_show(bends: Mapping[str, float], cause: str) -> None:
+    found = judged(season({5: bends}))
+    assert found.normal[5] < 0.2
+    assert likeliest(found, 5) == cause
+    assert np.delete(found.normal, 5).min() > 0.7
+
+
+def test_a_misread_speed_is_a_misread_speed() -> None:
+    flown = season()
+    flight = flown[2][0]
+    assert flight.top_speed is not None
+    flown[2] = (flight.with_changes(top_speed=flight.top_speed * 1.609), MOTOR)  # miles read as kilometers
+    found = judged(flown)
+    assert found.normal[2] < 0.2
+    assert likeliest(found, 2) == "misread"
+    assert found.strength[2, NAMES.index("misread")] == pytest.approx(np.log(1.609), abs=0.15)
+
+
+def test_with_the_apogee_alone_several_causes_remain_possible() -> None:
+    found = judged(season({5: {"drag": 1.6}}, names=("apogee",)))
+    assert found.normal[5] < 0.2
+    assert np.sort(found.cause[5])[-1] < 0.6
+
+
+def test_one_bad_flight_does_not_move_the_next_forecast() -> None:
+    right, bad = season(names=("apogee",), count=10), season({6: {"tilt": 100.0}}, names=("apogee",), count=10)
+    assert bad[6][0].apogee < 0.7 * right[6][0].apogee  # type: ignore[operator]
+    assert next_apogee(bad) == pytest.approx(next_apogee(right), rel=0.02)
+
+
+def test_two_bad_flights_of_seven_do_not_hide_each_other() -> None:
+    found = judged(season({1: {"tilt": 64.0}, 4: {"thrust": -0.5}}, count=7))
+    assert (found.normal[[1, 4]] < 0.5).all()
+    assert np.delete(found.normal, [1, 4]).min() > 0.6
+
+
+@pytest.mark.parametrize(("first", "names"), [(5, READOUTS), (7, READOUTS), (7, ("apogee",))], ids=str)
+def test_what_lasts_is_not_a_one_off_and_moves_the_forecast(first: int, names: tuple[str, ...]) -> None:
+    flown = season({row: {"drag": 0.8} for row in range(first, 10)}, names, count=10)
+    assert judged(flown).normal.min() > 0.5
+    latest = np.mean([flight.apogee for flight, _ in flown[first:]])
+    assert next_apogee(flown) == pytest.approx(latest, rel=0.1)
+
+
+def test_the_prediction_without_a_flight_is_that_of_a_fit_without_it() -> None:
+    """Woodbury's identity: exact at one point of linearization."""
+    whole = fitted(season())
+    seen = whole.data.seen.copy()
+    seen[3] = False
+    without = solve(whole.model, replace(whole.data, seen=seen), whole.tangent)
+    assert one_offs(without, whole.data).miss[3] == pytest.approx(one_offs(whole).miss[3], abs=2e-3, nan_ok=True)
+
+
+def test_a_flight_of_no_weight_has_no_influence() -> None:
+    whole = fitted(season())
+    seen, normal = whole.data.seen.copy(), np.ones(8)
+    seen[3], normal[3] = False, 1e-9
+    without = solve(whole.model, replace(whole.data, seen=seen), whole.tangent)
+    weightless = solve(whole.model, replace(whole.data, normal=normal), whole.tangent)
+    assert weightless.moments()[0] == pytest.approx(without.moments()[0], abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["weak_motor", "extra_drag", "arc", "early_ejection"])
+def test_what_goes_wrong_lowers_the_apogee_and_more_of_it_lowers_it_more(name: str) -> None:
+    whole = fitted(season())
+    known = signatures(whole.model, whole.tangent.at, whole.tangent.values, whole.data.seen)
+    rows = np.flatnonzero((known.cause == NAMES.index(name)) & np.isfinite(known.log_prior[:, 0]))
+    rows = rows[np.argsort(known.strength[rows, 0])]
+    apogee = known.shift[rows, 0, 0]
+    assert (apogee <= 0).all()
+    assert apogee[-1] < -0.3
+    assert (np.diff(apogee) < 1e-3).all()
+
+
+def test_an_arc_leaves_the_top_speed_as_usual_and_shortens_the_coast() -> None:
+    whole = fitted(season())
+    known = signatures(whole.model, whole.tangent.at, whole.tangent.values, whole.data.seen)
+    (row,) = np.flatnonzero((known.cause == NAMES.index("arc")) & (np.abs(known.strength[:, 0] - 21.0) < 1.0))
+    speed, coast = (known.shift[row, 0, OBSERVED_READOUTS.index(name)] for name in ("top_speed", "coast_to_apogee"))
+    assert abs(speed) < 0.03
+    assert coast < -0.03
+
+
+def test_priors_of_causes_add_up_on_a_flight_that_can_show_all() -> None:
+    whole = fitted(season())
+    known = signatures(whole.model, whole.tangent.at, whole.tangent.values, whole.data.seen)
+    for name in ("weak_motor", "extra_drag", "mass", "misread"):
+        prior = np.exp(known.log_prior[known.cause == NAMES.index(name), 0]).sum()
+        assert prior == pytest.approx(CAUSES[name].prevalence, rel=0.05)
