@@ -46,7 +46,7 @@ COPIED_FIELDS = ("LaunchNumber", "DelayNote")
 """Columns that are stored as unknown ones."""
 SPELLED_COLUMNS = {name.lower(): name for name in (*LAUNCH, *ROCKET)}
 """The names of the columns by their lower-case spelling, because programs that edit a table may change the case."""
-STAGE_MARK = re.compile(r"\s+[\xbd?]\s+")
+STAGE_MARK = re.compile(r"(?<=\s)[\xbd?](?=\s)")
 DEVICE = "AltimeterTwo"
 
 
@@ -135,7 +135,7 @@ def _launch(row: int, record: Mapping[str, str]) -> Reading:
     stated: dict[str, object] = {
         "flight_id": record["LaunchID"],
         "date_time": _date(row, record["Date"]),
-        "motor": " / ".join(STAGE_MARK.split(record["Motors"])),
+        "motor": " / ".join(map(str.strip, STAGE_MARK.split(record["Motors"]))),
         "tags": tuple(_tags(record["Motors"], Flight().with_changes(**readouts))),
         "notes": record["Note"],
         **readouts,

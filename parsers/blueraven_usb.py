@@ -48,7 +48,7 @@ _HEAD = re.compile(
     rb"\s+(\d{4})[\s\-/,]+(\d{1,2})[\s\-/,]+(\d{1,2})[\s,]+(\d{1,2}):(\d{1,2}):(\d{1,2})\.(\d{1,6})"
 )
 _CHECKED_LINE = re.compile(rb"(@ LOG_.*) CRC:\s*([0-9A-Fa-f]{4})\s*$")
-_FIELD = re.compile(rb"([A-Za-z]\w*):((?:\s*,?\s*[-+]?\d+(?![\w:.]))+)")
+_FIELD = re.compile(rb"\b([A-Za-z]\w*):((?:[\s,]*[-+]?\d+(?![\w:.]))+)")
 
 
 def crcs(frames: Sequence[bytes]) -> list[int]:

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 
 from fieldkit.plugins import plugins
 
@@ -97,7 +99,7 @@ def asked(pattern: "re.Pattern[Any]", way: str, text: Any) -> None:
     """Search a text in one of the ways."""
     empty: Any = ""
     if isinstance(pattern.pattern, bytes):
-        text, empty = text.encode(), b""
+        text, empty = text if isinstance(text, bytes) else text.encode(), b""
     if way == "finditer":
         list(pattern.finditer(text))
     elif way == "sub":
@@ -114,3 +116,39 @@ def test_an_expression_is_searched_in_a_long_run_of_digits_in_linear_time() -> N
         if way == "search":
             pattern.search(text)
         assert time.process_time() - began < 2 * ENOUGH, name
+
+
+BOUNDED = ("cli/docs.py", "planning/check.py", "tables/xlsx.py:_LITERAL")
+"""Expressions for texts of fieldkit's own, and for at most 255 characters."""
+SEARCHES = [
+    one
+    for one in EXPRESSIONS
+    if one[2] in ("search", "finditer", "findall", "sub", "split") and not any(place in one[0] for place in BOUNDED)
+]
+LONG, PER_CHARACTER = 20_000, 1.5e-6
+"""Length of a text [characters], and how long a search may take for each of them [s]: 32 MB then take a minute at most.
+A bounded repetition that starts again at every match of what precedes it takes longer than that."""
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize(("name", "pattern", "way"), SEARCHES, ids=lambda one: str(one)[:60])
+@given(data=st.data())
+@settings(
+    max_examples=4,
+    derandomize=True,
+    deadline=None,
+    database=None,
+    phases=[Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+def test_no_search_takes_long_over_beginnings_of_what_it_finds(
+    name: str, pattern: "re.Pattern[Any]", way: str, data: st.DataObject
+) -> None:
+    """A tag that is opened again and again but never closed, a label without its value."""
+    found: Any = data.draw(st.from_regex(pattern))
+    for end in {len(found) // 4, len(found) // 2, 3 * len(found) // 4, len(found) - 1} - {0, -1}:
+        text = found[:end] * (LONG // end)
+        began = time.process_time()
+        asked(pattern, way, text)
+        elapsed = time.process_time() - began
+        assert elapsed < PER_CHARACTER * LONG, f"{name}: {elapsed:.2f} s over {found[:end]!r} again and again"

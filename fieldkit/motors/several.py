@@ -123,7 +123,7 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
     parts: list[tuple[Motor, float]] = []
     delays: list[float | None] = []
     notes: list[str] = []
-    for group in re.split(r"\s*\+\s*", text.strip()):
+    for group in map(str.strip, text.split("+")):
         named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", count_first(group)))
         if named is None:
             raise UnknownMotor(f"{text}: found {group!r}, expected motors such as 3 x C6-5")

@@ -18,7 +18,8 @@ _MIN_POINTS, _LOOKED_AT, _MAX_SIZE = 10, 65_536, 32 << 20
 """Fewest points that form a table [1]; size of the beginning that shows the format, and largest size [bytes]."""
 _HEADER = b"time,latitude [deg],longitude [deg],gps altitude [m]"
 _IGC_HEADER = _HEADER + b",altitude above sea level [m]"
-_TRACK_POINT = re.compile(rb"<trkpt\b([^>]{0,300})>(.{0,2000}?)</trkpt>", re.DOTALL)
+_POINT, _END, _LONGEST_POINT = b"<trkpt", b"</trkpt>", 2300
+"""What a point begins and ends with, and the longest one. [bytes]"""
 _ATTRIBUTE = {name: re.compile(rb"\b" + name + rb"\s?=\s?[\"'](-?[\d.]{1,20})[\"']") for name in (b"lat", b"lon")}
 _HEIGHT, _TIME = re.compile(rb"<ele>\s?(-?[\d.]{1,20})\s?</ele>"), re.compile(rb"<time>\s?([\dT:.Z+-]{8,40})\s?</time>")
 _WHEN = re.compile(rb"<when>\s?([\dT:.Z+-]{8,40})\s?</when>")
@@ -47,9 +48,18 @@ def track_table(log: bytes) -> bytes | None:
 
 def _of_gpx(log: bytes) -> Iterator[bytes]:
     """The points of a GPX track that have a place, a height and a time, as cells."""
-    for point in _TRACK_POINT.finditer(log):
-        attributes = [pattern.search(point[1]) for pattern in _ATTRIBUTE.values()]
-        found = [_TIME.search(point[2]), *attributes, _HEIGHT.search(point[2])]
+    after = 0
+    while (end := log.find(_END, after)) >= 0:
+        begin = log.rfind(_POINT, max(after, end - _LONGEST_POINT), end)
+        after = end + len(_END)
+        if begin < 0:
+            continue
+        attributes, _, inside = log[begin:end].partition(b">")
+        found = [
+            _TIME.search(inside),
+            *(name.search(attributes) for name in _ATTRIBUTE.values()),
+            _HEIGHT.search(inside),
+        ]
         cells = [match[1] for match in found if match]
         if len(cells) == len(found):
             yield b",".join(cells)
