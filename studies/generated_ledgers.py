@@ -18,6 +18,7 @@ from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, groups, shared_names
 from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import bent, shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.unique import fly_unique
@@ -91,12 +92,12 @@ def random_recipe(rng: np.random.Generator) -> LedgerRecipe:
 
 def ledger(rng: np.random.Generator, recipes: Sequence[LedgerRecipe], hyperprior: Hyperprior) -> list[GeneratedHistory]:
     """The histories of a flyer's rockets, one for each recipe."""
-    common: dict[str, float] = {}
+    common: dict[TermName, float] = {}
     return [_rocket(rng, f"R{number}", recipe, hyperprior, common) for number, recipe in enumerate(recipes)]
 
 
 def _rocket(
-    rng: np.random.Generator, name: str, recipe: LedgerRecipe, hyperprior: Hyperprior, common: dict[str, float]
+    rng: np.random.Generator, name: str, recipe: LedgerRecipe, hyperprior: Hyperprior, common: dict[TermName, float]
 ) -> GeneratedHistory:
     for _ in range(TRIES):
         both = _planned(rng, name, recipe)
@@ -161,7 +162,7 @@ def _flown(
     both: Sequence[tuple[Flight, Found]],
     recipe: LedgerRecipe,
     hyperprior: Hyperprior,
-    common: dict[str, float],
+    common: dict[TermName, float],
 ) -> GeneratedHistory | None:
     """Simulated flights from the model; None for a rocket that does not leave the pad or barely does."""
     flights, found = zip(*both, strict=True)
@@ -193,7 +194,7 @@ def _scale(rng: np.random.Generator, scale: Scale) -> float:
 
 
 def _terms(
-    rng: np.random.Generator, model: Model, drawn: dict[str, float], scatter: float, reading: float
+    rng: np.random.Generator, model: Model, drawn: dict[TermName, float], scatter: float, reading: float
 ) -> Float[Array, "1 term"]:
     """One draw of every term; those in `drawn` are reused, and the others are added to it."""
     by = {"": 1.0, "scatter": scatter, "reading": reading}

@@ -26,7 +26,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import FlownFlight, base_model
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.simulated_readouts import REFERENCE_LAUNCH_ANGLE
-from fieldkit.model.term_names import fleet_term, is_drift
+from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.quantities import counted
 from fieldkit.safe_text import as_markdown
@@ -155,16 +155,16 @@ def _together(
     period = period_of(flight for own in used for flight, _ in own)
     fits = [rocket_fit(own, hyperprior, period) for own in used]
     posterior = combined(merged([one.prior for one in fits]), [one.message for one in fits])
-    names = [name for name in posterior.names if name.endswith(fleet_term("")) and "delay" not in name]
+    names = [name for name in posterior.names if name.level == "fleet" and name.quantity != "delay"]
     joint = posterior.only(names)
     slopes = np.concatenate([_apogee_slopes(own, hyperprior, joint.names) for own in used])
     prior = np.array([log(NOMINAL_CD) if name == fleet_term("drag") else 0.0 for name in joint.names])
     worth = np.asarray(slopes.mean(axis=0) * (joint.mean - prior))
-    return joint, worth, posterior.only(filter(is_drift, posterior.names))
+    return joint, worth, posterior.only(name for name in posterior.names if name.level == "drift")
 
 
 def _apogee_slopes(
-    flown: Sequence[FlownFlight], hyperprior: Hyperprior, names: Sequence[str]
+    flown: Sequence[FlownFlight], hyperprior: Hyperprior, names: Sequence[TermName]
 ) -> Float[Array, "flight term"]:
     """Change of the log apogee of a rocket's clean flights per unit of each term; 0 if its model does not have the
     term.
@@ -231,12 +231,12 @@ def _common_table(found: Shortfall) -> Iterator[str]:
     sds = np.sqrt(np.diag(found.joint.covariance))
     correlation = found.joint.covariance / np.outer(sds, sds) - np.eye(len(sds))
     for i, name in enumerate(found.joint.names):
-        if sds[i] > KNOWS_NOTHING * _prior_sd(name):
+        if sds[i] > KNOWS_NOTHING * _prior_sd(name.quantity):
             continue
-        quantity = name.removesuffix(fleet_term("")).replace("_", " ")
+        quantity = name.quantity.replace("_", " ")
         start = log(NOMINAL_CD) if name == fleet_term("drag") else 0.0
         other = int(np.abs(correlation[i]).argmax())
-        rival = found.joint.names[other].removesuffix(fleet_term("")).replace("_", " ")
+        rival = found.joint.names[other].quantity.replace("_", " ")
         unit = " s" if quantity == "apogee to eject" else "%"
         scale = 1.0 if unit == " s" else 100.0
         off = f"{scale * (found.joint.mean[i] - start):+.1f} ± {scale * sds[i]:.1f}{unit}"
@@ -255,8 +255,7 @@ def _drift(drift: SharedPrior) -> Iterator[str]:
         )
 
 
-def _prior_sd(name: str) -> float:
-    quantity = name.removesuffix(fleet_term(""))
+def _prior_sd(quantity: str) -> float:
     return restricted(sum(CAUSES.values(), ())).sd(quantity, "fleet")
 
 

@@ -20,13 +20,13 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
-from fieldkit.selection.candidates import EACH_GROUP, Place
+from fieldkit.selection.candidates import EACH_GROUP, Pattern, Place
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = tuple(f"{ROOT / name}/" for name in ("fieldkit", "parsers", "models"))
 FIRST = datetime(2024, 5, 4, 10)
 """Day and hour of the first flight."""
-PATTERNS = ("the hour of the day, smoothly", "fin b", "every flight from 6 on")
+PATTERNS = (Pattern("hour", smooth=True), Pattern("text", "fin", "b"), Pattern("lasting", "6"))
 """Patterns in the flights that a forecast adds."""
 MAX_DEPTH = 4
 """Depth to which objects are searched for the flights."""
@@ -58,7 +58,7 @@ def passes(*, holders: bool = False) -> list[Pass]:
     motors = catalogue()
     pairs = [(flight, motors.resolve(flight.motor)) for flight in flown]
     planned = [(plan, motors.resolve(plan.motor)) for plan in map(_plan, flown[:3:2])]
-    places = [Place(name) for name in effects()] + [Place("", pattern) for pattern in PATTERNS]
+    places = [Place(name) for name in effects()] + [Place(pattern=pattern) for pattern in PATTERNS]
     places += [Place(name, EACH_GROUP) for name, effect in effects().items() if effect.each]
     sys.setprofile(note)
     try:

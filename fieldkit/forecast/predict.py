@@ -23,12 +23,12 @@ from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
-from fieldkit.model.term_names import config_term, fleet_term
+from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import log_delay_ratio
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.physics.setups import delays, differs_from_zero
-from fieldkit.selection.candidates import EACH_GROUP, Averaged, Place
+from fieldkit.selection.candidates import Averaged, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
@@ -175,15 +175,7 @@ def _allotted(chances: Sequence[float], draws: int) -> list[int]:
 
 def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
     """The terms of a model except those of some effects in their places."""
-    if not places:
-        return list(range(len(model.terms)))
-    out = {str(place) for place in places}
-    patterns = tuple(f" with {place.where}" for place in places if not place.effect)
-    gone = {i for i, term in enumerate(model.terms) if term.name in out or (patterns and term.name.endswith(patterns))}
-    for place in places:
-        if place.where == EACH_GROUP:
-            gone |= {i for i, term in enumerate(model.terms) if term.name.startswith(f"{place.effect} of ")}
-    return [i for i in range(len(model.terms)) if i not in gone]
+    return [i for i, term in enumerate(model.terms) if not any(place.has(term.name) for place in places)]
 
 
 def _drawn_with(
@@ -213,11 +205,8 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains.
     On high-power motors, mass, thrust and apogee vary less."""
     usual = model.hyperprior.sd("drag", "rocket")
-    sd = float(
-        np.sqrt(
-            model.hyperprior.design_drag**2 + sum(term.sd**2 - usual**2 for term in model.terms if term.name == "drag")
-        )
-    )
+    extra = sum(term.sd**2 - usual**2 for term in model.terms if term.name == TermName("drag"))
+    sd = float(np.sqrt(model.hyperprior.design_drag**2 + extra))
     logs = {config: float(np.log(cd)) for config, cd in cds.items()}
     middle = float(np.mean(list(logs.values())))
     fleet = fleet_term("drag")
@@ -225,9 +214,9 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
         replace(term, mean=0.0, weight=np.zeros_like(term.weight)) if term.name == fleet else term
         for term in model.terms
     )
-    model = replace(model, terms=terms).with_prior("drag", middle, sd)
+    model = replace(model, terms=terms).with_prior(TermName("drag"), middle, sd)
     for config, log in logs.items():
-        model = model.with_prior(config_term("drag", config), log - middle)
+        model = model.with_prior(TermName("drag", "config", config), log - middle)
     return closer_to_designs(model, cds)
 
 

@@ -5,20 +5,19 @@ are truncated at the bounds of the terms, as in the evidence: the posterior by r
 Neumann, 1951), the prior by inversion of its distribution function.
 """
 
-import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.rocket_model import Model, Term
-from fieldkit.model.term_names import fleet_term
+from fieldkit.model.term_names import TermName
 from fieldkit.shapes import Array, Float, Int, Integers
 
 MAX_REJECTIONS = 50
 """Maximum number of repetitions of a draw out of bounds, which is then moved to them. [1]"""
-_GROUP_SEPARATOR = re.compile("( of | on )")
-"""What separates a quantity from the group of flights, whose name may contain either."""
+SINGLE_LEVELS = ("drift", "pattern")
+"""Levels on which several terms act on one flight, so that their draws must be independent."""
 
 
 def term_draws(
@@ -34,10 +33,10 @@ def term_draws(
     sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, fitted] = own
-    random_draws: dict[str, Float[Array, "draw"]] = {}
+    random_draws: dict[TermName, Float[Array, "draw"]] = {}
     for i in sorted(set(range(len(model.terms))) - set(fitted)):
         term = model.terms[i]
-        kind = _level(term.name)
+        kind = term.name if term.name.level in SINGLE_LEVELS else term.name._replace(group="")
         random_draws[kind] = random_draws[kind] if kind in random_draws else rng.normal(size=draws)
         values[:, i] = _bounded(term, sds[:, i], random_draws[kind])
     return values, _scales(result, which)
@@ -51,14 +50,6 @@ def _bounded(term: Term, sd: Float[Array, "draw"], normal: Float[Array, "draw"])
         below, above = ndtr((term.low - term.mean) / sd), ndtr((term.high - term.mean) / sd)
         normal = ndtri(below + (above - below) * ndtr(normal))
     return np.clip(term.mean + sd * normal, term.low, term.high)
-
-
-def _level(name: str) -> str:
-    """The common name of the terms of one random effect, such as `thrust of` for every motor."""
-    if name == fleet_term(name.partition(" of ")[0]):
-        return name
-    quantity, between, _ = _GROUP_SEPARATOR.split(name, 1) if _GROUP_SEPARATOR.search(name) else (name, "", "")
-    return quantity + between
 
 
 def _sampled(

@@ -18,14 +18,14 @@ from fieldkit.model.fleet_drift import Period, years, years_passed
 from fieldkit.model.hyperprior import FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
-from fieldkit.model.term_names import config_term, drift_term, fleet_term, is_drift
+from fieldkit.model.term_names import SHARED_LEVELS, TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
-from fieldkit.physics.effect import Effect
+from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.setups import diameter_known, recorded, reference_area
 from fieldkit.shapes import Array, Float
 
-OPENING = "opening of the parachute"
+OPENING = TermName("opening")
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
 T = TypeVar("T")
@@ -47,7 +47,7 @@ class Term:
     and a noisy device has a larger bias.
     """
 
-    name: str
+    name: TermName
     bends: Bends | str | Effect
     mean: float
     sd: float
@@ -55,6 +55,12 @@ class Term:
     low: float = -np.inf
     high: float = np.inf
     scaled_by: Literal["", "scatter", "reading"] = ""
+
+
+def strength_term(name: TermName, effect: Effect, weight: Float[Array, "flight"], prior: Prior | None = None) -> Term:
+    """The strength of an effect as a term, in its unit, by default with the prior of one that a model lacks."""
+    own = prior or effect.prior
+    return Term(name, effect, own.mean, own.sd, weight, own.low, own.high)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +93,7 @@ class Model:
     _known: dict[str, Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
-    def names(self) -> list[str]:
+    def names(self) -> list[TermName]:
         """Names of the terms, in order."""
         return [term.name for term in self.terms]
 
@@ -121,7 +127,7 @@ class Model:
         """A copy with more terms."""
         return replace(self, terms=(*self.terms, *terms))
 
-    def with_prior(self, name: str, mean: float, sd: float | None = None) -> "Model":
+    def with_prior(self, name: TermName, mean: float, sd: float | None = None) -> "Model":
         """A copy with another prior mean, and standard deviation if `sd` is given, of a term, in its unit."""
         terms = (replace(term, mean=mean, sd=sd or term.sd) if term.name == name else term for term in self.terms)
         return replace(self, terms=tuple(terms))
@@ -172,7 +178,7 @@ def base_model(
         term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past, passed)
     ]
     if not diameter_known(flights, flown):
-        terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
+        terms = [_with_unknown_area(term, hyperprior) if term.name == TermName("drag") else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
     order = tuple(flight_index or range(len(flights)))
     return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
@@ -206,7 +212,7 @@ def _quantity_terms(
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
         logged = measured_in_samples(flights, quantity)
         if logged.any():
-            yield Term(f"{quantity} in logs", quantity, 0.0, sd, logged)
+            yield Term(TermName(quantity, "logged"), quantity, 0.0, sd, logged)
         every = every - logged
         if not every.any():
             return
@@ -217,11 +223,11 @@ def _quantity_terms(
         mean = 0.0
     if sd := hyperprior.sd(quantity, "drift"):
         for year, part in enumerate(passed, start=1):
-            yield Term(drift_term(quantity, year), quantity, 0.0, sd, part)
+            yield Term(TermName(quantity, "drift", year), quantity, 0.0, sd, part)
     if sd := hyperprior.sd(quantity, "rocket"):
-        yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
+        yield Term(TermName(quantity), quantity, mean, sd, every, scaled_by=scaled)
     if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), flights, quantity)).any():
-        yield Term(f"{quantity} by static ports", quantity, 0.0, sd, barometric)
+        yield Term(TermName(quantity, "ports"), quantity, 0.0, sd, barometric)
     for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):
             continue
@@ -229,9 +235,8 @@ def _quantity_terms(
         kinds = _shared_days(group, flown) if level == "day" else list(dict.fromkeys(group))
         for kind in _named(kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
-            varies = level in ("rocket_motor", "day")
-            name = config_term(quantity, kind) if level == "config" else f"{quantity} {'on' if varies else 'of'} {kind}"
-            yield Term(name, quantity, 0.0, sd, weight, scaled_by="scatter" if varies else "")
+            scaled = "scatter" if level in ("rocket_motor", "day") else ""
+            yield Term(TermName(quantity, level, kind), quantity, 0.0, sd, weight, scaled_by=scaled)
 
 
 def _shared_days(days: Sequence[str], flown: int) -> list[str]:
@@ -245,12 +250,9 @@ def _named(groups: Sequence[str]) -> list[str]:
     return [group for group in dict.fromkeys(groups) if group]
 
 
-def shared_names(model: Model) -> list[str]:
+def shared_names(model: Model) -> list[TermName]:
     """The terms that other rockets of the same ledger also have: for the fleet, for motor types and their lots."""
-    motors = dict.fromkeys([*model.groups("motor"), *_named(model.groups("lot"))])
-    known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
-    known |= {fleet_term(quantity) for quantity in QUANTITIES}
-    return [name for name in model.names if name in known or is_drift(name)]
+    return [name for name in model.names if name.level in SHARED_LEVELS]
 
 
 def scatter_of(hyperprior: Hyperprior) -> tuple[Scatter, ...]:
@@ -274,5 +276,5 @@ def _apogee_scatter(model: Model) -> Float[Array, "flight"]:
     if not day:
         return flight * scaled
     names = set(model.names)
-    alone = np.array([f"apogee on {own}" not in names for own in model.groups("day")])
+    alone = np.array([TermName("apogee", "day", own) not in names for own in model.groups("day")])
     return np.asarray(np.hypot(flight, day * alone) * scaled)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.model.fleet_drift import Period
+from fieldkit.model.term_names import TermName
 from fieldkit.shapes import Array, Float
 
 
@@ -16,7 +17,7 @@ class SharedPrior:
     Mean and covariance are in the units of the terms. `period` is that of the fleet.
     """
 
-    names: tuple[str, ...]
+    names: tuple[TermName, ...]
     mean: Float[Array, "term"]
     covariance: Float[Array, "term term"]
     period: Period | None = None
@@ -26,12 +27,12 @@ class SharedPrior:
         arrays = ((self.mean, other.mean), (self.covariance, other.covariance))
         return self.names == other.names and all(np.array_equal(one, another) for one, another in arrays)
 
-    def only(self, names: Iterable[str]) -> "SharedPrior":
+    def only(self, names: Iterable[TermName]) -> "SharedPrior":
         """The marginal distribution of the terms among these names."""
         wanted = set(names)
         rows = [i for i, name in enumerate(self.names) if name in wanted]
-        names, covariance = tuple(self.names[i] for i in rows), self.covariance[np.ix_(rows, rows)]
-        return replace(self, names=names, mean=self.mean[rows], covariance=covariance)
+        kept, covariance = tuple(self.names[i] for i in rows), self.covariance[np.ix_(rows, rows)]
+        return replace(self, names=kept, mean=self.mean[rows], covariance=covariance)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +43,7 @@ class Message:
     and h the `shift`.
     """
 
-    names: tuple[str, ...]
+    names: tuple[TermName, ...]
     precision: Float[Array, "term term"]
     shift: Float[Array, "term"]
 

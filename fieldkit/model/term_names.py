@@ -1,21 +1,23 @@
-"""The names of terms that several modules look up."""
+"""The names of terms, as values."""
+
+from collections.abc import Hashable
+from typing import NamedTuple
 
 
-def fleet_term(quantity: str) -> str:
+class TermName(NamedTuple):
+    """What identifies a term: a quantity or an effect, the level of its random effect as in `Hyperprior`, or how the
+    effect or pattern acts, and the group of flights on which it acts, such as a motor type, a configuration, a day, a
+    year or a place."""
+
+    quantity: str
+    level: str = "rocket"
+    group: Hashable = ""
+
+
+SHARED_LEVELS = ("fleet", "drift", "motor", "lot")
+"""Levels whose terms the other rockets of a flyer also have."""
+
+
+def fleet_term(quantity: str) -> TermName:
     """The name of the term for one quantity of a flyer's whole fleet."""
-    return f"{quantity} of the fleet"
-
-
-def drift_term(quantity: str, year: int) -> str:
-    """The name of the term for the change of one quantity of a flyer's whole fleet in a year, counted from 1."""
-    return f"{fleet_term(quantity)} in year {year}"
-
-
-def is_drift(term: str) -> bool:
-    """Whether a term is one of `drift_term`."""
-    return " of the fleet in year " in term
-
-
-def config_term(quantity: str, config: str) -> str:
-    """The name of the term for one quantity of one configuration, also if it is called like a motor type."""
-    return f"{quantity} of configuration {config}"
+    return TermName(quantity, "fleet")

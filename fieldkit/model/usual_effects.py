@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.rocket_model import Model, Term, strength_term
+from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import effects
 
 
@@ -12,9 +13,8 @@ def usual_terms(model: Model) -> list[Term]:
     if model.hyperprior.kind != "certified":
         return []
     every = np.ones(len(model.flights))
-    usual = {name: (effect, effect.background) for name, effect in effects().items()}
     return [
-        Term(f"usual {name}", effect, own.mean, own.sd, every, own.low, own.high)
-        for name, (effect, own) in usual.items()
-        if own is not None
+        strength_term(TermName(name, "usual"), effect, every, effect.background)
+        for name, effect in effects().items()
+        if effect.background is not None
     ]

@@ -3,11 +3,13 @@
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from fieldkit.flight.short_name import flight_label
-from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.rocket_model import Model, Term, strength_term
+from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import Effect, effects, spoken
 from fieldkit.physics.setups import delays
 from fieldkit.shapes import Array, Flags, Float
@@ -16,37 +18,72 @@ EACH_GROUP = "each"
 """The place of an effect with a separate strength in every group."""
 
 
-SMOOTH_SUFFIX = ", smoothly"
-"""Suffix of the name of a pattern that is a smooth function of a number."""
-LASTING_PREFIX = "every flight from "
-"""Start of the name of a lasting change, before the flight at which it starts."""
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """Flights that differ from the others without a known effect.
+
+    `of` is the day, the site, the first flight of a lasting or a repeated change, or the header of a column of numbers
+    or texts, and `value` the text. A change repeats `every` so many flights. A `smooth` pattern is any smooth function
+    of the number.
+    """
+
+    kind: Literal["day", "hour", "count", "lasting", "repeated", "site", "number", "text"]
+    of: str = ""
+    value: str = ""
+    every: int = 0
+    smooth: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.follows}, smoothly" if self.smooth else self.follows
+
+    @property
+    def follows(self) -> str:
+        """What the pattern correlates with."""
+        match self.kind:
+            case "hour":
+                return "the hour of the day"
+            case "count":
+                return "the number of flights"
+            case "lasting":
+                return f"every flight from {self.of} on"
+            case "repeated":
+                return f"every {self.every} flights, as {self.of}"
+            case "day" | "site":
+                return f"the {self.kind} {self.of}"
+            case "number" | "text":
+                return f"{self.of} {self.value}".rstrip()
+
+    @property
+    def in_words(self) -> str:
+        """For a flyer: `a trend with the hour of the day`, `a change from flight 4 on`."""
+        if self.kind == "lasting":
+            return f"a change from flight {self.of} on"
+        return f"a trend with {self.follows}" if self.smooth else self.follows
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """The flights on which an effect acts: one group (empty for all, `EACH_GROUP` for every group with a separate
-    strength), and from which flight on (empty for the first)."""
+    strength), and from which flight on (empty for the first). A pattern has no effect."""
 
-    effect: str
+    effect: str = ""
     where: str = ""
     since: str = ""
+    pattern: Pattern | None = None
 
     def __str__(self) -> str:
-        if not self.effect:
-            return self.where
+        if self.pattern:
+            return str(self.pattern)
         group = f" of {self._group}" if self.where else ""
         return f"{self.effect}{group}{self._since}"
 
     @property
     def in_words(self) -> str:
-        """For a flyer: an effect by its title, and its flights, `a weak or strong motor (F24)`; a pattern in words, `a
-        trend with the hour of the day`, `a change from flight 4 on`."""
-        if self.effect:
-            title = effects()[self.effect].title if self.effect in effects() else self.effect
-            return f"{title}{f' ({self._group})' if self.where else ''}{self._since}"
-        if self.where.endswith(SMOOTH_SUFFIX):
-            return f"a trend with {self.where.removesuffix(SMOOTH_SUFFIX)}"
-        return self.where.replace(LASTING_PREFIX, "a change from flight ", 1)
+        """For a flyer: an effect by its title, and its flights, `a weak or strong motor (F24)`; a pattern in words."""
+        if self.pattern:
+            return self.pattern.in_words
+        title = effects()[self.effect].title if self.effect in effects() else self.effect
+        return f"{title}{f' ({self._group})' if self.where else ''}{self._since}"
 
     @property
     def _group(self) -> str:
@@ -60,12 +97,27 @@ class Place:
     @property
     def start(self) -> str:
         """The flight at which an effect or a lasting change starts, empty for none."""
-        lasting = not self.effect and self.where.startswith(LASTING_PREFIX)
-        return self.where.removeprefix(LASTING_PREFIX).removesuffix(" on") if lasting else self.since
+        return self.pattern.of if self.pattern and self.pattern.kind == "lasting" else self.since
 
     def starting_at(self, flight_id: str) -> "Place":
         """The same with another flight at which it starts."""
-        return replace(self, since=flight_id) if self.since else replace(self, where=f"{LASTING_PREFIX}{flight_id} on")
+        if self.pattern:
+            return replace(self, pattern=replace(self.pattern, of=flight_id))
+        return replace(self, since=flight_id)
+
+    def term_name(self, group: str = "") -> TermName:
+        """The name of the strength of an effect, or of that in one group of `EACH_GROUP`."""
+        if self.where == EACH_GROUP:
+            return TermName(self.effect, EACH_GROUP, (group, self.since))
+        return TermName(self.effect, "effect", (self.where, self.since) if self.where or self.since else "")
+
+    def has(self, name: TermName) -> bool:
+        """Whether a term is one of the effect or pattern in this place."""
+        if self.pattern:
+            return name.level == "pattern" and name.group == self.pattern
+        if self.where == EACH_GROUP:
+            return (name.quantity, name.level) == (self.effect, EACH_GROUP)
+        return name == self.term_name()
 
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
@@ -98,16 +150,13 @@ SINCE_FRACTION = 0.4
 def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     """The strength or strengths of an effect in a place, as terms of a model."""
     effect = effects()[place.effect]
-    prior = effect.prior
-    places = [place]
+    named = [(place, place.term_name())]
     if place.where == EACH_GROUP:
         kinds = dict.fromkeys(model.groups(effect.per))
-        places = [Place(place.effect, kind, place.since) for kind in kinds if kind]
-    weights = [(one, place_weight(one, model)) for one in places]
+        named = [(replace(place, where=kind), place.term_name(kind)) for kind in kinds if kind]
+    weights = [(name, place_weight(one, model)) for one, name in named]
     return tuple(
-        Term(str(one), effect, prior.mean, prior.sd, weight, prior.low, prior.high)
-        for one, weight in weights
-        if place.where != EACH_GROUP or weight.any()
+        strength_term(name, effect, weight) for name, weight in weights if place.where != EACH_GROUP or weight.any()
     )
 
 

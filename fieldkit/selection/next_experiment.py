@@ -135,7 +135,7 @@ def _measurements(side: Explanation) -> Iterator[Advice]:
         effect = effects()[place.effect]
         if not effect.measured or place.where == EACH_GROUP:
             continue
-        row = side.fit.model.names.index(str(place))
+        row = side.fit.model.names.index(place.term_name())
         there = (np.array([mean[row]]), np.array([[sd[row] ** 2 + effect.measured**2]]))
         absent = (np.zeros(1), np.array([[effect.measured**2]]))
         where = f" ({place.where})" if place.where else ""

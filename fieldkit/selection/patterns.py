@@ -12,19 +12,22 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.term_names import TermName
 from fieldkit.motors.lots import names_a_lot
 from fieldkit.physics.setups import recorded
-from fieldkit.selection.candidates import Candidate, Place
+from fieldkit.selection.candidates import Candidate, Pattern, Place
 from fieldkit.selection.covariates import known_before, own_numbers
 from fieldkit.shapes import Array, Float
 
 Weigh = Callable[[Sequence[Flight]], Array]
 """The weight of a pattern on each of a rocket's flights in the order flown, planned ones last; one column per
 component."""
-PatternKind = Mapping[str, Weigh]
-"""Patterns of one kind, by name."""
+PatternKind = Mapping[Pattern, Weigh]
+"""Patterns of one kind."""
 PATTERN_DRAG_SD = 0.15
 """Prior standard deviation of the log drag in a pattern. [1]"""
+PATTERN_SDS = {"drag": PATTERN_DRAG_SD, "thrust": 0.06, "mass": 0.08}
+"""Prior standard deviations of a pattern's shifts of log drag and log thrust, and of relative mass. [1]"""
 SMOOTH_LENGTH = 1.0
 """Correlation length of a smooth pattern, in standard deviations of its number. [1]"""
 NEGLIGIBLE_VARIANCE = 0.03
@@ -40,20 +43,20 @@ def pattern_candidates(model: Model) -> list[Candidate]:
     kinds = known_patterns(model.flights)
     return [
         Candidate(
-            Place("", where),
-            _pattern_terms(where, weigh(model.flights)),
+            Place(pattern=pattern),
+            _pattern_terms(pattern, weigh(model.flights)),
             log_fraction=float(-np.log(len(kind) * len(kinds))),
         )
         for kind in kinds
-        for where, weigh in kind.items()
+        for pattern, weigh in kind.items()
     ]
 
 
 def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
     """A pattern found in a model's first `flown` flights, as terms of all its flights; none if they do not show it."""
     for kind in known_patterns(model.flights[:flown]):
-        if place.where in kind:
-            return _pattern_terms(place.where, _weighed(kind[place.where], model, flown))
+        if place.pattern and place.pattern in kind:
+            return _pattern_terms(place.pattern, _weighed(kind[place.pattern], model, flown))
     return ()
 
 
@@ -74,26 +77,26 @@ def known_patterns(flights: Sequence[Flight]) -> list[PatternKind]:
 
 def _in_time(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     """Patterns in the order and hours of flights."""
-    yield {f"the day {day}": _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
+    yield {Pattern("day", day): _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
     known = hours(flights)
     if np.isfinite(known).all() and known.std() > 1:
         middle = known.mean()
         yield {
-            "the hour of the day": lambda some: np.nan_to_num((hours(some) - middle) / 4),
-            "the hour of the day, smoothly": _smooth(hours, known),
+            Pattern("hour"): lambda some: np.nan_to_num((hours(some) - middle) / 4),
+            Pattern("hour", smooth=True): _smooth(hours, known),
         }
     if len(flights) >= 8:
-        yield {"the number of flights, smoothly": _smooth(_number_flown, _number_flown(flights))}
-    yield {f"every flight from {flights[k].flight_id} on": _from(k) for k in range(3, len(flights) - 2)}
+        yield {Pattern("count", smooth=True): _smooth(_number_flown, _number_flown(flights))}
+    yield {Pattern("lasting", flights[k].flight_id): _from(k) for k in range(3, len(flights) - 2)}
     if len(flights) >= 8:
         flight_index = [(n, k) for n in (2, 3) for k in range(n - (n == 2))]
-        yield {f"every {n} flights, as {flights[k].flight_id}": _every(n, k) for n, k in flight_index}
+        yield {Pattern("repeated", flights[k].flight_id, every=n): _every(n, k) for n, k in flight_index}
 
 
 def _in_columns(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     """Patterns that correlate with recorded conditions and columns; the effects on motors act on their lots."""
     sites = _shared([flight.site for flight in flights])
-    yield {f"the site {site}": _same(lambda flight: flight.site, site) for site in sites}
+    yield {Pattern("site", site): _same(lambda flight: flight.site, site) for site in sites}
     numbers: dict[str, Weigh] = {name: _column(name) for name in ("temperature", "humidity", "pressure")}
     for name in dict.fromkeys(name for flight in flights for name in flight.extra):
         if names_a_lot(name) or not known_before(name, flights):
@@ -102,13 +105,13 @@ def _in_columns(flights: Sequence[Flight]) -> Iterator[PatternKind]:
         if len(set(texts)) > MOST_VALUES:
             numbers[name] = _own_column(name)
         elif len(set(texts)) > 1:
-            yield {f"{name} {value}": _same(_own(name), value) for value in _shared(texts)}
+            yield {Pattern("text", name, value): _same(_own(name), value) for value in _shared(texts)}
     for name, read in numbers.items():
         column = read(flights)
         if np.isfinite(column).all() and np.ptp(column) > 0:
             yield {
-                name: _standard(read, float(column.mean()), float(column.std())),
-                f"{name}, smoothly": _smooth(read, column),
+                Pattern("number", name): _standard(read, float(column.mean()), float(column.std())),
+                Pattern("number", name, smooth=True): _smooth(read, column),
             }
 
 
@@ -174,15 +177,11 @@ def hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     return np.array([at.hour + at.minute / 60 if at != time() else np.nan for at in times])
 
 
-def _pattern_terms(name: str, weight: Array) -> tuple[Term, ...]:
+def _pattern_terms(pattern: Pattern, weight: Array) -> tuple[Term, ...]:
     """Terms for a change in drag, thrust and mass; only drag for a smooth pattern."""
     if weight.ndim == 2:
         return tuple(
-            Term(f"drag {number} with {name}", "drag", 0.0, PATTERN_DRAG_SD, weight[:, number])
+            Term(TermName(f"drag {number}", "pattern", pattern), "drag", 0.0, PATTERN_DRAG_SD, weight[:, number])
             for number in range(weight.shape[1])
         )
-    return (
-        Term(f"drag with {name}", "drag", 0.0, PATTERN_DRAG_SD, weight),
-        Term(f"thrust with {name}", "thrust", 0.0, 0.06, weight),
-        Term(f"mass with {name}", "mass", 0.0, 0.08, weight),
-    )
+    return tuple(Term(TermName(bends, "pattern", pattern), bends, 0.0, sd, weight) for bends, sd in PATTERN_SDS.items())

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.term_names import TermName
 from fieldkit.selection.candidates import Candidate, Place, effect_candidates
 from fieldkit.selection.patterns import known_patterns
 
@@ -21,14 +22,15 @@ def quick_candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidat
     past = np.array([*used_in_fit, *[False] * (len(model.flights) - flown)], bool)
     found = list(effect_candidates(model, past))
     weighed = [
-        {where: weigh(model.flights) for where, weigh in kind.items()} for kind in known_patterns(model.flights[:flown])
+        {pattern: weigh(model.flights) for pattern, weigh in kind.items()}
+        for kind in known_patterns(model.flights[:flown])
     ]
-    simple = [{where: weight for where, weight in kind.items() if weight.ndim == 1} for kind in weighed]
+    simple = [{pattern: weight for pattern, weight in kind.items() if weight.ndim == 1} for kind in weighed]
     kinds = [kind for kind in simple if kind]
     for kind in kinds:
         log_prior = float(-np.log(len(kind) * len(kinds) * len(PATTERN_SDS)))
-        for where, weight in kind.items():
+        for pattern, weight in kind.items():
             for bends, sd in PATTERN_SDS.items():
-                term = Term(f"{bends} with {where}", bends, 0.0, sd, weight)
-                found.append(Candidate(Place("", where), (term,), log_fraction=log_prior))
+                term = Term(TermName(bends, "pattern", pattern), bends, 0.0, sd, weight)
+                found.append(Candidate(Place(pattern=pattern), (term,), log_fraction=log_prior))
     return found

@@ -1,20 +1,17 @@
 """Patterns that no known effect explains: a sentence with what they correlate with, and their size."""
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.selection.candidates import LASTING_PREFIX, SMOOTH_SUFFIX
+from fieldkit.selection.candidates import Pattern
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.recorded_columns import column_in_words, value_in_words
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
 from fieldkit.shapes import Array, Flags, Float
 
-HOUR = "the hour of the day"
-"""The name of the pattern."""
-ORDINALS = {"2": "second", "3": "third"}
-"""The numbers in the names of patterns that repeat, as ordinals."""
+ORDINALS = {2: "second", 3: "third"}
+"""The numbers of flights after which patterns repeat, as ordinals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,13 +57,14 @@ def leftover(diagnosis: Diagnosis) -> Leftover:
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
     """What the apogee's residuals follow most: the strongest pattern, or else the most informative column."""
     error = _shares(diagnosis)
-    pattern = next((item for item in diagnosis.ranking if not item.effect), None)
-    if pattern is not None and pattern.probability > 0.5:
-        place, weight = pattern.best.candidate.place.where, pattern.best.candidate.terms[0].weight
-        if place.endswith(SMOOTH_SUFFIX):
-            return Leftover(place.removesuffix(SMOOTH_SUFFIX), np.zeros(len(error), bool), 0.0, 0.0)
+    best = next((item for item in diagnosis.ranking if not item.effect), None)
+    pattern = best.best.candidate.place.pattern if best else None
+    if best and pattern and best.probability > 0.5:
+        weight = best.best.candidate.terms[0].weight
+        if pattern.smooth:
+            return Leftover(pattern.follows, np.zeros(len(error), bool), 0.0, 0.0)
         sorts = set(np.unique(weight)) <= {0.0, 1.0}
-        name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its median"
+        name = _pattern_words(pattern) if sorts or pattern.kind == "hour" else f"with {pattern} above its median"
         return _compared(name, weight > (0 if sorts else np.median(weight)), error)
     for row in patterns(diagnosis)[:1]:
         if row.against in (numbers := columns_of(diagnosis)):
@@ -98,16 +96,17 @@ def _compared(name: str, inside: Flags, error: Float[Array, "flight"]) -> Leftov
     return Leftover(name, inside & np.isfinite(error), float(np.expm1(one.mean() - other.mean())), sd)
 
 
-def _pattern_words(place: str) -> str:
-    if place.startswith("the site "):
-        return f"from {place.removeprefix('the site ')}"
-    if place.startswith("the day "):
-        return f"on {place.removeprefix('the day ')}"
-    if place == HOUR:
-        return "later in the day"
-    if place.startswith(LASTING_PREFIX):
-        return place.removeprefix("every flight ")
-    if counted := re.fullmatch(r"every (\d+) flights, (.+)", place):
-        number, rest = counted.groups()
-        return f"that are every {ORDINALS.get(number, number)} one, {rest}"
-    return f"with {place}"
+def _pattern_words(pattern: Pattern) -> str:
+    match pattern.kind:
+        case "site":
+            return f"from {pattern.of}"
+        case "day":
+            return f"on {pattern.of}"
+        case "hour":
+            return "later in the day"
+        case "lasting":
+            return f"from {pattern.of} on"
+        case "repeated":
+            return f"that are every {ORDINALS[pattern.every]} one, as {pattern.of}"
+        case _:
+            return f"with {pattern}"

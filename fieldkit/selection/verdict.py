@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.quantities import with_sd
-from fieldkit.selection.candidates import SMOOTH_SUFFIX
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.trial import Trial
@@ -117,8 +116,8 @@ def _unexplained(posterior: SetPosterior) -> str:
     likely = next((members for members in posterior.sets if members), frozenset[str]())
     if UNEXPLAINED in likely:
         best = posterior.best(likely)
-        where = next(place.where for place in best.places if not place.effect).removesuffix(SMOOTH_SUFFIX)
-        return f"misses follow {where}, and no known effect explains them"
+        pattern = next(place.pattern for place in best.places if place.pattern)
+        return f"misses follow {pattern.follows}, and no known effect explains them"
     names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
     return f"the flights differ from the model, but no known effect is probable enough to name ({names})"
 

@@ -22,6 +22,7 @@ from fieldkit.model.fleet_drift import Period, period_of
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import Message, SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import followed
@@ -69,7 +70,7 @@ def fleet_priors(
     """
 
     own = learned()
-    made_with = json.dumps([__version__, own.json()], sort_keys=True)
+    made_with = json.dumps([__version__, TermName._fields, own.json()], sort_keys=True)
     fleet = _fleet(ledger, motors, made_with)
     flown = {name: one for name, one in fleet.flown.items() if [name] != list(rockets)}
     period = period_of(flight for one in fleet.flown.values() for flight, _ in one)
@@ -138,7 +139,7 @@ def _written(made: RocketFit) -> dict[str, Any]:
 
 def _read(kept: Mapping[str, Any]) -> RocketFit:
 
-    names = tuple(kept["names"])
+    names = tuple(TermName(*name) for name in kept["names"])
     message = Message(names, np.array(kept["precision"]), np.array(kept["shift"]))
     prior = SharedPrior(names, np.array(kept["prior_mean"]), np.diag(kept["prior_variance"]))
     return RocketFit(kept["log_evidence"], message, prior)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
@@ -20,7 +21,7 @@ from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
-from fieldkit.selection.candidates import Averaged, Place
+from fieldkit.selection.candidates import Averaged, Pattern, Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, setup_answers
@@ -107,8 +108,30 @@ def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
     return _places(entries)
 
 
-def _places(entries: Sequence[Mapping[str, str]]) -> tuple[Place, ...]:
-    return tuple(Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in entries)
+def _places(entries: Sequence[Mapping[str, Any]]) -> tuple[Place, ...]:
+    return tuple(map(_place, entries))
+
+
+def _place(entry: Mapping[str, Any]) -> Place:
+    """A saved place; one of an older version has its pattern as text."""
+    where = entry.get("where", "")
+    if entry["effect"]:
+        return Place(entry["effect"], where, entry.get("since", ""))
+    return Place(pattern=Pattern(**entry["pattern"]) if entry.get("pattern") else _older_pattern(where))
+
+
+def _older_pattern(text: str) -> Pattern:
+    what, smooth = text.removesuffix(", smoothly"), text.endswith(", smoothly")
+    if what in ("the hour of the day", "the number of flights"):
+        return Pattern("hour" if "hour" in what else "count", smooth=smooth)
+    if found := re.fullmatch(r"the (day|site) (.+)", what):
+        return Pattern("day" if found[1] == "day" else "site", found[2])
+    if found := re.fullmatch(r"every flight from (.+) on", what):
+        return Pattern("lasting", found[1])
+    if found := re.fullmatch(r"every (\d+) flights, as (.+)", what):
+        return Pattern("repeated", found[2], every=int(found[1]))
+    header, _, value = what.partition(" ")
+    return Pattern("text", header, value) if value else Pattern("number", header, smooth=smooth)
 
 
 def version_adds(payload: Mapping[str, Any]) -> str:

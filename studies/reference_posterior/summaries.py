@@ -12,6 +12,7 @@ import numpy as np
 from fieldkit.flight import FIELDS, Flight
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array, Float
 from studies.reference_posterior.sampler import FIGURES, Case, SampledPosterior, next_flight, quantiles, summary_of_fit
@@ -106,7 +107,9 @@ def _kept(one: ReferencePosterior) -> dict[str, Any]:
 def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> ReferencePosterior:
     shared = kept["shared"]
     prior = (
-        SharedPrior(tuple(shared["names"]), np.array(shared["mean"]), np.array(shared["covariance"]))
+        SharedPrior(
+            tuple(TermName(*name) for name in shared["names"]), np.array(shared["mean"]), np.array(shared["covariance"])
+        )
         if shared
         else None
     )

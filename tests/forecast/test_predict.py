@@ -16,6 +16,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.setups import USUAL_WIND
 from fieldkit.selection.candidates import EACH_GROUP, Place
@@ -97,7 +98,9 @@ def test_the_forecast_spread_scales_with_the_noise_of_rocket_and_device() -> Non
         "apogee",
         *FROM_LOGS,
     }
-    assert [term.name for term in doubtful.terms if term.scaled_by == "scatter"] == ["apogee on AeroTech F24W"]
+    assert [term.name for term in doubtful.terms if term.scaled_by == "scatter"] == [
+        TermName("apogee", "rocket_motor", "AeroTech F24W")
+    ]
 
 
 def test_steady_speeds_and_burn_times_do_not_narrow_the_interval_of_apogees_that_scatter() -> None:

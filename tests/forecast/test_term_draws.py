@@ -10,6 +10,7 @@ from scipy.stats import kstest, truncnorm
 from fieldkit.flight import Flight
 from fieldkit.forecast.term_draws import term_draws
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import effects
 
 pytestmark = pytest.mark.fast
@@ -23,8 +24,8 @@ def model() -> Model:
     """Drag, which is unbounded, and wind, whose square is not below zero."""
     prior = WIND.prior
     terms = (
-        Term("drag", "drag", 0.0, 1.0, np.ones(1)),
-        Term("wind", WIND, prior.mean, prior.sd, np.ones(1), prior.low, prior.high),
+        Term(TermName("drag"), "drag", 0.0, 1.0, np.ones(1)),
+        Term(TermName("wind", "effect"), WIND, prior.mean, prior.sd, np.ones(1), prior.low, prior.high),
     )
     return Model((Flight(),), (), np.ones(1), terms, (0,))
 
@@ -56,6 +57,14 @@ def test_the_prior_of_an_unconstrained_term_is_truncated() -> None:
     prior = WIND.prior
     ends = (prior.low - prior.mean) / prior.sd, (prior.high - prior.mean) / prior.sd
     assert kstest(values[:, 1], truncnorm(*ends, loc=prior.mean, scale=prior.sd).cdf).pvalue > 0.01
+
+
+def test_a_motor_and_its_lot_deviate_independently() -> None:
+    names = [TermName("thrust", "motor", "Estes C6"), TermName("thrust", "lot", "Estes C6 lot 2")]
+    terms = tuple(Term(name, "thrust", 0.0, 1.0, np.ones(1)) for name in names)
+    known = model().with_terms(*terms)
+    values, _ = term_draws(known, [0, 1], fitted([0, 1], np.zeros(2), np.eye(2)), DRAWS, np.random.default_rng(0))
+    assert np.corrcoef(values[:, 2], values[:, 3])[0, 1] == pytest.approx(0.0, abs=0.05)
 
 
 def test_a_posterior_far_beyond_a_bound_is_at_the_bound() -> None:

@@ -16,7 +16,6 @@ from fieldkit.model.fleet_drift import DAYS_PER_YEAR, MAX_YEARS, period_of, year
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
-from fieldkit.model.term_names import is_drift
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False
@@ -40,7 +39,7 @@ def flown(rocket: str, at: list[float], rate: float) -> list[tuple[Flight, Found
     plans = [flight(f"{rocket}-{number}", year, rocket) for number, year in enumerate(at)]
     model = base_model(plans, [MOTOR] * len(plans), learned(), period=(START.date(), START.date()))
     truth = np.array([[term.mean for term in model.terms]])
-    truth[0, [is_drift(name) for name in model.names]] = rate
+    truth[0, [name.level == "drift" for name in model.names]] = rate
     figures = shown(model, truth, {})
     readouts = ("apogee", "top_speed", "coast_to_apogee")
     return [
@@ -71,12 +70,12 @@ def test_a_flight_without_a_date_was_flown_with_the_one_before_it() -> None:
 def test_a_wrong_date_adds_no_thousand_terms() -> None:
     wrong = flight("0", None).with_changes(date_time=datetime(1, 1, 1))
     model = base_model([wrong, flight("1", 0), flight("2", 1)], [MOTOR] * 3, learned())
-    assert sum(map(is_drift, model.names)) == MAX_YEARS
+    assert sum(name.level == "drift" for name in model.names) == MAX_YEARS
 
 
 def test_flights_without_dates_have_no_drift() -> None:
     model = base_model([flight("1", None), flight("2", None)], [MOTOR, MOTOR], learned())
-    assert not any(map(is_drift, model.names))
+    assert not any(name.level == "drift" for name in model.names)
 
 
 @given(st.lists(st.floats(0, 30), max_size=6))

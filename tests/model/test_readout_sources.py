@@ -11,6 +11,7 @@ from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.sources import measured_in_samples
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False
@@ -23,7 +24,7 @@ def flown(source: str, count: int = 2) -> list[tuple[Flight, Found]]:
     motor = catalogue().resolve(PLAN.motor)
     model = base_model([PLAN] * count, [motor] * count, START)
     truth = np.array([[term.mean for term in model.terms]])
-    truth[0, model.names.index("drag")] += 0.3
+    truth[0, model.names.index(TermName("drag"))] += 0.3
     readings = shown(model, truth, {})
     flights = []
     for i in range(count):
@@ -52,10 +53,10 @@ def test_readouts_from_samples_share_no_term_with_those_of_a_device() -> None:
     model = base_model(flights, motors, learned())
     weight = {term.name: term.weight.tolist() for term in model.terms}
     for readout in FROM_DEVICES:
-        assert weight[f"{readout} of the fleet"] == weight[readout] == [1.0, 0.0]
-        assert weight[f"{readout} in logs"] == [0.0, 1.0]
+        assert weight[TermName(readout, "fleet")] == weight[TermName(readout)] == [1.0, 0.0]
+        assert weight[TermName(readout, "logged")] == [0.0, 1.0]
     only_logs = base_model(*zip(*logged, strict=True), learned())
-    assert not [name for name in only_logs.names if name in FROM_DEVICES]
+    assert not [name for name in only_logs.names if name.quantity in FROM_DEVICES and name.level != "logged"]
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import base_model
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.setups import reference_area
 
@@ -48,7 +49,8 @@ def test_a_missing_diameter_is_that_of_the_configuration() -> None:
 
 def test_only_a_rocket_without_any_diameter_has_an_unknown_area() -> None:
     def drag_sd(widths: Sequence[float | None]) -> float:
-        (drag,) = (term for term in base_model(flights(widths), [MOTOR] * 4, learned()).terms if term.name == "drag")
+        terms = base_model(flights(widths), [MOTOR] * 4, learned()).terms
+        (drag,) = (term for term in terms if term.name == TermName("drag"))
         return drag.sd
 
     assert drag_sd(WIDTHS) == drag_sd((0.034,) * 4) < drag_sd((None,) * 4)

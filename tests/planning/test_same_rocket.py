@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.planning.forecasts import Rocket
 
 pytestmark = pytest.mark.fast
 
 
 def rocket(mean: float | None, flights: int = 0) -> Rocket:
-    shared = None if mean is None else SharedPrior(("a", "b"), np.array([mean, 0.0]), np.eye(2))
+    shared = None if mean is None else SharedPrior((TermName("a"), TermName("b")), np.array([mean, 0.0]), np.eye(2))
     return Rocket((), ((1.0, ()),) * flights, shared=shared)
 
 

@@ -9,7 +9,7 @@ import pytest
 from fieldkit.presentation.held_out_text import mean_misses
 from fieldkit.presentation.loop_text import candidate_row, in_next_flight
 from fieldkit.quantities import ShownUnits
-from fieldkit.selection.candidates import EACH_GROUP, Place
+from fieldkit.selection.candidates import EACH_GROUP, Pattern, Place
 
 pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
@@ -28,7 +28,7 @@ def test_a_name_is_never_cut_and_its_figures_stay_in_their_columns(name: str) ->
         (Place("motor_thrust", "AeroTech F39T"), "a weak or strong motor (AeroTech F39T)"),
         (Place("motor_thrust", EACH_GROUP), "a weak or strong motor (each motor)"),
         (Place("heavier_recovery", "", "9"), "heavier recovery gear from flight 9 on"),
-        (Place("", "every flight from 4 on"), "a change from flight 4 on"),
+        (Place(pattern=Pattern("lasting", "4")), "a change from flight 4 on"),
     ],
 )
 def test_the_group_of_an_effect_is_in_parentheses(place: Place, words: str) -> None:

@@ -12,6 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import observe
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms
 from fieldkit.selection.diagnose import Diagnosis, diagnose
@@ -118,5 +119,5 @@ def test_a_missing_elevation_is_tried_at_the_sites_without_one() -> None:
 def test_common_departures_are_in_the_plain_model_but_not_in_addition_to_a_learned_one() -> None:
     flights = [Flight("1", dry_mass=0.3, diameter=0.06, motor="F24-7W")]
     found = [catalogue().resolve("F24-7W")]
-    assert "usual base_drag" in rocket_model(flights, found).names
-    assert "usual base_drag" not in rocket_model(flights, found, hyperprior=learned()).names
+    assert TermName("base_drag", "usual") in rocket_model(flights, found).names
+    assert TermName("base_drag", "usual") not in rocket_model(flights, found, hyperprior=learned()).names

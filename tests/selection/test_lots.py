@@ -9,6 +9,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import START, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, base_model, shared_names
+from fieldkit.model.term_names import TermName
 from fieldkit.motors.lots import lots, names_a_lot, recorded_lot
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms, place_weight
 from fieldkit.selection.diagnose import diagnose
@@ -65,8 +66,8 @@ def test_effects_on_motors_act_on_lots_and_no_pattern_does() -> None:
     assert sum(np.exp(one.log_fraction) for one in candidates) == pytest.approx(1.0)
     flown = [row for row, flight in enumerate(model.flights) if flight.motor == "F24" and row >= 8]
     assert np.flatnonzero(place_weight(WEAK_LOT, model)).tolist() == flown
-    assert not any("lot" in name for kind in known_patterns(model.flights) for name in kind)
-    assert any("box" in name for kind in known_patterns(with_lots("box").flights) for name in kind)
+    assert not any("lot" in str(pattern) for kind in known_patterns(model.flights) for pattern in kind)
+    assert any("box" in str(pattern) for kind in known_patterns(with_lots("box").flights) for pattern in kind)
 
 
 def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
@@ -84,7 +85,7 @@ def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
 def test_flights_that_record_lots_share_their_thrust_and_others_are_as_before() -> None:
     plain, several = base_model(with_lots("box").flights, with_lots().found, learned()), with_lots()
     known = base_model(several.flights, several.found, learned())
-    lots_of_f24 = [f"thrust of AeroTech F24W lot {n}" for n in (1, 2)]
+    lots_of_f24 = [TermName("thrust", "lot", f"AeroTech F24W lot {n}") for n in (1, 2)]
     assert set(lots_of_f24) <= set(known.names) - set(plain.names)
     assert set(plain.names) <= set(known.names)
     assert set(lots_of_f24) <= set(shared_names(known))

@@ -13,6 +13,7 @@ from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term, scatter_of
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.selection.residual import associations, holm, spread_of, standardised
 from fieldkit.shapes import Array, Float
@@ -43,7 +44,7 @@ def null_residuals() -> Float[Array, "set flight readout"]:
     """Residuals of histories in which the model is right."""
     rng = np.random.default_rng(4)
     reading = CERTIFIED_PRIOR.scales()[1][SCALE]
-    terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
+    terms = tuple(Term(TermName(str(i)), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
     model, tangent = (
         Model(
             (Flight(),) * FLIGHTS,

@@ -12,7 +12,8 @@ from scipy.stats import truncnorm
 from fieldkit.inference.laplace.fit import fit
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
-from fieldkit.model.rocket_model import Term
+from fieldkit.model.rocket_model import Term, strength_term
+from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import effects
 from fieldkit.selection import search
 from fieldkit.selection.candidates import Candidate, Place, effect_candidates, effect_terms
@@ -35,7 +36,7 @@ MOTORS = ("E35", "F24", "F39")
 def candidate(effect: str, where: str = "", count: int = 1) -> Candidate:
     """An effect in one of `count` places of equal prior probability."""
     place = Place(effect, where)
-    term = Term(str(place), effects()[effect], 0.0, 1.0, np.ones(4))
+    term = Term(place.term_name(), effects()[effect], 0.0, 1.0, np.ones(4))
     return Candidate(place, (term,), log_fraction=float(-np.log(count)))
 
 
@@ -160,7 +161,7 @@ def test_a_pair_tried_by_itself_comes_last_and_excludes_no_other_set(monkeypatch
 def test_a_strength_has_the_moments_of_its_truncated_posterior(effect: str, beyond: float) -> None:
     """Compared with draws by inversion, for a normal posterior whose mean is below, at or far above the lower bound."""
     bends = effects()[effect]
-    term = Term(effect, bends, bends.prior.mean, bends.prior.sd, np.ones(4), bends.prior.low, bends.prior.high)
+    term = strength_term(TermName(effect, "effect"), bends, np.ones(4))
     sd = (bends.prior.high - bends.prior.low) / 100
     mean = bends.prior.low + beyond * sd
     ends = (bends.prior.low - mean) / sd, (bends.prior.high - mean) / sd

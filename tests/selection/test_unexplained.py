@@ -3,22 +3,23 @@
 import pytest
 
 from fieldkit.selection import unexplained
+from fieldkit.selection.candidates import Pattern
 
 pytestmark = pytest.mark.fast
 
 
 @pytest.mark.parametrize(
-    ("place", "words"),
+    ("pattern", "words"),
     [
-        ("every 2 flights, as F1", "that are every second one, as F1"),
-        ("every 3 flights, as F1", "that are every third one, as F1"),
-        ("every flight from F5 on", "from F5 on"),
-        ("the site mead", "from mead"),
-        ("the day 2026-05-02", "on 2026-05-02"),
-        ("igniter Estes", "with igniter Estes"),
-        ("motor batch bought last year", "with motor batch bought last year"),
-        ("launch rod of the club", "with launch rod of the club"),
+        (Pattern("repeated", "F1", every=2), "that are every second one, as F1"),
+        (Pattern("repeated", "F1", every=3), "that are every third one, as F1"),
+        (Pattern("lasting", "F5"), "from F5 on"),
+        (Pattern("site", "mead"), "from mead"),
+        (Pattern("day", "2026-05-02"), "on 2026-05-02"),
+        (Pattern("text", "igniter", "Estes"), "with igniter Estes"),
+        (Pattern("text", "motor batch", "bought last year"), "with motor batch bought last year"),
+        (Pattern("text", "launch rod", "of the club"), "with launch rod of the club"),
     ],
 )
-def test_the_flights_of_a_pattern_are_described(place: str, words: str) -> None:
-    assert unexplained._pattern_words(place) == words
+def test_the_flights_of_a_pattern_are_described(pattern: Pattern, words: str) -> None:
+    assert unexplained._pattern_words(pattern) == words

@@ -13,10 +13,11 @@ from fieldkit.flight import Flight
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, Term, base_model
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
 from fieldkit.selection import verdict as verdicts
-from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place, effect_candidates, effect_terms
+from fieldkit.selection.candidates import EACH_GROUP, Candidate, Pattern, Place, effect_candidates, effect_terms
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.patterns import pattern_candidates
@@ -35,7 +36,8 @@ def posterior(weights: dict[str, float]) -> SetPosterior:
     def candidate(name: str) -> Candidate:
         effect = "" if name == UNEXPLAINED else name
         bends = effects()[effect] if effect else "drag"
-        return Candidate(Place(effect, "" if effect else "the day before"), (Term(name, bends, 0.0, 1.0, np.ones(1)),))
+        place = Place(effect) if effect else Place(pattern=Pattern("day", "before"))
+        return Candidate(place, (Term(TermName(name, "effect"), bends, 0.0, 1.0, np.ones(1)),))
 
     return SetPosterior(
         tuple(
@@ -187,7 +189,7 @@ def test_the_forms_of_an_effect_share_its_prior_odds() -> None:
 
 def test_a_flyers_own_column_is_tested_as_a_pattern() -> None:
     paint = [{"paint": "rough" if number % 3 else "smooth"} for number in range(16)]
-    names = [candidate.place.where for candidate in pattern_candidates(season(extra=paint))]
-    assert "paint rough" in names
-    assert "paint smooth" in names
-    assert not any("paint" in candidate.place.where for candidate in pattern_candidates(season()))
+    names = [candidate.place.pattern for candidate in pattern_candidates(season(extra=paint))]
+    assert Pattern("text", "paint", "rough") in names
+    assert Pattern("text", "paint", "smooth") in names
+    assert not any("paint" in str(candidate.place) for candidate in pattern_candidates(season()))

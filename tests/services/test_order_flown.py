@@ -14,7 +14,7 @@ from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import catalogue
 from fieldkit.planning.forecasts import forecasts
-from fieldkit.selection.candidates import Place
+from fieldkit.selection.candidates import Pattern, Place
 from fieldkit.services.forecasts import forecast_from_others, predict_plans
 from fieldkit.services.planning import rocket_of
 
@@ -29,7 +29,7 @@ FLOWN = [
     for row, apogee in enumerate([250.0, 246.0, 253.0, 249.0, 251.0, 248.0, 283.0, 280.0, 284.0, 281.0])
 ]
 
-LASTING_PLACES = [Place("altimeter_scale", "", "F6"), Place("", "every flight from F6 on")]
+LASTING_PLACES = [Place("altimeter_scale", "", "F6"), Place(pattern=Pattern("lasting", "F6"))]
 
 
 @pytest.fixture

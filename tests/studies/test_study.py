@@ -13,6 +13,7 @@ import pytest
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.uncalibrated import simulate
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from studies.histories import histories
 from studies.histories import page as histories_page
@@ -170,7 +171,7 @@ def test_rockets_of_the_shortfall_may_have_readouts_from_logs_beside_displayed_o
     speedy = [plan.with_changes(top_speed=85.0) for plan in plans]
     flown = [(one.with_source(["top_speed"], "baro" if n % 2 else "typed"), motor) for n, one in enumerate(speedy)]
     found = shortfall(flown)
-    assert "top_speed of the fleet" in found.joint.names
+    assert TermName("top_speed", "fleet") in found.joint.names
     assert np.isfinite(found.worth).all()
 
 

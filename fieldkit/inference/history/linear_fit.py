@@ -21,9 +21,10 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
-from fieldkit.model.rocket_model import Model, Term, base_model, groups
+from fieldkit.model.rocket_model import Model, Term, base_model, groups, strength_term
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.model.usual_effects import usual_terms
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
@@ -100,7 +101,7 @@ def history_model(
     Raises ImpossibleFlight for a flight without a dry mass.
     """
     order = [*range(flown), *[flown] * (len(flights) - flown)]
-    elsewhere = {name.partition(" of ")[2] for name in (shared.names if shared else ())}
+    elsewhere = {str(name.group) for name in (shared.names if shared else ()) if name.level == "motor"}
     motors = on_one_new_motor(found, flown, elsewhere)
     model = base_model(flights, motors, coarse_scales(hyperprior), flown, order, shared)
     model = replace(model, found=tuple(found))
@@ -121,7 +122,7 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
     """Effects that act on all flights of a forecast if their column is recorded and not always zero."""
     every = np.ones(len(flights))
     return [
-        Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
+        strength_term(TermName(name, "effect"), effect, every)
         for name, effect in effects().items()
         if effect.declared and differs_from_zero(flights, effect.needs)
     ]

@@ -55,7 +55,7 @@ def modeled_rocket(
         shared = _others(rng, model)
         model = base_model(measured, rocket.found, hyperprior, count, shared=shared)
     always = usual_terms(model) if selects else declared_terms(measured)
-    acting = {term.name for term in always}
+    acting = {term.name.quantity for term in always if term.name.level == "effect"}
     families: dict[str, list[PlacedEffect]] = {}
     for candidate in candidates_of(model, rocket.used_in_fit):
         if candidate.effect and candidate.effect not in acting:

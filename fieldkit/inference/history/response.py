@@ -19,6 +19,7 @@ from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.shapes import Array, Float
@@ -103,7 +104,7 @@ def respond(
     bends["drag"][:stepped] += np.repeat(DRAG_OFFSETS, len(each_drag))[:, None]
     values = np.zeros((placed + len(places), len(places)))
     values[placed:] = np.diag([value for _, value in places])
-    terms = tuple(Term(f"{name} {value}", known[name], 0.0, 1.0, np.ones(count)) for name, value in places)
+    terms = tuple(Term(TermName(name, "start", value), known[name], 0.0, 1.0, np.ones(count)) for name, value in places)
     model = Model(tuple(flights), tuple(found), area, terms, tuple(range(count)), coarse=True)
     readings = shown(model, values, bends)
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))

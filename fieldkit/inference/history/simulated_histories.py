@@ -25,6 +25,7 @@ from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter
 from fieldkit.model.simulated_readouts import bent, shown
+from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import Prior, effects
 from fieldkit.shapes import Array, Float
 
@@ -141,7 +142,7 @@ class _World:
             drawn_sizes = rng.normal(0.0, BACKGROUND * usual, len(some))
             each = np.abs(drawn_sizes) if prior.low >= 0 else drawn_sizes
             each *= [all(term.bends is not known[name] for term in one.always) for one in some]
-            terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
+            terms.append(Term(TermName(name, "background"), known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
         flights = tuple(flight for one in some for flight in one.rocket.flights)
         found = tuple(motor for one in some for motor in one.rocket.found)

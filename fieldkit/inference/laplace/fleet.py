@@ -20,6 +20,7 @@ from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import FlownFlights, Model, base_model, shared_names
 from fieldkit.model.shared_prior import Message, SharedPrior, combined
+from fieldkit.model.term_names import TermName
 from fieldkit.shapes import Array
 
 
@@ -81,7 +82,7 @@ def independent_prior(models: Sequence[Model]) -> SharedPrior:
 
 def merged(priors: Sequence[SharedPrior]) -> SharedPrior:
     """Independent priors with some common terms, merged into one."""
-    found: dict[str, tuple[float, float]] = {}
+    found: dict[TermName, tuple[float, float]] = {}
     for prior in priors:
         variances = np.diag(prior.covariance)
         found |= {name: (prior.mean[i], variances[i]) for i, name in enumerate(prior.names)}

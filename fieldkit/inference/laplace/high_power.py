@@ -24,7 +24,7 @@ from fieldkit.inference.laplace.linearization import launch_angle_slope, tangent
 from fieldkit.model.high_power import CLOSER_AT_HIGH_POWER
 from fieldkit.model.hyperprior import DESIGN_DRAG, Hyperprior
 from fieldkit.model.rocket_model import apogee_scatter, base_model
-from fieldkit.model.term_names import fleet_term
+from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
@@ -74,7 +74,7 @@ def departure(forecast: DesignForecast, hyperprior: Hyperprior) -> Departure:
     dry_mass, cd = matched(forecast)
     flight = replace(forecast.flight, dry_mass=dry_mass, delay=ALL_BURNT)
     model = base_model([flight], [forecast.found], replace(hyperprior, high_power=1.0), flown=0)
-    model = model.with_prior(fleet_term("drag"), 0.0).with_prior("drag", float(np.log(cd)))
+    model = model.with_prior(fleet_term("drag"), 0.0).with_prior(TermName("drag"), float(np.log(cd)))
     at = np.array([term.mean for term in model.terms])
     tangent = tangents(model, [(tuple(range(len(at))), at)], launch_angle_slope(model, at))[0]
     slope = dict(zip(model.names, tangent.slope[0, 0].tolist(), strict=True))
@@ -87,7 +87,7 @@ def departure(forecast: DesignForecast, hyperprior: Hyperprior) -> Departure:
         mean=sum(slope.get(fleet_term(name), 0.0) * hyperprior.mean(name) for name in CLOSER_AT_HIGH_POWER),
         of_flights=float((tangent.scatter_slope[0, 0] ** 2).sum()) + reading**2,
         scaled=float(np.square([*scaled, *apogee_scatter(model)]).sum()),
-        by_drag=slope["drag"] ** 2,
+        by_drag=slope[TermName("drag")] ** 2,
     )
 
 

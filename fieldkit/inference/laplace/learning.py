@@ -20,12 +20,11 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights, standardized_squares
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.fleet_drift import Period, period_of
-from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
+from fieldkit.model.hyperprior import READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import FlownFlights, Model, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
-from fieldkit.model.term_names import fleet_term, is_drift
-from fieldkit.motors.lots import OF_A_LOT
+from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
 
@@ -38,6 +37,8 @@ MEAN_SD = 0.2
 """Prior standard deviation of each mean around its start. [1]"""
 ROUNDS = 3
 """Number of rounds, each with a new linearization."""
+LEARNED_LEVELS = ("rocket", "rocket_motor", "day")
+"""Levels of the terms of one rocket whose variances are learned."""
 STEPS = 25
 """Expectation-maximization steps per round."""
 
@@ -108,7 +109,7 @@ def mean_sds(flyers: Sequence[SharedPrior], hyperprior: Hyperprior) -> dict[str,
     precision = np.diag(np.full(len(quantities), 1 / MEAN_SD**2))
     for flyer in flyers:
         known = flyer.only([fleet_term(quantity) for quantity in quantities])
-        rows = [quantities.index(name.partition(" of ")[0]) for name in known.names]
+        rows = [quantities.index(name.quantity) for name in known.names]
         gained = np.diag(between[rows]) - known.covariance
         precision[np.ix_(rows, rows)] += gained / np.outer(between[rows], between[rows])
     variances = np.diag(np.linalg.inv(precision))
@@ -195,29 +196,19 @@ def _count_rocket(result: Fit, sums: _Sums) -> None:
     shared = set(model.shared.names) if model.shared else set()
     square = result.mean**2 + np.diagonal(result.covariance, axis1=1, axis2=2)
     for i, term in enumerate(model.terms):
-        name = _variance_name(term.name)
-        if term.name == "drag":  # including the unknown area of rockets without a recorded diameter
+        name = term.name
+        if name == TermName("drag"):  # including the unknown area of rockets without a recorded diameter
             sums.add("drag", float(weights @ square[:, i]) / term.sd**2, 1.0)
-        elif name and term.name not in shared:
-            sums.add(name, float(weights @ (square[:, i] / by[term.scaled_by] ** 2)), 1.0)
-    for name, value in _scatter_squares(result).items():
-        sums.add(f"{name}.flight", value, float(result.data.seen.any(axis=1).sum()))
+        elif name.level in LEARNED_LEVELS and name not in shared:
+            sums.add(f"{name.quantity}.{name.level}", float(weights @ (square[:, i] / by[term.scaled_by] ** 2)), 1.0)
+    for kind, value in _scatter_squares(result).items():
+        sums.add(f"{kind}.flight", value, float(result.data.seen.any(axis=1).sum()))
     left = np.einsum("s,sfo->fo", weights, standardized_squares(result)) * result.data.trust
     for column, readout in enumerate(READOUTS):
         seen = result.data.seen[:, column]
         sums.add(f"residual.{readout}", float(left[seen, column].sum()), float(seen.sum()))
     if result.data.seen[:, 0].any():
         sums.add("scale.scatter", float(weights @ np.log(scatter) ** 2), 1.0)
-
-
-def _variance_name(term: str) -> str:
-    """The name of the variance of a term of one rocket; empty for one that is not learned."""
-    if term in QUANTITIES:
-        return "" if term == "drag" else f"{term}.rocket"
-    quantity, between, group = term.partition(" on ")
-    if between:
-        return f"{quantity}.day" if group[:4].isdigit() and group.count("-") == 2 else f"{quantity}.rocket_motor"
-    return ""
 
 
 def _scatter_squares(result: Fit) -> Mapping[str, float]:
@@ -248,13 +239,12 @@ def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, me
     """One flyer's part of the sums for the variances of shared terms and for the means over flyers."""
     variances = np.diag(together.covariance)
     for name, mean, variance in zip(together.names, together.mean, variances, strict=True):
-        quantity = name.partition(" of ")[0]
-        if name == fleet_term(quantity):
+        quantity = name.quantity
+        if name.level == "fleet":
             sums.add(f"{quantity}.fleet", float((mean - hyperprior.mean(quantity)) ** 2 + variance), 1.0)
             means.add(quantity, float(mean), 1.0)
         else:
-            level = "drift" if is_drift(name) else "lot" if OF_A_LOT in name else "motor"
-            sums.add(f"{quantity}.{level}", float(mean**2 + variance), 1.0)
+            sums.add(f"{quantity}.{name.level}", float(mean**2 + variance), 1.0)
 
 
 def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) -> Hyperprior:

@@ -33,6 +33,7 @@ from fieldkit.model.readout_data import readings
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import Candidate
@@ -66,16 +67,16 @@ def test_between_simulated_drag_values_the_response_agrees_with_the_simulator(
         assert moved_at(response, offset)[""][:, 0] == pytest.approx(np.log(flown), abs=most)
 
 
-@pytest.mark.parametrize("elsewhere", [(), ("thrust of AeroTech F39T",)])
-def test_plans_on_new_motors_share_the_terms_of_one(elsewhere: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("elsewhere", [(), (TermName("thrust", "motor", "AeroTech F39T"),)])
+def test_plans_on_new_motors_share_the_terms_of_one(elsewhere: tuple[TermName, ...]) -> None:
     """A motor flown by other rockets keeps its own terms."""
     named = [catalogue().resolve(name) for name in ("F39-6T", "E15-4W", "F24-4W", "E16-4W", "D12-5")]
     plans = [WORN.flights[-1].with_changes(motor=found.motor.name) for found in named]
     flights, found = (*WORN.flights[:COUNT], *plans), (*WORN.found[:COUNT], *named)
     shared = SharedPrior(elsewhere, np.zeros(len(elsewhere)), 0.01 * np.eye(len(elsewhere))) if elsewhere else None
     model = history_model(flights, found, COUNT, WORN.forecast, shared, declared=False)
-    thrust = [term for term in model.terms if term.name.startswith("thrust of") and term.weight[COUNT:].any()]
-    acting = np.array([term.weight[COUNT:] for term in thrust if "fleet" not in term.name])
+    thrust = [term for term in model.terms if term.name.quantity == "thrust" and term.weight[COUNT:].any()]
+    acting = np.array([term.weight[COUNT:] for term in thrust if term.name.level == "motor"])
     own, new = [[0, 0, 1, 0, 0]], [[1, 1, 0, 1, 1]]
     expected = [*own, *([[1, 0, 0, 0, 0], [0, 1, 0, 1, 1]] if elsewhere else new)]
     assert sorted(acting.tolist()) == sorted(expected)

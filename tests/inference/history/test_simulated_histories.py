@@ -21,7 +21,7 @@ from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model, groups
-from fieldkit.model.term_names import drift_term
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.prior import inclusion_probabilities
@@ -69,7 +69,7 @@ def test_effects_are_present_with_their_prior_probability() -> None:
     for one in found:
         model = base_model(one.history.flights, one.history.found, CERTIFIED_PRIOR, 6)
         acting = {candidate.effect for candidate in quick_candidates(model, one.history.used_in_fit)}
-        always = {term.name for term in declared_terms(one.history.flights)} if not one.selects else set()
+        always = {term.name.quantity for term in declared_terms(one.history.flights)} if not one.selects else set()
         assert set(one.effects) == acting - {""} - always
         assert one.unexplained
 
@@ -96,10 +96,11 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
                 model = history_model(*_known(history), learned(), history.shared, declared=True)
             others = set(worlds[-1]) - set(model.names)
             assert set(model.names) <= set(worlds[-1])
-            assert all(name.startswith("background ") for name in others)
+            assert all(name.level == "background" for name in others)
             compared |= set(model.names)
-    assert {"wind", "usual base_drag", "top_speed in logs", drift_term("mass", 3)} <= compared
-    assert any(" lot " in name for name in compared)
+    levels = {("wind", "effect", ""), ("base_drag", "usual", ""), ("top_speed", "logged", ""), ("mass", "drift", 3)}
+    assert {TermName(*one) for one in levels} <= compared
+    assert any(name.level == "lot" for name in compared)
 
 
 def _known(history: History) -> tuple[tuple[Flight, ...], tuple[Found, ...], int]:

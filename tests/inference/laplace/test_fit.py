@@ -24,6 +24,7 @@ from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data,
 from fieldkit.model.rocket_model import Model, Term, base_model, scatter_of, with_shared
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 
 SETS = 40
@@ -169,7 +170,7 @@ def test_a_step_that_reverses_direction_is_halved() -> None:
 
 
 def test_the_fit_recovers_the_drag() -> None:
-    drag = model().names.index("drag")
+    drag = model().names.index(TermName("drag"))
     means, sds = np.array([result.moments() for result in fits()])[:, :, drag].T
     assert np.corrcoef(truths()[:, drag], means)[0, 1] > 0.97
     assert np.all(sds < 0.4 * model().terms[drag].sd)
@@ -194,7 +195,7 @@ def test_errors_are_neither_biased_nor_too_large() -> None:
     ids=["too sure", "too timid", "shifted"],
 )
 def test_a_distorted_posterior_is_noticed(distort: Callable[[Any], Any]) -> None:
-    drag = errors(fits())[:, model().names.index("drag")]
+    drag = errors(fits())[:, model().names.index(TermName("drag"))]
     assert calibrated(drag, 0.5)
     assert not calibrated(distort(drag), 0.5)
 
@@ -295,7 +296,7 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED_PRIOR) -> t
     doubtful = hyperprior.kind == "learned"
     scaled: tuple[Literal["", "scatter", "reading"], ...] = ("", "scatter", "reading") if doubtful else ("", "", "")
     terms = tuple(
-        Term(str(i), "drag", mean, sd, np.ones(5), scaled_by=scaled[i])
+        Term(TermName(str(i)), "drag", mean, sd, np.ones(5), scaled_by=scaled[i])
         for i, (mean, sd) in enumerate([(0, 1), (2, 0.3), (-1, 2)])
     )
     shape = (5, len(OBSERVED_READOUTS))
@@ -345,7 +346,7 @@ def prior_covariance(model: Model, scale: int) -> Any:
     return covariance
 
 
-SHARED = SharedPrior(("1", "0"), np.array([0.3, -0.4]), np.array([[0.5, 0.2], [0.2, 0.4]]))
+SHARED = SharedPrior((TermName("1"), TermName("0")), np.array([0.3, -0.4]), np.array([[0.5, 0.2], [0.2, 0.4]]))
 """Indices of two terms of the toy model, in another order."""
 
 
@@ -380,7 +381,7 @@ def test_missing_readouts_are_not_used_in_the_fit() -> None:
 
 def test_an_unconstrained_term_does_not_change_the_evidence_and_keeps_its_prior() -> None:
     model, data, near = toy(np.random.default_rng(7))
-    idle = model.with_terms(Term("idle", "drag", 0.5, 0.2, np.zeros(5)))
+    idle = model.with_terms(Term(TermName("idle"), "drag", 0.5, 0.2, np.zeros(5)))
     wider = replace(
         near, at=np.append(near.at, 0.1), slope=np.dstack([near.slope, np.zeros((5, len(OBSERVED_READOUTS)))])
     )

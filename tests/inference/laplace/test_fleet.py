@@ -22,13 +22,15 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term, scatter_of, with_shared
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array
 from tests.seasons import season
 
 FLIGHTS = 4
-SHARED = ("drag of the fleet", "thrust of the fleet")
-PRIOR = {"drag of the fleet": (-0.4, 0.3), "thrust of the fleet": (0.1, 0.2), "drag": (0.0, 0.5)}
+SHARED = (TermName("drag", "fleet"), TermName("thrust", "fleet"))
+DRAG = TermName("drag")
+PRIOR = {SHARED[0]: (-0.4, 0.3), SHARED[1]: (0.1, 0.2), DRAG: (0.0, 0.5)}
 ONE_SCALE = replace(learned(), scatter=Scale((1.0,), 1.0, 0.5), reading=Scale((1.0,), 1.0, 0.5))
 """Without scales to integrate over, everything is normal and messages are exact."""
 
@@ -59,9 +61,9 @@ def linear_rocket(seed: int) -> Fit:
 
 def dense(fits: list[Fit]) -> tuple[Array, Array, float]:
     """Mean and covariance of the shared terms given all rockets, and the log evidence, written out in full."""
-    names = [*SHARED, *(f"drag {i}" for i in range(len(fits)))]
-    sds = np.array([PRIOR[name][1] if name in PRIOR else PRIOR["drag"][1] for name in names])
-    means = np.array([PRIOR[name][0] if name in PRIOR else PRIOR["drag"][0] for name in names])
+    names = [*SHARED, *(TermName("drag", "rocket", i) for i in range(len(fits)))]
+    sds = np.array([PRIOR[name][1] if name in PRIOR else PRIOR[DRAG][1] for name in names])
+    means = np.array([PRIOR[name][0] if name in PRIOR else PRIOR[DRAG][0] for name in names])
     rows, miss, noise = [], [], []
     for i, result in enumerate(fits):
         at_fit = result.evidence
@@ -129,9 +131,10 @@ def test_a_rocket_without_readouts_sends_no_information() -> None:
 
 
 def test_marginals_of_a_shared_prior_are_its_rows() -> None:
-    prior = SharedPrior(("a", "b", "c"), np.arange(3.0), np.diag([1.0, 2.0, 3.0]) + 0.1)
-    part = prior.only(["c", "a", "z"])
-    assert part.names == ("a", "c")
+    a, b, c, other = map(TermName, "abcz")
+    prior = SharedPrior((a, b, c), np.arange(3.0), np.diag([1.0, 2.0, 3.0]) + 0.1)
+    part = prior.only([c, a, other])
+    assert part.names == (a, c)
     np.testing.assert_allclose(part.covariance, prior.covariance[np.ix_([0, 2], [0, 2])])
 
 

@@ -14,6 +14,7 @@ from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
 from fieldkit.model.rocket_model import Model, base_model
+from fieldkit.model.term_names import TermName
 from tests.seasons import season
 
 pytestmark = pytest.mark.fast
@@ -84,7 +85,7 @@ def test_an_outlier_has_little_weight() -> None:
     assert weight[3] < 0.35
     assert np.median(np.delete(weight, 3)) > 0.8
     plain = fit(result.model, replace(result.data, values=values))
-    drag = result.model.names.index("drag")
+    drag = result.model.names.index(TermName("drag"))
     true, robust, other = (one.moments()[0][drag] for one in (result, with_outlier, plain))
     assert abs(robust - true) <= max(abs(other - true), 0.01)
 

@@ -13,7 +13,7 @@ from fieldkit.model.rocket_model import base_model
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
-from fieldkit.model.term_names import fleet_term
+from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False
@@ -34,7 +34,7 @@ def fleet(rocket_sd: float, flight_sd: float, seed: int = 3) -> list[list[tuple[
         motors = [catalogue().resolve(plan.motor) for plan in plans]
         model = base_model(plans, motors, START)
         truth = np.array([[term.mean for term in model.terms]])
-        truth[0, model.names.index("drag")] += rocket_sd * rng.normal()
+        truth[0, model.names.index(TermName("drag"))] += rocket_sd * rng.normal()
         shows = shown(model, truth, {})["apogee"][0] * np.exp(flight_sd * rng.normal(size=FLIGHTS))
         found.append(
             [(one.with_changes(apogee=float(x)), motor) for one, x, motor in zip(plans, shows, motors, strict=True)]

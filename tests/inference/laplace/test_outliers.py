@@ -15,6 +15,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from tests.forecast.test_predict import PLAN, Flown, season
 
@@ -77,7 +78,7 @@ def test_the_evidence_of_a_fit_is_that_of_student_t_residuals(slip: float) -> No
     same = Scale((1.0,), 1.0, 0.5)
     hyperprior = replace(START, scatter=same, reading=same, sds={"apogee.rocket": 0.4, "drag.flight": 1e-6})
     whole = base_model(flights, [motor] * 4, hyperprior)
-    model = whole.only([whole.names.index("apogee")])
+    model = whole.only([whole.names.index(TermName("apogee"))])
     data = observe(flights, [motor] * 4, [True] * 4, hyperprior)
     center = np.log(shown(model, np.zeros((1, 1)), {})["apogee"][0])
 

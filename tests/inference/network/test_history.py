@@ -12,6 +12,7 @@ from fieldkit.inference.history.records import History
 from fieldkit.inference.network.history import checked, load_history, pooled, quick_answer
 from fieldkit.inference.network.history_parts import LEVELS, MEDIAN, STANDARD, answer, monotone, quantile_draws, width
 from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
@@ -126,7 +127,9 @@ def test_a_card_with_other_features_is_refused() -> None:
 
 
 OTHERS_FLEW_ONE = SharedPrior(
-    ("drag of the fleet", "thrust of AeroTech F39T"), np.array([-0.55, 0.02]), np.array([[0.02, 1e-4], [1e-4, 1e-3]])
+    (TermName("drag", "fleet"), TermName("thrust", "motor", "AeroTech F39T")),
+    np.array([-0.55, 0.02]),
+    np.array([[0.02, 1e-4], [1e-4, 1e-3]]),
 )
 """Information from other rockets, which flew one of the motors that are new to this rocket."""
 
