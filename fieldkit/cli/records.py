@@ -8,7 +8,7 @@ import typer
 from fieldkit.cli.compare import document as measured
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import AsJson, complain, print_card, print_json, print_table, say, system
+from fieldkit.cli.screen import AsJson, complain, print_card, print_json, print_table, say, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, note_dry_mass, open_ledger, read_settings, split_settings
 from fieldkit.cli.stream import stream_json, stream_table
 from fieldkit.errors import FieldkitError, nearest, unknown
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from fieldkit.flight import Flight
+    from fieldkit.forecast.one_offs import FlightBesideOthers
     from fieldkit.ledger import FlightSummary, Ledger
     from fieldkit.services.replay import Recording
 
@@ -91,21 +92,39 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         (id,) = ledger.ids([found])
         recording = _recording(ledger, flight) if found.has_log else None
         forecast = prediction_of(ledger, found)
+        beside = _beside_others(ledger, found)
     if json:
+        from fieldkit.presentation.json_documents import flight_document
+
         print_json(
             document(found)
             | ({"recording": measured(recording)} if recording else {})
             | ({"prediction": forecast.json()} if forecast else {})
+            | (flight_document(beside) if beside else {})
         )
         return
     print_card(found, id)
     print_prediction(forecast)
+    if beside:
+        from fieldkit.presentation.one_off_text import why
+
+        say_wrapped(why(beside))
     if recording:
         _print_events(recording)
         if _measures_otherwise(found, recording):
             complain(
                 f"note: this version measures the log differently; run `fieldkit remeasure {id}` to update the flight"
             )
+
+
+def _beside_others(ledger: "Ledger", flight: "Flight") -> "FlightBesideOthers | None":
+    """A flight beside the others of its rocket; None if it cannot be simulated."""
+    from fieldkit.services.one_offs import flight_beside_others
+
+    try:
+        return flight_beside_others(ledger, MotorCheck().catalogue, flight)
+    except FieldkitError:
+        return None
 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":

@@ -148,7 +148,7 @@ def learn(
     if designs and shared:  # a design replaces the information from other rockets about drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
     model = forecast_model(flights, found, every, len(flown), order, shared, hyperprior)
-    model = _designed(model, designs) if designs else model
+    model = designed(model, designs) if designs else model
     past = slice(
         0, max(len(flown), 1)
     )  # without flown flights, the first plan is a placeholder that is not used in the fit
@@ -199,7 +199,7 @@ def _drawn_with(
     return at, values, scales, outlier_lines(result) if flown else ()
 
 
-def _designed(model: Model, cds: Mapping[str, float]) -> Model:
+def designed(model: Model, cds: Mapping[str, float]) -> Model:
     """The model of a rocket with designs: each configuration has the Cd of its design as prior mean, and all share the
     error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect. A
     design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains.

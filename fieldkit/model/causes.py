@@ -37,26 +37,32 @@ EJECT_ERROR = 5.0
 class Cause:
     """A way in which one flight may differ from its rocket.
 
-    `prevalence` is the prior probability for one flight [1], `median` the typical strength in `unit`, and `tag` marks
-    such a flight as an anomaly.
+    `prevalence` is the prior probability for one flight [1], `median` the typical strength, and `tag` marks such a
+    flight as an anomaly. The `unit` is that of the strength as shown: a ratio, computed with as its logarithm, if it
+    is `over` something.
     """
 
+    title: str
     prevalence: float
     median: float
     unit: str
     tag: str = ""
 
+    def shown(self, strength: float) -> float:
+        """A strength in its unit."""
+        return float(np.exp(strength)) if " over " in self.unit else strength
+
 
 CAUSES: Mapping[str, Cause] = MappingProxyType(
     {
-        "weak_motor": Cause(0.02, 0.2, "log of impulse, recorded motor over flown", "weak_launch"),
-        "other_motor": Cause(0.005, 0.0, "log of impulse, recorded motor over flown", "weak_launch"),
-        "extra_drag": Cause(0.02, 0.5, "log of drag, flight over rocket", "extra_drag"),
-        "arc": Cause(0.025, 25.0, "deg from vertical", "off_axis"),
-        "early_ejection": Cause(0.01, 0.0, "s before apogee", "early_ejection"),
-        "late_ejection": Cause(0.005, 1.5, "s late"),
-        "mass": Cause(0.005, 0.15, "log of mass, flown over recorded"),
-        "misread": Cause(0.01, 0.3, "log of readout, shown over true; s for ejection", "altimeter_fault"),
+        "weak_motor": Cause("a weak motor", 0.02, 0.2, "impulse over the motor's", "weak_launch"),
+        "other_motor": Cause("another motor", 0.005, 0.0, "impulse over the motor's", "weak_launch"),
+        "extra_drag": Cause("extra drag", 0.02, 0.5, "drag over the rocket's", "extra_drag"),
+        "arc": Cause("an arc", 0.025, 25.0, "deg from vertical", "off_axis"),
+        "early_ejection": Cause("an early ejection", 0.01, 0.0, "s before apogee", "early_ejection"),
+        "late_ejection": Cause("a late ejection", 0.005, 1.5, "s late"),
+        "mass": Cause("another mass", 0.005, 0.15, "mass over that recorded"),
+        "misread": Cause("a misread readout", 0.01, 0.3, "shown over expected", "altimeter_fault"),
     }
 )
 """Every cause of a single flight by name."""
@@ -75,7 +81,8 @@ _IMPULSES, _BURNS = np.linspace(-0.8, 0.8, 7), np.linspace(-0.6, 0.6, 9)
 class Signatures:
     """The change of every flight's readouts under every strength of every cause.
 
-    `cause` indexes `NAMES`. `shift` is the change of the readouts as compared, and `spread` its standard deviation
+    `cause` indexes `NAMES`; `strength` is the logarithm of a ratio of the flight to what is expected, or in the unit of
+    the cause. `shift` is the change of the readouts as compared, and `spread` its standard deviation
     within the interval of strengths that a point of the grid stands for [1] or [s]. `log_prior` is the log prior
     probability of the cause with this strength, minus infinity on flights that cannot have or show it. [nat]
     """
@@ -115,14 +122,14 @@ def _simulated(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
     weak, drag, arc, mass = (strengths(name) for name in ("weak_motor", "extra_drag", "arc", "mass"))
     usual = -0.5 * _STEPS**2
     rows: list[tuple[str, Array, dict[str, Array], Array]] = [
-        ("weak_motor", weak, {"thrust": -weak}, usual),
+        ("weak_motor", -weak, {"thrust": -weak}, usual),
         ("extra_drag", drag, {"drag": drag}, usual),
         ("arc", arc, {"tilt": (arc / DEGREES_OF_TILT) ** 2}, usual),
         *(("mass", side * mass, {"mass": side * mass}, usual) for side in (1, -1)),
     ]
     for stretch in _BURNS.tolist():
         bends = {"thrust": _IMPULSES, "stretch": np.full(len(_IMPULSES), stretch)}
-        rows.append(("other_motor", -_IMPULSES, bends, -0.5 * (_IMPULSES**2 + stretch**2) / OTHER_MOTOR_SD**2))
+        rows.append(("other_motor", _IMPULSES, bends, -0.5 * (_IMPULSES**2 + stretch**2) / OTHER_MOTOR_SD**2))
     ends = np.cumsum([len(strength) for _, strength, *_ in rows])
     scatter = {kind: np.zeros((ends[-1], len(model.flights))) for kind in ("thrust", "drag", "tilt", "mass", "stretch")}
     for end, (_, strength, own, _) in zip(ends.tolist(), rows, strict=True):

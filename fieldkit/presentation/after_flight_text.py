@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from fieldkit.flight import BY_NAME
 from fieldkit.planning.quantiles import Three
+from fieldkit.presentation.one_off_text import one_off_lines, why
 from fieldkit.quantities import measure, number
 from fieldkit.services.after_flight import Outcome
 from fieldkit.services.next_suggestion import Suggestion
@@ -26,6 +27,8 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
             f"{source} {_interval(found.forecast, system)}; flown {measure(APOGEE, flown, system)}: "
             f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval."
         )
+    if found.beside is not None and found.beside.singled_out and found.beside.flight.clean:
+        yield " ".join(one_off_lines([found.beside]))
     before, after = found.cd
     if _visible(before, after):
         yield f"Cd {before:.2f} is now {after:.2f}."
@@ -40,6 +43,8 @@ def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
         way = "high" if found.miss >= 0 else "low"
         where = "inside" if found.inside else "OUTSIDE"
         yield "Miss", f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90% interval"
+    if found.beside is not None and found.beside.singled_out:
+        yield "Cause", why(found.beside)
     before, after = found.cd
     yield "Cd", f"{before:.2f} is now {after:.2f}" if _visible(before, after) else f"{after:.2f}, unchanged"
     yield "Next", f"{_interval(found.next_flight, system)} on {found.flight.motor}"

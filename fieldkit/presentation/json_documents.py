@@ -3,9 +3,11 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.presentation.json_values import finite
 from fieldkit.presentation.loop_text import in_odds, misses, what_accepting_changes
+from fieldkit.presentation.one_off_text import why
 from fieldkit.scoring.proper_scores import crps, pit
 from fieldkit.selection.diagnose import Ranked
 from fieldkit.selection.force.log_evidence import document as log_evidence_document
@@ -57,7 +59,23 @@ def loop_document(found: Findings) -> dict[str, Any]:
         ],
         "implausible": list(found.excluded),
         "misses": misses(found),
+        "flights": [finite(flight_document(one)) for one in found.flights],
         "missing_force": finite(log_evidence_document(found.log_evidence)),
+    }
+
+
+def flight_document(one: FlightBesideOthers) -> dict[str, Any]:
+    """A flight beside its forecast from the others."""
+    return {
+        "flight_id": one.flight.flight_id,
+        "miss_m": one.miss,
+        "miss_sd_m": one.miss_sd,
+        "one_off": {
+            "probability": one.probability,
+            "causes": [asdict(cause) for cause in one.causes],
+            "suggested_tags": list(one.suggested_tags),
+            "why": why(one),
+        },
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from fieldkit.physics.effect import spoken
 from fieldkit.presentation.held_out_text import mean_misses
+from fieldkit.presentation.one_off_text import one_off_lines
 from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.force.text import climbs_in_words
@@ -40,6 +41,9 @@ def report(found: Findings, system: str = "SI", *, details: bool = False) -> Ite
     yield from misses_drawn(found, system)
     yield from mean_misses(found, shown)
     yield ""
+    if odd := list(one_off_lines(found.flights)):
+        yield from (f"  {line}" for line in odd)
+        yield ""
     yield from _effects(found, system, every=details)
     if details:
         yield ""

@@ -6,11 +6,13 @@ import numpy as np
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, is_cluster
 from fieldkit.planning.quantiles import Three
 from fieldkit.services.forecasts import forecast_from_others, predict_plans
+from fieldkit.services.one_offs import flight_beside_others
 from fieldkit.services.plausible_flights import plausible
 from fieldkit.services.saved_forecasts import of_flight
 
@@ -23,7 +25,7 @@ class Outcome:
     """Forecast of a flight, forecast of the next flight like it, and Cd before and after the flight. [m, 1]
 
     `kept` states whether the forecast was saved before the flight; otherwise it is computed from the other flights.
-    `after` is the forecast of the next flight like it.
+    `after` is the forecast of the next flight like it, `beside` the flight compared with the others of its rocket.
     """
 
     flight: Flight
@@ -31,6 +33,7 @@ class Outcome:
     kept: bool
     after: Prediction
     cd: tuple[float, float]
+    beside: FlightBesideOthers | None = None
 
     @property
     def next_flight(self) -> Three:
@@ -82,6 +85,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
         kept=kept is not None,
         after=after,
         cd=(float(before.cd.mean()), float(after.cd.mean())),
+        beside=flight_beside_others(ledger, motors, flight),
     )
 
 

@@ -19,6 +19,7 @@ from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_average, flown
+from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.services.plausible_flights import exclusions
 
 SAME_PROBABILITY = 0.01
@@ -82,7 +83,8 @@ def look(
     )
     logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
     found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
-    return replace(found, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
+    flights = flights_beside_others(ledger, motors, rocket, diagnosis.averaged)
+    return replace(found, flights=flights, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

@@ -6,6 +6,7 @@ from math import log
 
 from fieldkit.analysis import Recorded
 from fieldkit.flight import Flight
+from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.forecast.predict import predict
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
@@ -91,6 +92,8 @@ class Findings:
     log_evidence: LogEvidence
     excluded: tuple[str, ...] = ()
     """Notes on the clean flights that the fit did not use."""
+    flights: tuple[FlightBesideOthers, ...] = ()
+    """Every flight beside its forecast from the others, and what went wrong on it."""
 
 
 def findings(

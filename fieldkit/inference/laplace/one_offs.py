@@ -45,8 +45,8 @@ class OneOffs:
 
     `miss` is each readout as compared minus its prediction from the other flights, and `sd` the standard deviation of
     the prediction for a usual flight, nan if not recorded [1] or [s]. `normal` is the probability that a flight is a
-    usual one, 1 for a flight without readouts, `cause` that of each of `NAMES`, and `strength` its expectation in the
-    unit of the cause. `weight` is the weight of each flight in the next fit: less than `normal` for flights before a
+    usual one, 1 for a flight without readouts, `cause` that of each of `NAMES`, and `strength` its expectation, as in
+    `Signatures`. `weight` is the weight of each flight in the next fit: less than `normal` for flights before a
     lasting change, which has probability `changed` [1]. `log_mixture` is what each flight adds to the log evidence of a
     fit with these weights. [nat]
     """

@@ -153,7 +153,7 @@ def test_what_goes_wrong_lowers_the_apogee_and_more_of_it_lowers_it_more(name: s
     whole = fitted(season())
     known = signatures(whole.model, whole.tangent.at, whole.tangent.values, whole.data.seen)
     rows = np.flatnonzero((known.cause == NAMES.index(name)) & np.isfinite(known.log_prior[:, 0]))
-    rows = rows[np.argsort(known.strength[rows, 0])]
+    rows = rows[np.argsort(np.abs(known.strength[rows, 0]))]
     apogee = known.shift[rows, 0, 0]
     assert (apogee <= 0).all()
     assert apogee[-1] < -0.3

@@ -1,0 +1,135 @@
+"""The flights of a rocket beside their forecasts without them: by how much each missed, and what went wrong, if it did.
+
+The model is that of the forecasts, averaged over the sets of effects that they use.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import declared_places, designed, forecast_model
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
+from fieldkit.model.causes import CAUSES, NAMES
+from fieldkit.model.hyperprior import Hyperprior
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
+from fieldkit.model.rocket_model import FlownFlights
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.model.term_names import fleet_term
+from fieldkit.selection.candidates import Averaged
+
+SINGLED_OUT = 0.5
+"""Probability of being a one-off above which a flight is singled out. [1]"""
+SUGGESTED = 0.5
+"""A tag is suggested for the most probable cause, and for others at least this fraction as probable. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class PossibleCause:
+    """A cause of a flight, its probability [1], and its expected strength in its `unit`."""
+
+    cause: str
+    probability: float
+    strength: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class FlightBesideOthers:
+    """A flight compared with the forecast without it.
+
+    `forecast` is the apogee to expect from the other flights, `miss` the flown one minus it, with the standard
+    deviation of a usual flight; nan without an apogee. [m] `departures` has the difference of every readout that the
+    model compares from its expectation and its standard deviation, as log ratios or for the time to ejection in
+    seconds. `probability` is that of being a one-off, `causes` the possible ones, the most probable first.
+    """
+
+    flight: Flight
+    forecast: float
+    miss: float
+    miss_sd: float
+    departures: Mapping[str, tuple[float, float]]
+    probability: float
+    causes: tuple[PossibleCause, ...]
+
+    @property
+    def singled_out(self) -> bool:
+        """Whether the flight probably differs from the others of its rocket."""
+        return self.probability > SINGLED_OUT
+
+    @property
+    def suggested_tags(self) -> tuple[str, ...]:
+        """The tags for a flight that is singled out and not yet tagged, the most probable first."""
+        if not self.singled_out or not self.flight.clean:
+            return ()
+        near = [one for one in self.causes if one.probability >= SUGGESTED * self.causes[0].probability]
+        return tuple(dict.fromkeys(tag for one in near if (tag := CAUSES[one.cause].tag)))
+
+
+def beside_others(
+    flown: FlownFlights,
+    averaged: Averaged = (),
+    *,
+    cds: Mapping[str, float] | None = None,
+    shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
+) -> tuple[FlightBesideOthers, ...]:
+    """The flights of one rocket in the order flown, each compared with the others; tagged ones are compared but not
+    used. Arguments and errors as in `fieldkit.forecast.predict.predict`."""
+    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
+    designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
+    if designs and shared:  # a design replaces the information from other rockets about drag
+        shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
+    parts = []
+    for chance, places in averaged or ((1.0, ()),):
+        acting = (*places, *declared_places(flights, places))
+        model = forecast_model(flights, found, acting, shared=shared, hyperprior=hyperprior)
+        model = replace(designed(model, designs) if designs else model, coarse=True)
+        used, every = (
+            observe(flights, found, rows, model.hyperprior)
+            for rows in ([flight.clean for flight in flights], [True] * len(flights))
+        )
+        parts.append((chance, one_offs(fit_robustly(model, used, causes=True), every)))
+    whole = _mixed(parts)
+    return tuple(_beside(flight, whole, row) for row, flight in enumerate(flights))
+
+
+def _mixed(parts: Sequence[tuple[float, OneOffs]]) -> OneOffs:
+    """The average over sets of effects."""
+    chance = np.array([own for own, _ in parts]) / sum(own for own, _ in parts)
+    each = {name: np.stack([getattr(one, name) for _, one in parts]) for name in OneOffs.__slots__ if name != "changed"}
+    miss, normal, cause, strength = (
+        np.tensordot(chance, each[name], 1) for name in ("miss", "normal", "cause", "strength")
+    )
+    sd = np.sqrt(np.tensordot(chance, each["sd"] ** 2 + (each["miss"] - miss) ** 2, 1))
+    strength = np.tensordot(chance, each["cause"] * each["strength"], 1) / np.maximum(cause, 1e-300)
+    return replace(parts[0][1], miss=miss, sd=sd, normal=normal, cause=cause, strength=strength)
+
+
+def _beside(flight: Flight, found: OneOffs, row: int) -> FlightBesideOthers:
+    apogee, miss, sd = flight.apogee or np.nan, float(found.miss[row, 0]), float(found.sd[row, 0])
+    forecast = apogee * np.exp(-miss)
+    causes = sorted(
+        (
+            PossibleCause(name, float(chance), CAUSES[name].shown(float(found.strength[row, place])), CAUSES[name].unit)
+            for place, (name, chance) in enumerate(zip(NAMES, found.cause[row], strict=True))
+            if chance > 0
+        ),
+        key=lambda one: -one.probability,
+    )
+    departures = {
+        name: (float(found.miss[row, column]), float(found.sd[row, column]))
+        for column, name in enumerate(OBSERVED_READOUTS)
+        if np.isfinite(found.miss[row, column])
+    }
+    return FlightBesideOthers(
+        flight,
+        float(forecast),
+        float(apogee - forecast),
+        float(sd * forecast),
+        departures,
+        float(1 - found.normal[row]),
+        tuple(causes),
+    )

@@ -1,0 +1,108 @@
+"""A flight beside the others of its rocket in words: by how much it missed, what most likely went wrong, and why."""
+
+from collections.abc import Iterator, Sequence
+
+from fieldkit.flight import BY_NAME
+from fieldkit.flight.short_name import flight_label
+from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause
+from fieldkit.model.causes import CAUSES
+from fieldkit.quantities import percent
+
+CLEAR = 1.5
+"""A readout departs clearly from this many standard deviations on. [1]"""
+LIKELY = 0.5
+"""A cause is called the most likely from this fraction of the probability of all causes on. [1]"""
+MAX_CAUSES = 3
+"""Maximum number of causes to list. [1]"""
+WORTH_SAYING = 0.2
+"""Probability of being a one-off from which a flight that is not singled out gets more than its miss. [1]"""
+LONGER = {"burn_time": ("long", "short"), "coast_to_apogee": ("long", "short"), "apogee_to_eject": ("late", "early")}
+"""Readouts in seconds, and the words for more and for less."""
+
+
+def why(one: FlightBesideOthers) -> str:
+    """What is known about a flight in one or two sentences."""
+    name = flight_label(one.flight.flight_id).capitalize()
+    flew = _flew(one)
+    if not one.departures:
+        return f"{name} has no readouts to compare."
+    if one.probability < WORTH_SAYING:
+        return f"{name} {flew}, within the scatter of its rocket."
+    if not one.singled_out:
+        return f"{name} {flew}: scatter, or with a chance of {percent(one.probability)} {_listed(one.causes)}."
+    return f"{name} {flew}. {_cause(one)}."
+
+
+def _flew(one: FlightBesideOthers) -> str:
+    """`flew 20% low`; of a flight without an apogee, that it has readouts."""
+    if "apogee" not in one.departures:
+        return "has no apogee"
+    share = abs(one.miss) / one.forecast
+    way = "low" if one.miss < 0 else "high"
+    return f"flew {share:.0%} {way}" if round(share, 2) else "flew as forecast"
+
+
+def _cause(one: FlightBesideOthers) -> str:
+    """The most likely cause with what speaks for it, or the possible ones with what would tell them apart."""
+    first = one.causes[0]
+    shown = ", ".join(_signs(one))
+    if first.probability >= LIKELY * one.probability:
+        return f"Most likely {_named(one, first)} ({percent(first.probability)})" + (f": {shown}" if shown else "")
+    several = f"Possible: {_listed(one.causes)}"
+    if set(one.departures) == {"apogee"}:
+        return f"{several}; the apogee alone does not tell, top speed and coast time would"
+    return f"{several}: {shown}" if shown else several
+
+
+def _named(one: FlightBesideOthers, cause: PossibleCause) -> str:
+    """The cause in words; of a misread readout, which one."""
+    if cause.cause != "misread":
+        return CAUSES[cause.cause].title
+    worst = max(one.departures, key=lambda name: abs(one.departures[name][0]) / one.departures[name][1])
+    return f"a misread {BY_NAME[worst].title.lower()}"
+
+
+def _listed(causes: Sequence[PossibleCause]) -> str:
+    """`an arc (31%), extra drag (29%) or a weak motor (20%)`."""
+    some = [f"{CAUSES[one.cause].title} ({percent(one.probability)})" for one in causes[:MAX_CAUSES]]
+    return some[0] if len(some) == 1 else f"{', '.join(some[:-1])} or {some[-1]}"
+
+
+def _signs(one: FlightBesideOthers) -> Iterator[str]:
+    """The readouts beside the apogee that depart clearly, and speed and coast if they are as usual."""
+    for name, (miss, sd) in one.departures.items():
+        if name == "apogee":
+            continue
+        title = (
+            BY_NAME[name].title.lower().replace("coast to apogee", "coast").replace("apogee to ejection", "ejection")
+        )
+        if abs(miss) < CLEAR * sd:
+            if name in ("top_speed", "coast_to_apogee"):
+                yield f"{title} as usual"
+            continue
+        more, less = LONGER.get(name, ("high", "low"))
+        word = more if miss > 0 else less
+        value = one.flight.number(name)
+        if value is None or name == "apogee_to_eject":
+            yield f"{title} {abs(miss):.1f} s {word}"
+        elif name in LONGER:
+            yield f"{title} {abs(value * _less(-miss)):.1f} s {word}"
+        else:
+            yield f"{title} {abs(_less(miss)):.0%} {word}"
+
+
+def _less(log_ratio: float) -> float:
+    """The change relative to what is expected, of a log ratio to it. [1]"""
+    from math import expm1
+
+    return expm1(log_ratio)
+
+
+def one_off_lines(found: Sequence[FlightBesideOthers]) -> Iterator[str]:
+    """A line for every flight that is singled out, with the command that tags it."""
+    for one in found:
+        if not one.singled_out or not one.flight.clean:
+            continue
+        yield why(one)
+        if one.suggested_tags:
+            yield f"If that is so: fieldkit tag {one.flight.flight_id} {one.suggested_tags[0]}"

@@ -1,0 +1,58 @@
+"""What flights beside the others of their rocket are said to be."""
+
+from math import log
+
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause
+from fieldkit.presentation.one_off_text import one_off_lines, why
+
+pytestmark = pytest.mark.fast
+
+
+def flight(
+    probability: float, *causes: tuple[str, float], tags: tuple[str, ...] = (), **departures: tuple[float, float]
+) -> FlightBesideOthers:
+    """Flight 8, which flew 20% low, with some probable causes."""
+    return FlightBesideOthers(
+        Flight("8", "Astra", "A", "F24-4W", apogee=200.0, top_speed=60.0, coast_to_apogee=5.0, tags=tags),
+        forecast=250.0,
+        miss=-50.0,
+        miss_sd=15.0,
+        departures={"apogee": (log(0.8), 0.06), **departures},
+        probability=probability,
+        causes=tuple(PossibleCause(name, chance, 1.0, "") for name, chance in causes),
+    )
+
+
+def test_a_likely_cause_is_said_with_what_speaks_for_it() -> None:
+    one = flight(0.9, ("arc", 0.71), ("mass", 0.1), top_speed=(0.01, 0.05), coast_to_apogee=(log(5 / 5.9), 0.05))
+    assert why(one) == ("Flight 8 flew 20% low. Most likely an arc (71%): top speed as usual, coast 0.9 s short.")
+
+
+def test_without_other_readouts_the_possible_causes_are_listed_with_what_would_tell() -> None:
+    one = flight(0.9, ("extra_drag", 0.31), ("weak_motor", 0.29), ("arc", 0.2), ("mass", 0.1))
+    assert why(one) == (
+        "Flight 8 flew 20% low. Possible: extra drag (31%), a weak motor (29%) or an arc (20%); "
+        "the apogee alone does not tell, top speed and coast time would."
+    )
+
+
+def test_a_usual_flight_is_scatter() -> None:
+    assert why(flight(0.1, ("arc", 0.05))) == "Flight 8 flew 20% low, within the scatter of its rocket."
+    assert list(one_off_lines([flight(0.1, ("arc", 0.05))])) == []
+
+
+def test_a_misread_readout_is_named() -> None:
+    one = flight(0.9, ("misread", 0.8), top_speed=(0.5, 0.05))
+    assert "a misread top speed (80%): top speed 65% high" in why(one)
+
+
+def test_a_tag_is_suggested_for_a_flight_that_has_none() -> None:
+    one = flight(0.9, ("arc", 0.5), ("weak_motor", 0.3), ("misread", 0.1))
+    assert one.suggested_tags == ("off_axis", "weak_launch")
+    assert list(one_off_lines([one]))[1] == "If that is so: fieldkit tag 8 off_axis"
+    tagged = flight(0.9, ("arc", 0.5), tags=("off_axis",))
+    assert tagged.suggested_tags == ()
+    assert list(one_off_lines([tagged])) == []
