@@ -27,10 +27,10 @@ from textual.pilot import Pilot
 from textual.widgets import Input, Static
 
 from fieldkit.forecast.at_once import each_at_once
-from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.ledger import Ledger, models
+from fieldkit.planning.forecasts import forecasts
 from fieldkit.planning.motor_guide import guide
 from fieldkit.planning.quick_guide import quick_guide
 from fieldkit.tui.app import FieldkitApp
@@ -145,7 +145,7 @@ ONCE = {
     "fieldkit.planning.motor_guide.guide": once(guide, _guided),
     "fieldkit.planning.quick_guide.quick_guide": once(quick_guide, _guided),
     "fieldkit.services.inferred.each_at_once": once(each_at_once),
-    "fieldkit.services.forecasts.predict": once(predict),
+    "fieldkit.services.forecasts.forecasts": once(forecasts),
     "fieldkit.forecast.predict.fit_robustly": once(fit_robustly, _fitted),
 }
 """Pure functions of the engine that pages call often and that take most of their time."""

@@ -14,8 +14,8 @@ from bench.faults.ledgers import Outcome, state
 from bench.faults.servers import emptied, recovered_server
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger, Renewal
+from fieldkit.rocket import Configuration
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 Change = Callable[[Ledger], object]
@@ -32,7 +32,7 @@ CHANGES: dict[str, Change] = {
     "a model": lambda ledger: ledger.keep_version("Astra", {"effect": "wear"}),
     "another model": lambda ledger: ledger.activate("Astra", None),
     "a prediction": lambda ledger: ledger.keep_prediction({"p50": 2.0}, digest="d2", rocket="Astra"),
-    "a start": lambda ledger: ledger.keep_start(Start("Comet", "A", 0.3)),
+    "a start": lambda ledger: ledger.keep_design(Configuration("Comet", "A", 0.3)),
     "a draft": lambda ledger: ledger.keep_draft("add", {"apogee": "924ft"}),
 }
 
@@ -78,7 +78,7 @@ def _furnish(ledger: Ledger) -> None:
     ledger.add([FIRST], log=b"a log")
     ledger.keep_version("Astra", {"effect": "wind"})
     ledger.keep_prediction({"p50": 1.0}, digest="d1", rocket="Astra")
-    ledger.keep_start(Start("Astra", "A", 0.3))
+    ledger.keep_design(Configuration("Astra", "A", 0.3))
     ledger.keep_draft("add", {"apogee": "923ft"})
     ledger.tag("1", "off_axis")
     ledger.edit("1", notes="high")

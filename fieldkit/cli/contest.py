@@ -106,7 +106,7 @@ def finals(
         print_json(document | about_plan(prediction, lines))
         return
     say_wrapped(ENDS_NOTE)
-    print_safety(prediction.plan, lines, plan.rocket.starts)
+    print_safety(prediction.plan, lines, plan.rocket.known)
     say()
     for line in (*FINALS_NOTES, *notes, *heading):
         say_wrapped(line)
@@ -208,7 +208,7 @@ def contest(
         without = f"; {', '.join(untimed)} without a duration: altitude only" if untimed else ""
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}{without}")
     if ahead is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.starts)
+        print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.known)
 
 
 takes_plan(contest)

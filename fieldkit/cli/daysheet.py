@@ -74,7 +74,7 @@ app.command()(daysheet)
 def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> Iterator[list[PlanContext]]:
     """The plans of a table, each for its rocket; conditions, site and descent given on the command line fill gaps in a
     row. Without a table, the one plan that is given. The ledger is open. Raises DamagedLog, NoFlights, BadValue."""
-    from fieldkit.services.planning import rocket_of
+    from fieldkit.services.forecasts import rocket_of
 
     if table is None:
         with planning(context, given) as plan:
@@ -98,7 +98,7 @@ def plans_of_day(context: typer.Context, table: Path | None, given: Given) -> It
 def _completed_row(ledger: "Ledger", motors: "Catalogue", row: "Flight", given: Given) -> "Flight":
     """A row of a table of plans, completed with the day's conditions and from its rocket."""
     from fieldkit.importing.manual_entry import read_changes
-    from fieldkit.services.planning import completed_plan
+    from fieldkit.services.plans import completed_plan
 
     names = ("site", *(column.name for column in CONDITION_COLUMNS))
     day = read_changes(row, {name: text for name in names if (text := given.get(name)) is not None})

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
-from fieldkit.cli.plan_options import plan_from_options
+from fieldkit.cli.plan_options import plan_from_options, remember
 from fieldkit.cli.planning import (
     OF_THE_FIELD,
     about_plan,
@@ -34,6 +34,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.planning.check import ADVICE_NOTE, SafetyCheck
 from fieldkit.quantities import in_system
+from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -81,9 +82,11 @@ def predict(
             _print_quick(ledger, check, plans, json=json)
             return
         predictions, unsaved = _predicted(ledger, check.catalogue, plans, model)
+        if flights is not None:
+            remember(ledger, check.catalogue, plans)
         lines = safety_of(ledger, check.catalogue, predictions, given)
         down = way_down(ledger, check.catalogue, predictions) if json else []
-        starts = ledger.starts(plans[0].rocket) if flights is None else []
+        rocket = ledger.rocket(plans[0].rocket)
     for note in dict.fromkeys(note for one in predictions for note in one.found.notes):
         remark(note)
     if json:
@@ -93,7 +96,7 @@ def predict(
         ]
         print_json({"predictions": documents})
     elif flights is None:
-        print_safety(predictions[0].plan, lines[0], starts)
+        print_safety(predictions[0].plan, lines[0], rocket)
         say()
         _print_one(predictions[0], ledger.remarks)
     else:
@@ -113,7 +116,9 @@ def _predicted(
 ) -> "tuple[list[Prediction], LedgerError | None]":
     """Saved forecasts; or unsaved ones and the reason, because a flyer with a full or read-only disk needs them too."""
     from fieldkit.services.forecasts import predict_plans
+    from fieldkit.services.plans import completed
 
+    plans = completed(ledger, motors, plans, read_settings())
     with progress("fitting your other rockets") as on_progress:
         try:
             return predict_plans(ledger, motors, plans, model.value, on_progress=on_progress), None

@@ -102,7 +102,7 @@ def _in_season(
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
     from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
-    from fieldkit.services.planning import shortlist
+    from fieldkit.services.shortlist import shortlist
 
     mount = (
         length("--mount", fit["mount"], "mm")
@@ -182,7 +182,7 @@ def _print(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
         )
     say_wrapped(f"based on {rests_in_words(prediction)}")
-    print_conditions(prediction.plan, plan.rocket.starts)
+    print_conditions(prediction.plan, plan.rocket.known)
     say()
     _table(choices, names, ALL_DELAYS if every else SHOWN_DELAYS)
 

@@ -79,7 +79,7 @@ def landing(
 
         more = [line for line in words[1:] if not line.startswith("  based on")]
         around = [
-            *conditions_in_words(prediction.plan, plan.rocket.starts, system()),
+            *conditions_in_words(prediction.plan, plan.rocket.known, system()),
             *(f"  note      {one}" for one in found.notes),
         ]
         name, *forecast = in_words(prediction, system())
@@ -90,7 +90,7 @@ def landing(
         document: dict[str, Any] = {"rocket": prediction.plan.rocket, "motor": found.motor.designation} | one.json()
         print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(prediction, lines))
         return
-    print_plan(words, prediction.plan, lines, plan.rocket.starts)
+    print_plan(words, prediction.plan, lines, plan.rocket.known)
 
 
 def _day(plan: "Flight") -> str:

@@ -192,7 +192,7 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
     mistake."""
     from fieldkit.planning.motor_guide import label
     from fieldkit.services.forecasts import which_rocket
-    from fieldkit.services.planning import keep_shortlist, shortlist
+    from fieldkit.services.shortlist import keep_shortlist, shortlist
 
     if len(found) > MAX_LISTED_MOTORS:
         raise typer.BadParameter(

@@ -13,8 +13,8 @@ from fieldkit.errors import BadValue
 from fieldkit.quantities import written
 
 if TYPE_CHECKING:
-    from fieldkit.flight.start import Start
     from fieldkit.openrocket import Design
+    from fieldkit.rocket import Configuration
 
 app = typer.Typer()
 
@@ -40,7 +40,7 @@ def ork(
     saved = False
     if not look:
         with open_ledger(context) as ledger:
-            saved = ledger.keep_start(start)
+            saved = ledger.keep_design(start)
     if json:
         print_json(_document(start, design, saved=saved))
         return
@@ -53,7 +53,7 @@ def ork(
         complain(_done(start) if saved else "Duplicate: it is already saved")
 
 
-def _lines(start: "Start", design: "Design") -> list[str]:
+def _lines(start: "Configuration", design: "Design") -> list[str]:
     lines = []
     if start.dry_mass is not None:
         lines.append(f"  dry mass  {measured('dry_mass', start.dry_mass)}, from {design.mass_by}")
@@ -71,13 +71,13 @@ def _lines(start: "Start", design: "Design") -> list[str]:
     return [*lines, f"  motors    {', '.join(motors)}"] if motors else lines
 
 
-def _done(start: "Start") -> str:
+def _done(start: "Configuration") -> str:
     config = f" --config {quote(start.config)}" if start.config else ""
     rocket = quote(start.rocket)
     return f"Saved. Next: `fieldkit predict --rocket {rocket}{config} --motor MOTOR`. `fieldkit undo` to undo."
 
 
-def _document(start: "Start", design: "Design", *, saved: bool) -> dict[str, object]:
+def _document(start: "Configuration", design: "Design", *, saved: bool) -> dict[str, object]:
     return {
         "rocket": start.rocket,
         "config": start.config,

@@ -44,7 +44,7 @@ def delay(
         document |= {"delays": [one.json() for one in judged.delays], "words": list(judged.words)}
         print_json(document | {"drill": tool.json() if tool else None} | about_plan(prediction, lines))
         return
-    print_plan(delays_in_words(judged, fast, tool, system()), prediction.plan, lines, plan.rocket.starts)
+    print_plan(delays_in_words(judged, fast, tool, system()), prediction.plan, lines, plan.rocket.known)
 
 
 LONGEST_CUT = 10.0
@@ -116,7 +116,7 @@ def ballast(
         document |= {"flights": prediction.rests_on, "model": prediction.model}
         print_json(document | best.json() | about_plan(prediction, lines))
         return
-    print_plan(ballast_in_words(best, goal, system()), prediction.plan, lines, plan.rocket.starts)
+    print_plan(ballast_in_words(best, goal, system()), prediction.plan, lines, plan.rocket.known)
 
 
 takes_plan(ballast)

@@ -1,7 +1,7 @@
 """The plan that the options of a command describe, completed from the rocket's last flight, a kit, or the mass weighed
 with the motor."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
@@ -11,8 +11,8 @@ import typer
 from fieldkit.cli.options import FIELD
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.session import LIFT_OFF, dry_mass
-from fieldkit.errors import UnknownMotor
-from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.errors import LedgerError, UnknownMotor
+from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
 from fieldkit.flight.plausibility import doubts, implausible
 from fieldkit.flight.recovery import (
     RECOVERY_NAMES,
@@ -23,7 +23,7 @@ from fieldkit.flight.recovery import (
     stability,
 )
 from fieldkit.paths import data_file
-from fieldkit.quantities import in_system, significant
+from fieldkit.quantities import in_system, measure, significant
 from fieldkit.services.names import same_name
 from fieldkit.settings import read_settings
 
@@ -52,7 +52,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
     from fieldkit.planning.safety import motor_temperature
-    from fieldkit.services.planning import completed_plan
+    from fieldkit.services.plans import completed_plan
 
     if given.get("dry_mass") and given.get(LIFT_OFF):
         raise typer.BadParameter("found --dry-mass and --lift-off-mass, expected one of them")
@@ -81,6 +81,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
         plan = plan.with_changes(dry_mass=dry_mass(motors, on_pad, lift_off))
     typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
     plan = plan.with_changes(extra={**plan.extra, **typed})
+    stated = plan
     plan = completed_plan(ledger, motors, plan, read_settings())
     recovery_of(plan)
     check_recovery(plan)
@@ -88,7 +89,29 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     stability(plan)
     for note in _doubts(ledger, motors, plan, given):
         complain(f"note: {note}")
+    remember(ledger, motors, [stated])
     return plan
+
+
+def remember(ledger: "Ledger", motors: "Catalogue", plans: "Sequence[Flight]") -> None:
+    """Save the masses and diameters that plans state, unless they are impossible on their motors, and print them."""
+    from fieldkit.services.plans import BODY, keep_bodies
+
+    stated = []
+    for plan in plans:
+        with suppress(UnknownMotor):
+            found = motors.resolve_several(plan.motor) if plan.motor else None
+            stated += [plan] if found is None or not implausible(plan, found.motor) else []
+    with suppress(LedgerError):  # a full or read-only disk: the plan is good without it
+        for one in keep_bodies(ledger, stated):
+            body = one.weighed_mass, one.measured_diameter
+            figures = [
+                f"{BY_NAME[name].title.lower()} {measure(BY_NAME[name], value, system())}"
+                for name, value in zip(BODY, body, strict=True)
+                if value is not None
+            ]
+            build = f"{one.rocket} {one.config}".strip()
+            complain(f"note: saved {' and '.join(figures)} of {build}; `fieldkit undo` to undo")
 
 
 def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given) -> "Iterator[str]":

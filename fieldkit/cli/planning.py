@@ -22,13 +22,13 @@ from fieldkit.planning.limits import Limit, limits
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.flight.start import Start
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
     from fieldkit.planning.contest import Season
     from fieldkit.planning.descent_rate import Fall
-    from fieldkit.planning.forecasts import Rocket
+    from fieldkit.planning.forecasts import RocketData
+    from fieldkit.rocket import Rocket
 
 RocketLength = Annotated[str | None, typer.Option(help="Length of the rocket, for the season's limit: 700mm, 28in.")]
 
@@ -40,7 +40,7 @@ class PlanContext:
     ledger: "Ledger"
     motors: "Catalogue"
     flight: "Flight"
-    rocket: "Rocket"
+    rocket: "RocketData"
     site: "Site"
     limits: "dict[str, Limit]"
     mount: float | None = None
@@ -74,7 +74,7 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
 
     Raises NoFlights, BadValue.
     """
-    from fieldkit.services.planning import rocket_of
+    from fieldkit.services.forecasts import rocket_of
 
     motors = known_motors()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
@@ -220,17 +220,17 @@ def about_plan(prediction: "Prediction", lines: "Sequence[SafetyCheck]") -> dict
     }
 
 
-def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
+def print_conditions(plan: "Flight", rocket: "Rocket") -> None:
     """Print the conditions of a plan and the design it starts from."""
     from fieldkit.presentation.planning_text import conditions_in_words
 
-    for text in conditions_in_words(plan, starts, system()):
+    for text in conditions_in_words(plan, rocket, system()):
         say_wrapped(text, " " * 10)
 
 
-def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
+def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", rocket: "Rocket") -> None:
     """Print the conditions and safety checks of a plan, and its result last, where it stays on a small screen."""
-    print_safety(plan, lines, starts)
+    print_safety(plan, lines, rocket)
     say()
     for text in words:
         say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
@@ -240,9 +240,9 @@ _WIDTH = 79
 """Maximum width of a line that is printed unwrapped. [character]"""
 
 
-def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
+def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", rocket: "Rocket") -> None:
     """Print the conditions of a plan, the safety checks in short, the worst last, and who decides."""
-    print_conditions(plan, starts)
+    print_conditions(plan, rocket)
     say("  safety")
     for text in short_safety_text(lines, system()):
         say_wrapped(f"    {text}", "  ")

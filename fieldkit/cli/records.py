@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.forecast.one_offs import FlightBesideOthers
     from fieldkit.ledger import FlightSummary, Ledger
+    from fieldkit.rocket import Configuration
     from fieldkit.services.replay import Recording
 
 app = typer.Typer()
@@ -59,12 +60,26 @@ def flights(
         if (first := next(pages, None)) is None:
             for note in _mistyped(ledger, rocket, tag):
                 complain(f"note: {note}")
+            for known in ledger.rocket(rocket).configurations if rocket else ():
+                say(_in_words(known))
             complain(f"No matching flights in {ledger.name}" if rocket or tag else f"No flights in {ledger.name} yet")
         else:
             headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
             chosen = system()
             rows = ([_listed(one, chosen) for one in page] for page in chain([first], pages))
             stream_table(headers, rows, numbers=["apogee"])
+
+
+def _in_words(one: "Configuration") -> str:
+    """What is known of a configuration apart from its flights."""
+    mass = one.dry_mass if one.weighed_mass is None else one.weighed_mass
+    diameter = one.diameter if one.measured_diameter is None else one.measured_diameter
+    figures = [
+        f"dry mass {measure(BY_NAME['dry_mass'], mass, system())}" if mass is not None else "",
+        f"diameter {measure(BY_NAME['diameter'], diameter, system())}" if diameter is not None else "",
+        f"Cd {one.cd:.2f} of {one.source}" if one.cd else "",
+    ]
+    return f"{one.rocket} {one.config}".strip() + ": " + ", ".join(filter(None, figures))
 
 
 def _mistyped(ledger: "Ledger", rocket: str | None, tag: str | None) -> "Iterator[str]":

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import repeated
+from fieldkit.flight.plan import repeated
 from fieldkit.inference.history.features import PreparedHistory, modeled, summarized
 from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond

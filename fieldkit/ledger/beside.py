@@ -1,25 +1,17 @@
-"""Records of a ledger other than flights: models, predictions, starting configurations, drafts."""
+"""Records of a ledger other than flights: models, predictions, configurations of rockets, drafts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
 from typing import Any
 
-from sqlalchemy import Connection, and_, select
-
-from fieldkit.flight.start import Start
-from fieldkit.ledger import drafts, models, opening
-from fieldkit.ledger.checksums import sound_rows
+from fieldkit.ledger import drafts, models, opening, rockets
 from fieldkit.ledger.drafts import Content
 from fieldkit.ledger.opened import OpenLedger
 from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
-from fieldkit.ledger.rows import check_key
-from fieldkit.ledger.tables import configurations
-
-START_FIELDS = tuple(field.name for field in fields(Start))
+from fieldkit.rocket import Configuration, Rocket
 
 
 class BesideFlights(OpenLedger):
-    """Saving model versions, forecasts, starting configurations and drafts. Each method raises LedgerError if the
+    """Saving model versions, forecasts, configurations of rockets and drafts. Each method raises LedgerError if the
     ledger cannot be read or written."""
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
@@ -78,29 +70,23 @@ class BesideFlights(OpenLedger):
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)
 
-    def keep_start(self, start: Start) -> bool:
-        """Save a starting configuration, replacing an older one; False if it is a duplicate. Raises BadValue for names
-        that not every kind of ledger can store."""
-        check_key("rocket and config", start.rocket + start.config)
+    def keep_design(self, design: Configuration) -> bool:
+        """Save the design of a configuration, replacing an older one; False if it is a duplicate. What was weighed and
+        measured is kept. Raises BadValue for names that not every kind of ledger can store."""
         with self._changing() as recorder:
-            if start in _starts(recorder.connection, start.rocket):
-                return False
-            named = and_(configurations.c.rocket == start.rocket, configurations.c.config == start.config)
-            recorder.delete(configurations, named)
-            recorder.insert(configurations, [asdict(start)])
-            recorder.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
-        return True
+            if changed := rockets.keep(recorder, design.rocket, design.config, rockets.design_of(design)):
+                recorder.sign("ork", " ".join((design.rocket, design.config)).strip() + f" from {design.source}")
+        return changed
 
-    def starts(self, rocket: str) -> list[Start]:
-        """The starting configurations of a rocket, by name."""
+    def rocket(self, name: str) -> Rocket:
+        """A rocket with what is known of its configurations apart from its flights."""
         with self._reading() as connection:
-            return _starts(connection, rocket)
+            return Rocket(name, tuple(rockets.configurations_of(connection, name)))
 
-    def designed(self) -> list[str]:
-        """The rockets with a starting configuration, by name."""
-        rocket = configurations.c.rocket
+    def rockets(self) -> list[Rocket]:
+        """The rockets of which something is known apart from their flights, by name."""
         with self._reading() as connection:
-            return list(connection.scalars(select(rocket).distinct().order_by(rocket)))
+            return [Rocket(name, tuple(own)) for name, own in rockets.by_rocket(connection).items()]
 
     def keep_draft(self, name: str, content: Content) -> None:
         """Save a draft under a name, replacing the previous one; see `drafts.Content`."""
@@ -114,10 +100,14 @@ class BesideFlights(OpenLedger):
                 recorder.sign(command, what)
         return changed
 
-    def change_drafts(self, contents: Mapping[str, Content], command: str, what: str) -> bool:
-        """Save several documents, as in `change_draft`, as one change."""
+    def change_drafts(
+        self, contents: Mapping[str, Content], command: str, what: str, stated: Sequence[Configuration] = ()
+    ) -> bool:
+        """Save several documents, as in `change_draft`, and the `stated` masses and diameters of configurations, as one
+        change. Raises BadValue for names of configurations that not every kind of ledger can store."""
         with self._changing() as recorder:
             changed = [drafts.change(recorder, name, content) for name, content in contents.items()]
+            changed += [rockets.keep(recorder, one.rocket, one.config, rockets.body_of(one)) for one in stated]
             if any(changed):
                 recorder.sign(command, what)
         return any(changed)
@@ -133,8 +123,3 @@ class BesideFlights(OpenLedger):
             if dropped := drafts.put_away(recorder, name):
                 recorder.sign("drop", f"the draft of {name}")
         return dropped
-
-
-def _starts(connection: Connection, rocket: str) -> list[Start]:
-    query = select(configurations).where(configurations.c.rocket == rocket).order_by(configurations.c.config)
-    return [Start(**{name: row[name] for name in START_FIELDS}) for row in sound_rows(connection, query)]

@@ -1,8 +1,9 @@
 """The tables of a ledger, as SQLAlchemy Core sees them; the migrations create them.
 
-Rockets, configurations, motors and sites have no tables: their lists are read from the flights, so they cannot be left
-over or contradict a flight. Numbers are SI, one column for each of `fieldkit.flight.COLUMNS`; times are ISO 8601 text,
-because a flight's clock may not know its time zone.
+Rockets, motors and sites have no tables: their lists are read from the flights, so they cannot be left over or
+contradict a flight. A configuration has a row for what is known of it apart from its flights. Numbers are SI, one
+column for each of `fieldkit.flight.COLUMNS`; times are ISO 8601 text, because a flight's clock may not know its time
+zone.
 """
 
 from sqlalchemy import (
@@ -126,6 +127,8 @@ configurations = Table(
     Column("source", Text, nullable=False),  # the file it came from
     Column("cg", Double),
     Column("cp", Double),
+    Column("weighed_mass", Double),
+    Column("measured_diameter", Double),
     _checksum(),
 )
 

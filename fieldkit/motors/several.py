@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.flight.start import STAGED_TAG
+from fieldkit.flight.plan import STAGED_TAG
 from fieldkit.integrals import running_integral
 from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor
 from fieldkit.motors.names import MAX_NAME, count_first, is_cluster

@@ -5,10 +5,10 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
-from fieldkit.flight.start import Start
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
+from fieldkit.rocket import Configuration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,11 +57,11 @@ class Design:
     notes: tuple[str, ...]
     simulations: tuple[Simulation, ...] = ()
 
-    def start(self, rocket: str, config: str, source: str) -> Start:
+    def start(self, rocket: str, config: str, source: str) -> Configuration:
         """The design as the starting configuration of a rocket, from the file `source`; the centers of gravity and of
         pressure are those of the first simulation of the current design that has them within the rocket."""
         one = next((one for one in self.simulations if one.fresh and self._holds(one)), None)
-        known = Start(rocket, config, self.dry_mass, self.diameter, self.length, self.cd, source)
+        known = Configuration(rocket, config, self.dry_mass, self.diameter, self.length, self.cd, source)
         return known if one is None else replace(known, cg=one.cg, cp=one.cp)
 
     def _holds(self, one: Simulation) -> bool:

@@ -14,7 +14,7 @@ from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import fall_of
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.gain import gain_json, gain_of, is_clear
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
@@ -137,7 +137,7 @@ class Ballast:
 
 
 def ballast(
-    rocket: Rocket,
+    rocket: RocketData,
     plan: Flight,
     found: Found,
     goal: Goal,
@@ -223,7 +223,7 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
 
 
 def _named(
-    rocket: Rocket, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
+    rocket: RocketData, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
 ) -> tuple[Prediction, float, float]:
     """The flight at a mass, and the lowest and the highest median apogee of all masses [m], with common random numbers,
     which ensures that the flight lies within that range."""
@@ -234,7 +234,7 @@ def _named(
     return predictions[0], min(heights), max(heights)
 
 
-def _durations(rocket: Rocket, predictions: list[Prediction]) -> Float[Array, "draw flight"]:
+def _durations(rocket: RocketData, predictions: list[Prediction]) -> Float[Array, "draw flight"]:
     """Time from lift-off to landing for each mass, with common random numbers. [s]"""
     fall = fall_of(rocket.history, predictions[-1].plan, predictions[-1].found)  # at the current mass
     density, draws = air_of(predictions[0].plan).density, len(predictions[0].apogee)

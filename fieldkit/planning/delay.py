@@ -18,7 +18,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import MIN_DELAY_TOLERANCE
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.planning.toml_values import number, problem_in
 from fieldkit.safe_text import printable
@@ -159,7 +159,7 @@ def sold_delays(motor: Motor) -> list[float]:
 
 
 def delays(
-    rocket: Rocket,
+    rocket: RocketData,
     plan: Flight,
     found: Found,
     limit: float,

@@ -14,7 +14,7 @@ from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.quantiles import Three, three
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
@@ -80,7 +80,11 @@ class TrialFlights:
 
 
 def trials(
-    rocket: Rocket, plan: Flight, found: Found, rule: Season, bounds: tuple[float | None, float | None] = (None, None)
+    rocket: RocketData,
+    plan: Flight,
+    found: Found,
+    rule: Season,
+    bounds: tuple[float | None, float | None] = (None, None),
 ) -> TrialFlights:
     """Simulate a plan at masses within the legal range, or within bounds of the dry mass [kg].
 
@@ -132,7 +136,7 @@ def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) ->
 
 
 def end_flights(
-    rocket: Rocket, plan: Flight, found: Found, table: Sequence[FinalsRow]
+    rocket: RocketData, plan: Flight, found: Found, table: Sequence[FinalsRow]
 ) -> list[tuple[Prediction, float]]:
     """Forecasts of the lightest and the heaviest flight of a table with their parachute areas [1]: no other one goes
     higher than the first, or leaves the rail slower than the last. Raises ImpossibleFlight as `forecasts`."""

@@ -4,30 +4,32 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start, design_cds
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.kinds import by_kind
-from fieldkit.forecast.predict import FittedForecast, fly_ahead, learn
+from fieldkit.forecast.predict import DRAWS, FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
+from fieldkit.rocket import Rocket
 from fieldkit.selection.candidates import Averaged
 
 PlannedFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True)
-class Rocket:
+class RocketData:
     """The data about a rocket that forecasts are based on: its flights, the effect sets in its model, the results of
-    earlier forecasts, its starting designs, and the data of the user's other rockets."""
+    earlier forecasts, its designs, and the data of the user's other rockets; `known` is the rocket apart from its
+    flights, and with `declared` recorded wind acts although no effect of wind was accepted."""
 
     history: tuple[tuple[Flight, Found], ...]
     averaged: Averaged
     earlier: EarlierForecasts = EarlierForecasts()
-    starts: tuple[Start, ...] = ()
+    known: Rocket = Rocket("")
     shared: SharedPrior | None = None
     excluded: tuple[str, ...] = ()
     """One line for each flight that no rocket can have flown and that is excluded from forecasts."""
+    declared: bool = True
     mount: float | None = None
     """Diameter of the motor mount of the kit that it is named after; None if not known. [m]"""
 
@@ -41,7 +43,7 @@ class Rocket:
         """The motors of these flights."""
         return [found for _, found in self.history]
 
-    def same_as(self, other: "Rocket") -> bool:
+    def same_as(self, other: "RocketData") -> bool:
         """Whether forecasts of a plan are the same for both."""
         mine, theirs = self.shared, other.shared
         if mine is None or theirs is None:
@@ -50,37 +52,49 @@ class Rocket:
 
 
 def forecasts(
-    rocket: Rocket,
+    rocket: RocketData,
     planned: PlannedFlights,
     *,
-    draws: int,
+    draws: int = DRAWS,
     paired: bool = True,
+    in_order: bool = False,
 ) -> list[Prediction]:
-    """Forecasts of alternative plans, each as the next flight, as `predict` would make them, in the given order;
-    nothing is saved.
+    """Forecasts of plans, each as the next flight or `in_order` flown one after the other, in the given order; nothing
+    is saved. Every forecast of fieldkit for a flyer is made here.
 
     `paired` as in `fieldkit.forecast.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a
     mass.
     """
 
     def of_rows(rows: Sequence[int]) -> list[Prediction]:
-        fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
+        index = [len(rocket.history) + row for row in rows] if in_order else None
+        fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws, index)
         return forecast_plans(rocket, fitted, paired)
 
     return by_kind(rocket.history, planned, of_rows)
 
 
-def fitted_forecast(rocket: Rocket, planned: PlannedFlights, draws: int) -> FittedForecast:
-    """The forecast model fitted to a rocket's flights for similar plans, each as the next flight. Raises
-    ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be
-    read, DamagedModel if the hyperprior cannot be read.
+def fitted_forecast(
+    rocket: RocketData, planned: PlannedFlights, draws: int = DRAWS, flight_index: Sequence[int] | None = None
+) -> FittedForecast:
+    """The forecast model fitted to a rocket's flights for similar plans, each with its flight index, by default the
+    next for all. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail
+    direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
-    cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
-    return learn(rocket.history, planned, averaged=rocket.averaged, cds=cds, shared=rocket.shared, draws=draws)
+    return learn(
+        rocket.history,
+        planned,
+        flight_index=flight_index,
+        averaged=rocket.averaged,
+        declared=rocket.declared,
+        cds=rocket.known.cds(flight.config for flight, _ in (*rocket.history, *planned)),
+        shared=rocket.shared,
+        draws=draws,
+    )
 
 
 def forecast_plans(
-    rocket: Rocket,
+    rocket: RocketData,
     fitted: FittedForecast,
     paired: bool = True,
 ) -> list[Prediction]:

@@ -20,7 +20,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import descents
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Bool, Flags, Float
@@ -195,7 +195,7 @@ class RailChoice:
         return {"direction": self.direction, "angle_deg": self.angle / DEGREE, "away_m": named(self.away)}
 
 
-def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
+def rail_choices(rocket: RocketData, plan: Flight, found: Found, most: float) -> list[RailChoice]:
     """Landing distances for rail directions and angles up to `most` [rad], closest to the pad first; empty if the wind
     is not known. Raises ImpossibleFlight for a plan without a mass, BadValue as `landing`."""
     if plan.wind is None:
@@ -212,7 +212,7 @@ def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> lis
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
 
 
-def wind_that_holds(rocket: Rocket, plan: Flight, found: Found, size: float) -> float:
+def wind_that_holds(rocket: RocketData, plan: Flight, found: Found, size: float) -> float:
     """Wind at the pad up to which 95% of landings stay on a field of this size [m] with the pad in its center: nan if
     they do not even in calm air, inf if they do in every tried wind. [m/s]
 

@@ -21,7 +21,7 @@ from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import sold_delays
 from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
-from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecast_plans
+from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_plans
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import Three, named, three
@@ -187,13 +187,13 @@ class MotorChoice:
         }
 
 
-def mount_of(rocket: Rocket, config: str) -> float | None:
+def mount_of(rocket: RocketData, config: str) -> float | None:
     """The mount of a rocket: the diameter of the widest motor flown in its configuration, or else by the rocket. [m]"""
     diameters = [found.motor.diameter for flight, found in rocket.history if flight.config == config]
     return max(diameters or [found.motor.diameter for found in rocket.motors], default=None)
 
 
-def widest_motor(rocket: Rocket, plan: Flight) -> float | None:
+def widest_motor(rocket: RocketData, plan: Flight) -> float | None:
     """The mount of a rocket as in `mount_of`; for one that has not flown, that of its kit, else its body diameter, an
     upper bound. [m]"""
     return mount_of(rocket, plan.config) or rocket.mount or plan.diameter
@@ -216,7 +216,7 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 
 
 def guide(
-    rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
+    rocket: RocketData, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
 ) -> list[MotorChoice]:
     """The forecast flight of a plan on each motor, in the same order; nothing is saved.
 
@@ -258,7 +258,7 @@ ForecastWithDelay = tuple[float | None, float, Prediction]
 with that delay. A charge before apogee would end the coast."""
 
 
-def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
+def _flown(rocket: RocketData, fitted: FittedForecast) -> list[ForecastWithDelay]:
     """Each motor of the fit, with its most suitable delay."""
     coasts = coast_times(fitted.model, fitted.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]

@@ -14,7 +14,7 @@ from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.gain import gain_of, is_clear
 from fieldkit.shapes import Array, Float
 
@@ -61,7 +61,9 @@ class Outlook:
         return float((rule.sums(self.points) <= cut).mean())
 
 
-def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS) -> Outlook:
+def outlook(
+    rule: Season, rocket: RocketData, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS
+) -> Outlook:
     """Simulate a plan as often as flights may be declared, with a fraction of the current parachute area [1].
 
     The flights of a row share the uncertainty about the rocket and differ in their random draws, which gives their sum

@@ -11,7 +11,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck
 from fieldkit.planning.descent_rate import Fall, fall_of
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.landing import (
     MAX_RECOMMENDED_ANGLE,
     Landing,
@@ -60,7 +60,7 @@ class PlannedFlight:
         }
 
 
-def planned_flight(rocket: Rocket, plan: Flight, found: Found, site: Site, limits: Limits) -> PlannedFlight:
+def planned_flight(rocket: RocketData, plan: Flight, found: Found, site: Site, limits: Limits) -> PlannedFlight:
     """The complete forecast of a plan for a rocket at a site, with the draws of `predict`, so that both show the same
     figures. Raises BadValue, ImpossibleFlight.
     """
@@ -91,7 +91,7 @@ def _why_no_rail(down: Landing, lines: Sequence[SafetyCheck]) -> str:
 
 
 def _safe_rails(
-    rocket: Rocket, planned: tuple[Flight, Found], site: Site, limits: Limits, lines: Sequence[SafetyCheck]
+    rocket: RocketData, planned: tuple[Flight, Found], site: Site, limits: Limits, lines: Sequence[SafetyCheck]
 ) -> tuple[RailChoice, ...]:
     """The rail settings from best to worst, without those that are unsafe if the plan's own, judged by its safety
     lines, is."""

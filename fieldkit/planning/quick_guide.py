@@ -13,7 +13,7 @@ from fieldkit.forecast.at_once import forecasts_at_once
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.motors import Found
 from fieldkit.motors.motor import Motor
-from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.motor_guide import label, lifts
 from fieldkit.planning.quantiles import Three, named
 from fieldkit.planning.safety import thrust_to_weight
@@ -55,7 +55,7 @@ class QuickChoice:
         }
 
 
-def quick_guide(rocket: Rocket, plan: Flight, motors: Sequence[Motor]) -> list[QuickChoice]:
+def quick_guide(rocket: RocketData, plan: Flight, motors: Sequence[Motor]) -> list[QuickChoice]:
     """Quick forecasts of a plan on motors, in the same order, from one batch; nothing is saved.
 
     Left out are clusters, motors that would not lift the rocket off a rod (`lifts`), and all motors if the rocket has

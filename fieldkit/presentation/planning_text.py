@@ -1,11 +1,10 @@
 """Delays, ballast and contest outlooks as lines for a flyer: the result, its uncertainty, and its basis."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import isfinite
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.recovery import rail_direction
-from fieldkit.flight.start import Start, start_among
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
@@ -18,6 +17,7 @@ from fieldkit.planning.quantiles import three
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits, measure, percent
+from fieldkit.rocket import Rocket
 from fieldkit.units import DEGREE, FOOT, parse
 
 FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
@@ -31,18 +31,18 @@ RAIL_WAYS = {
 """Directions of a slanted rail, in degrees to the right of into the wind."""
 
 
-def conditions_in_words(plan: Flight, starts: Sequence[Start] = (), system: str = "SI") -> Iterator[str]:
+def conditions_in_words(plan: Flight, rocket: Rocket | None = None, system: str = "SI") -> Iterator[str]:
     """A plan's air and its effect on the altimeter, its other conditions, and the design whose Cd it starts from if the
-    rocket has one among `starts`; in the units of a system."""
+    `rocket` has one; in the units of a system."""
     yield f"  air       {air_of(plan).words(system)}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     blows = f"wind {wind}" if wind else "wind not given"
     yield f"  with      {blows}, {rail}, {f'at {angle} {_way(plan)}' if plan.rail_angle else 'vertical'}"
-    start = start_among(starts, plan)
-    if start is not None and start.cd:
-        yield f"  design    initial Cd {start.cd:.2f} from {start.source}"
+    design = rocket.design(plan.config) if rocket is not None else None
+    if design is not None and design.cd:
+        yield f"  design    initial Cd {design.cd:.2f} from {design.source}"
 
 
 def _way(plan: Flight) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import repeated
+from fieldkit.flight.plan import repeated
 from fieldkit.inference.history.columns import families
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.evidence import Trials

@@ -4,28 +4,30 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import NoFlights, unknown
+from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.evaluation.stacking import MODEL_ALONE, saved_scores, weights_after
-from fieldkit.forecast.predict import fly_ahead, learn, predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
+from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_plans, forecasts
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.candidates import Averaged, Pattern, Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
+from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, setup_answers
 from fieldkit.services.names import same_name
+from fieldkit.services.plans import completed
 from fieldkit.services.plausible_flights import exclusions, followed
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
@@ -49,14 +51,14 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The named rocket, flown or with a design, or the rocket of the flight entered last.
+    """The named rocket, flown, with a design or planned, or the rocket of the flight entered last.
 
     Raises NoFlights that suggests the nearest rocket.
     """
     rockets = ledger.names("rocket")
-    if wanted is not None and not ledger.starts(wanted):
-        wanted = same_name(wanted, rockets)
-    if wanted is not None and (wanted in rockets or ledger.starts(wanted)):
+    if wanted is not None and not ledger.rocket(wanted).configurations:
+        wanted = same_name(wanted, [*rockets, *(rocket.name for rocket in ledger.rockets())])
+    if wanted is not None and (wanted in rockets or ledger.rocket(wanted).configurations):
         return wanted
     if not rockets:
         found = "no flights" if wanted is None else f"no flights of {wanted!r} or any other rocket"
@@ -144,9 +146,33 @@ def version_adds(payload: Mapping[str, Any]) -> str:
     return named[0] if len(named) == 1 else added
 
 
-def start_of(ledger: Ledger, plan: Flight) -> Start | None:
-    """The design of a plan's configuration, or the rocket's only saved design."""
-    return start_among(ledger.starts(plan.rocket), plan)
+def rocket_of(
+    ledger: Ledger,
+    motors: Catalogue,
+    name: str,
+    which: Which = "after",
+    *,
+    but: Flight | None = None,
+    on_progress: ReportProgress = no_op,
+) -> RocketData:
+    """What forecasts of a rocket in a ledger are based on, read once, with or without the effects that the loop found.
+
+    The result of the forecast of the flight `but` is not used. `on_progress` reports the fits of other rockets. Raises
+    DamagedModel if the hyperprior cannot be read.
+    """
+    history, mount = flown(ledger, motors, name), None
+    with suppress(BadValue):  # a damaged file of kits is reported where the kits are listed
+        mount = kit.mount if (kit := kit_of_rocket(name)) else None
+    return RocketData(
+        history=tuple(history),
+        averaged=accepted_average(ledger, name, which, [flight for flight, _ in history]),
+        earlier=earlier_forecasts(ledger, motors, but),
+        known=ledger.rocket(name),
+        shared=fleet_prior(ledger, motors, name, on_progress),
+        excluded=tuple(exclusions(ledger.flights(name), motors)),
+        declared=which == "after",
+        mount=mount,
+    )
 
 
 def predict_plans(
@@ -167,29 +193,15 @@ def predict_plans(
     recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     answers: dict[int, Prediction] = {}
-    earlier = earlier_forecasts(ledger, motors)
+    wholes = completed(ledger, motors, plans)
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
-        history = flown(ledger, motors, rocket)
-        before = [flight for flight, _ in history]
-        starts, own = ledger.starts(rocket), [plans[row] for row in rows]
-        wholes = [completed(plan, before, start_among(starts, plan)) for plan in own]
-        planned = [(plan, motors.resolve_several(plan.motor)) for plan in wholes]
-        cds = design_cds(starts, [*before, *own])
-        made = predict(
-            history,
-            planned,
-            averaged=accepted_average(ledger, rocket, which, before),
-            declared=which == "after",
-            cds=cds,
-            shared=fleet_prior(ledger, motors, rocket, on_progress),
-        )
-        finished = earlier.corrected(made)
-        if names := exclusions(ledger.flights(rocket), motors):
-            finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
+        planned = [(wholes[row], motors.resolve_several(wholes[row].motor)) for row in rows]
+        data = rocket_of(ledger, motors, rocket, which, on_progress=on_progress)
+        made = forecasts(data, planned, in_order=True)
         if keep:
-            _keep(ledger, finished, before, which, decided=decided)
-        answers |= dict(zip(rows, finished, strict=True))
+            _keep(ledger, made, data.flights, which, decided=decided)
+        answers |= dict(zip(rows, made, strict=True))
     return [answers[row] for row in range(len(plans))]
 
 
@@ -199,7 +211,9 @@ def _keep(
     """Save predictions of one rocket, each with its inputs."""
     version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
     for one in predictions:
-        own = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
+        own = plan_parts(one.plan, one.found) | design_parts(
+            ledger.rocket(one.plan.rocket).design(one.plan.config), one.plan
+        )
         parts = own | model_parts(history, one.model, version)
         likely = quantiles(one.apogee, (np.arange(QUANTILE_COUNT) + 0.5) / QUANTILE_COUNT)
         payload: dict[str, Any] = forecast_record(one) | {
@@ -271,19 +285,12 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
 
     A flight that is not in the ledger is the next one. Errors as in `predict_plans`.
     """
-    history, plan = flown(ledger, motors, flight.rocket), flight.unflown()
+    data, plan = rocket_of(ledger, motors, flight.rocket, but=flight), flight.unflown()
+    history = list(data.history)
     planned, names = (plan, motors.resolve(flight.motor)), [one.flight_id for one, _ in history]
     turn = names.index(flight.flight_id) if flight.flight_id in names else len(names)
     if turn < len(names):
         history[turn] = planned  # it counts as flown, without its readouts
-    fitted = learn(
-        history,
-        [planned],
-        flight_index=[turn],
-        averaged=accepted_average(ledger, flight.rocket, flights=[one for one, _ in history]),
-        cds=design_cds(ledger.starts(flight.rocket), [plan, *(one for one, _ in history)]),
-        shared=fleet_prior(ledger, motors, flight.rocket),
-    )
-    (made,) = fly_ahead(fitted, paired=True)
-    (corrected,) = earlier_forecasts(ledger, motors, but=flight).corrected([made])
-    return corrected
+    data = replace(data, history=tuple(history), excluded=())
+    (made,) = forecast_plans(data, fitted_forecast(data, [planned], flight_index=[turn]))
+    return made

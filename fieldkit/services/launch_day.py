@@ -14,7 +14,7 @@ from fieldkit.services.day_weather import WEATHER_DRAFT, answer_texts, signed_no
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.listed_flights import MAX_LISTED_FLIGHTS, ListedFlight
 from fieldkit.services.manual_entry import waiting_plan
-from fieldkit.services.planning import completed_plan
+from fieldkit.services.plans import completed_plan, stated_bodies
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, list_forecasts
 from fieldkit.settings import Settings
 
@@ -43,9 +43,11 @@ class Overview:
 
 
 def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
-    """Save the plan of the next flight and today's weather as one change; False if both are unchanged."""
+    """Save the plan of the next flight, its mass and diameter if no flight tells them, and today's weather as one
+    change; False if all are unchanged. Raises BadValue."""
     build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
-    return ledger.change_drafts(_plan_drafts(ledger, texts), "plan", build)
+    stated = stated_bodies(ledger, [Flight().with_changes(**plan_changes(texts))])
+    return ledger.change_drafts(_plan_drafts(ledger, texts), "plan", build, stated)
 
 
 def _plan_drafts(ledger: Ledger, texts: Mapping[str, str]) -> dict[str, dict[str, str]]:
@@ -77,16 +79,16 @@ def planned_mass(ledger: Ledger) -> float | None:
 
 
 def planned(ledger: Ledger, flights: Sequence[Flight]) -> Flight | None:
-    """The planned next flight, or else the last flown rocket with a known mass, without flights a rocket with a design,
-    in today's weather; None without flights, plan and designs. Raises BadValue if the saved plan cannot be read."""
+    """The planned next flight, or else the last flown rocket with a known mass, without flights a designed or planned
+    one, in today's weather; None without any of these. Raises BadValue if the saved plan cannot be read."""
     draft = ledger.draft(PLAN_DRAFT) or {}
-    designed = ledger.designed() if not flights and not draft else []
-    if not flights and not draft and not designed:
+    unflown = ledger.rockets() if not flights and not draft else []
+    if not flights and not draft and not unflown:
         return None
     last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
-    build = (
-        Flight(rocket=last.rocket, config=last.config) if last is not None else Flight(rocket=" ".join(designed[:1]))
-    )
+    build = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+    if unflown:
+        build = Flight(rocket=unflown[0].name)
     plan = Flight() if draft.get("rocket") else build  # another rocket has its own configuration, or none
     weather = typed_weather(ledger)[0]
     return plan.with_changes(**plan_changes({**draft, **weather}))

@@ -10,15 +10,14 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.plausibility import middles
-from fieldkit.flight.start import STAGED_TAG
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger, StoredPrediction
 from fieldkit.motors import Catalogue, Motor, is_cluster
 from fieldkit.motors.motor import without_motor
 from fieldkit.motors.names import parse, with_delay
-from fieldkit.motors.several import names_stages, tag_of_several
+from fieldkit.motors.several import tag_of_several
 from fieldkit.services.day_weather import typed_weather
-from fieldkit.services.kits import kit_of_rocket
+from fieldkit.services.plans import BODY, body
 from fieldkit.services.plausible_flights import credible, without_delay
 from fieldkit.services.sites import site_of
 
@@ -37,8 +36,6 @@ LAPSES = timedelta(days=14)
 """A forecast without a flight's name is for a flight at most this much later."""
 RETRY_PERIOD = timedelta(days=1)
 """Longest time between an entry and one that repeats it without saying when it was flown."""
-BUILD = ("dry_mass", "diameter")
-"""Questions that the last flight of the same build answers."""
 CONFIGURATION = ("motor", "dry_mass", "diameter")
 """Questions about the planned configuration."""
 
@@ -115,33 +112,15 @@ def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str,
     if question.name in WEATHER:
         return _weather(ledger, question.name)
     rocket = None if question.name == "rocket" else flight.rocket
-    if question.name in BUILD:
-        return _of_last_build(ledger, flight, question.name) or _of_kit(flight.rocket, question.name)
+    if question.name in BODY:
+        with suppress(BadValue):  # a damaged file of kits is reported where they are listed
+            known = body(flight, ledger.flights(flight.rocket), ledger.rocket(flight.rocket))
+            return answer_text(Flight().with_defaults(**known), question.name)
+        return ""
     last = ledger.latest(rocket)
     if last is None and question.name == "site":
         last = ledger.latest()
     return answer_text(last, question.name) if last else ""
-
-
-def _of_last_build(ledger: Ledger, flight: Flight, name: str) -> str:
-    """A figure from the rocket's last flight that has it; empty if there is none. For the dry mass, in the same
-    configuration, and with boosters only if this flight has them too."""
-    staged = names_stages(flight.motor)
-
-    def weighs_the_same(one: Flight) -> bool:
-        return one.config == flight.config and (STAGED_TAG in one.tags) == staged
-
-    same = (one for one in reversed(ledger.flights(flight.rocket)) if one.number(name) is not None)
-    last = next((one for one in same if name != "dry_mass" or weighs_the_same(one)), None)
-    return answer_text(last, name) if last else ""
-
-
-def _of_kit(rocket: str, name: str) -> str:
-    """A figure of the kit that a rocket is named after; empty if there is none, or if its file is damaged."""
-    with suppress(BadValue):
-        if kit := kit_of_rocket(rocket):
-            return answer_text(Flight(dry_mass=kit.dry_mass, diameter=kit.diameter), name)
-    return ""
 
 
 def _is_planned(flight: Flight, question: Question, plan: Mapping[str, str]) -> bool:
@@ -176,13 +155,13 @@ def with_offers(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tu
 
 
 def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
-    """A flight with the dry mass and diameter of its planned flight, of the last flight of its rocket, or of its kit,
-    unless they were answered; and the names of those filled in. Raises BadValue for a saved answer that cannot be
+    """A flight with the dry mass and diameter of its planned flight or of its configuration, as in `plans.body`, unless
+    they were answered; and the names of those filled in. Raises BadValue for a saved answer that cannot be
     read.
     """
     plan, filled = planned_answers(ledger), list[str]()
     for question in QUESTIONS:
-        if question.name in BUILD and question.name not in answered and flight.number(question.name) is None:
+        if question.name in BODY and question.name not in answered and flight.number(question.name) is None:
             value = read_answer(question.name, offer(ledger, flight, question, plan))
             if value is not None:
                 flight, filled = flight.with_changes(**{question.name: value}), [*filled, question.name]

@@ -14,8 +14,8 @@ from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, suitable_motors, widest_motor
 from fieldkit.planning.quantiles import Three
 from fieldkit.services.after_flight import Outcome
-from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.forecasts import predict_plans, rocket_of
+from fieldkit.services.plans import completed_plan
 from fieldkit.services.quick_look import MIN_FLIGHTS
 from fieldkit.services.saved_forecasts import SavedForecast, list_forecasts
 from fieldkit.services.sites import site_of

@@ -98,7 +98,7 @@ def names_of(ledger: Ledger, motors: Catalogue) -> Names:
     known = {name: tuple(ledger.names(name)) for name in (*NAME_QUESTIONS, "motor")}
     known["site"] = tuple(dict.fromkeys([*known["site"], *(site.name for site in sites(ledger))]))
     flown = known["rocket"]
-    unflown = dict.fromkeys(ledger.designed(), "design")
+    unflown = {one.name: "design" if one.designs else "planned" for one in ledger.rockets()}
     with suppress(BadValue):  # a damaged file is reported where the kits are listed
         unflown |= dict.fromkeys((kit.name for kit in own_kits()), "kit")
     known["rocket"] = tuple(dict.fromkeys([*known["rocket"], *unflown]))

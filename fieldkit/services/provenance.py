@@ -15,9 +15,9 @@ from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, LOGGED, Column, Flight
 from fieldkit.flight.readout import render_sd
 from fieldkit.flight.recovery import STABILITY, recovery_column
 from fieldkit.flight.short_name import flight_label
-from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
 from fieldkit.quantities import significant, spelled
+from fieldkit.rocket import Configuration
 from fieldkit.units import unit
 
 SourceDigests = Mapping[str, Mapping[str, str]]
@@ -96,14 +96,14 @@ def model_parts(history: Sequence[Flight], name: str, version: int | None) -> di
     }
 
 
-def design_parts(start: Start | None, plan: Flight) -> dict[str, dict[str, str]]:
+def design_parts(start: Configuration | None, plan: Flight) -> dict[str, dict[str, str]]:
     """The part from the rocket's design: its Cd, and the mass and diameter that the plan took from it."""
     known = _design(start)
     taken = {header: text for header, text in _columns(plan, FROM_DESIGN).items() if text and text == known.get(header)}
     return {"design": {DRAG: known.get(DRAG, ""), **taken}}
 
 
-def design_changes(made: SourceDigests, start: Start | None) -> Iterator[InputChange]:
+def design_changes(made: SourceDigests, start: Configuration | None) -> Iterator[InputChange]:
     """What changed in the rocket's design, one by one."""
     now = _design(start)
     for name, old in made.get("design", {}).items():
@@ -111,7 +111,7 @@ def design_changes(made: SourceDigests, start: Start | None) -> Iterator[InputCh
             yield InputChange(name, old, now.get(name, ""), of="the design's ")
 
 
-def _design(start: Start | None) -> dict[str, str]:
+def _design(start: Configuration | None) -> dict[str, str]:
     if start is None:
         return {}
     drag = "" if start.cd is None else f"{start.cd:.6g}"

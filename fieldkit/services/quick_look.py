@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
-from fieldkit.flight.start import completed, start_among
 from fieldkit.forecast.at_once import answer_at_once, prepare_at_once
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
@@ -18,6 +17,7 @@ from fieldkit.quantities import counted
 from fieldkit.selection.quick_look import QuickLook, quick_look
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import flown, predict_plans
+from fieldkit.services.plans import completed
 
 MIN_FLIGHTS = 4
 """Minimum number of clean flights with an apogee, the same as for the loop. [1]"""
@@ -65,12 +65,11 @@ def predict_quickly(
     recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior or the network cannot be read.
     """
     made: list[QuickForecast] = []
-    for plan in plans:
+    for plan, whole in zip(plans, completed(ledger, motors, plans), strict=True):
         history = flown(ledger, motors, plan.rocket)
         if not history:
             raise NoFlights(f"{plan.rocket}: found no flights, expected at least one for a quick forecast")
         before = [flight for flight, _ in history]
-        whole = completed(plan, before, start_among(ledger.starts(plan.rocket), plan))
         found = motors.resolve(plan.motor)
         shared = fleet_prior(ledger, motors, plan.rocket, on_progress)
         used = [flight.clean for flight in before]

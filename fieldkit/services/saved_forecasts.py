@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start, start_among
 from fieldkit.ledger import Ledger, Past, StoredPrediction
 from fieldkit.motors import Catalogue
 from fieldkit.quantities import ShownUnits
+from fieldkit.rocket import Rocket
 from fieldkit.services.forecasts import used_version
 from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, lapsed
 from fieldkit.services.match_forecasts import made_for, residual, resolved
@@ -108,7 +108,7 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
     flown = [flight for _, flight in pairs if flight.apogee is not None]
     pasts = {id(flight): past for flight, past in zip(flown, ledger.before(flown), strict=True)}
     now = {one: Past(tuple(ledger.flights(one)), used_version(ledger, one)) for one in {p.rocket for p in predictions}}
-    starts = {one: ledger.starts(one) for one in now}
+    rockets = {one: ledger.rocket(one) for one in now}
     later = _replaced(predictions)
     found: list[SavedForecast] = []
     for one in predictions:
@@ -116,7 +116,7 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
         for flight in own or [None]:
             past = pasts.get(id(flight)) or now[one.rocket]
             over = later.get(one.number) or ("lapsed" if flight is None and lapsed(one) else None)
-            changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, starts[one.rocket])]
+            changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, rockets[one.rocket])]
             found.append(SavedForecast(one, flight, tuple(changes), over))
     return found
 
@@ -166,13 +166,12 @@ def _changes(
     yield from model_changes(made, now if not flown else {**now, "model": now["model"] | {"fieldkit": ""}})
 
 
-def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[InputChange]:
+def _redesigned(prediction: StoredPrediction, flight: Flight | None, rocket: Rocket) -> Iterator[InputChange]:
     """What changed in the rocket's design while the prediction is open; the design at a past flight is not saved."""
     made: SourceDigests | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
         return
-    config = made["configuration"].get("config", "")
-    yield from design_changes(made, start_among(starts, Flight(rocket=prediction.rocket, config=config)))
+    yield from design_changes(made, rocket.design(made["configuration"].get("config", "")))
 
 
 def standing(found: Sequence[SavedForecast]) -> str:

@@ -7,8 +7,8 @@ from threading import Lock
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.flight.plan import repeated
 from fieldkit.flight.plausibility import implausible
-from fieldkit.flight.start import repeated
 from fieldkit.forecast.at_once import answer_at_once, prepare_at_once
 from fieldkit.inference.history.features import PreparedHistory
 from fieldkit.inference.network.history import QuickAnswer

@@ -18,7 +18,7 @@ def unknown_names(
     """
     rockets, places = ledger.names("rocket"), [site.name for site in sites(ledger)]
     known_rocket = flight.rocket in rockets
-    if given.get("rocket") and not known_rocket and not ledger.starts(flight.rocket):
+    if given.get("rocket") and not known_rocket and not ledger.rocket(flight.rocket).configurations:
         yield from _unknown("rocket", flight.rocket, rockets, new=True)
     if given.get("config") and known_rocket:
         configs = sorted({one.config for one in ledger.flights(flight.rocket)} - {""})

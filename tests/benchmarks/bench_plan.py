@@ -23,8 +23,8 @@ from fieldkit.planning.delay import delays
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
 from fieldkit.planning.outlook import outlook
-from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.forecasts import predict_plans, rocket_of
+from fieldkit.services.plans import completed_plan
 from fieldkit.settings import Settings
 from tests.benchmarks.timing import beside, measured
 

@@ -17,9 +17,9 @@ from sqlalchemy import create_engine, event, make_url
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger, backups, opening, schema, soundness, whereabouts
 from fieldkit.ledger.tables import metadata
+from fieldkit.rocket import Configuration
 from tests.new_ledgers import SYNCHRONOUS
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -223,14 +223,14 @@ def test_a_row_that_differs_from_what_was_written_is_damage(change: str, tmp_pat
         for effect in ("wind", "wear"):
             ledger.keep_version("Astra", {"effect": effect})
         ledger.keep_prediction({"apogee_m": 250.0}, digest="d", rocket="Astra")
-        ledger.keep_start(Start("Astra", "A", 0.3))
+        ledger.keep_design(Configuration("Astra", "A", 0.3))
         ledger.keep_draft("add", {"apogee": "923ft"})
     asked = (
         lambda ledger: ledger.flight("1"),
         lambda ledger: ledger.log("1"),
         lambda ledger: ledger.versions("Astra"),
         lambda ledger: ledger.predictions(),
-        lambda ledger: ledger.starts("Astra"),
+        lambda ledger: ledger.rocket("Astra").configurations,
         lambda ledger: ledger.draft("add"),
         lambda ledger: ledger.before([FIRST]),
     )
@@ -412,7 +412,7 @@ def test_the_environment_can_name_the_ledger(tmp_path: Path, monkeypatch: pytest
 def test_opening_a_current_ledger_does_not_import_alembic(tmp_path: Path) -> None:
     Ledger.open(tmp_path / "ledger.db").close()
     code = (
-        "import sys; from fieldkit.flight.start import Start; from fieldkit.ledger import Ledger\n"
+        "import sys; from fieldkit.rocket import Configuration; from fieldkit.ledger import Ledger\n"
         f"with Ledger.open({str(tmp_path / 'ledger.db')!r}) as ledger: ledger.flights()\n"
         "print([name for name in ('alembic', 'sqlalchemy.orm', 'torch', 'scipy') if name in sys.modules])"
     )
@@ -444,8 +444,8 @@ def test_every_old_schema_is_upgraded_and_keeps_its_flights(step: str, tmp_path:
         assert ledger.log("1") == b"a log"
         assert ledger.active_version("Astra").payload == {"effect": "wind"}
         assert ledger.predictions()[0].digest == "d1"
-        assert [one.dry_mass for one in ledger.starts("Skylark")] == ([0.4] if step >= "m002" else [])
-        assert ledger.keep_start(Start("Lark", "", 0.3))
+        assert [one.dry_mass for one in ledger.rocket("Skylark").configurations] == ([0.4] if step >= "m002" else [])
+        assert ledger.keep_design(Configuration("Lark", "", 0.3))
         while ledger.history()[0].undone is False:
             ledger.undo()
         assert ledger.flights() == []

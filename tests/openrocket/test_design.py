@@ -16,15 +16,15 @@ import pytest
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
-from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.openrocket import Design, archive, read_design
 from fieldkit.planning.forecasts import forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
-from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.rocket import Configuration
+from fieldkit.services.forecasts import predict_plans, rocket_of
+from fieldkit.services.plans import completed_plan
 from fieldkit.services.saved_forecasts import list_forecasts
 from fieldkit.settings import Settings
 from tests.commands import Run
@@ -232,7 +232,7 @@ BALANCED = """<simulations><simulation status="{status}"><name>Sim 1</name><flig
 
 
 def test_the_centers_of_gravity_and_pressure_are_those_at_rod_exit() -> None:
-    def start(status: str, cp: float) -> Start:
+    def start(status: str, cp: float) -> Configuration:
         found = read_design(design(rest=BALANCED.format(status=status, cp=cp)).encode(), "skylark.ork")
         return found.start("Skylark", "A", "skylark.ork")
 
@@ -243,14 +243,14 @@ def test_the_centers_of_gravity_and_pressure_are_those_at_rod_exit() -> None:
 
 
 def test_a_rocket_starts_from_its_design_until_it_has_flown(tmp_path: Path) -> None:
-    start = Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork")
+    start = Configuration("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork")
     plan = Flight(rocket="Skylark", config="A", motor="F24-4W")
     with Ledger.open(tmp_path / "ledger.db") as ledger:
-        assert ledger.keep_start(start)
-        assert not ledger.keep_start(start)
+        assert ledger.keep_design(start)
+        assert not ledger.keep_design(start)
         (from_design,) = predict_plans(ledger, catalogue(), [plan])
         ledger.undo()
-        assert ledger.starts("Skylark") == []
+        assert ledger.rocket("Skylark").configurations == ()
         (anyone,) = predict_plans(ledger, catalogue(), [plan.with_changes(dry_mass=0.4, diameter=0.066)])
     assert (from_design.plan.dry_mass, from_design.plan.diameter) == (0.4, 0.066)
     assert from_design.cd.mean() == pytest.approx(1.0, rel=0.1)
@@ -260,7 +260,7 @@ def test_a_rocket_starts_from_its_design_until_it_has_flown(tmp_path: Path) -> N
 def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_stale(tmp_path: Path) -> None:
     plan, motors = Flight(rocket="Skylark", config="A", motor="F24-4W"), catalogue()
     with Ledger.open(tmp_path / "ledger.db") as ledger:
-        ledger.keep_start(Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork"))
+        ledger.keep_design(Configuration("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork"))
         (predicted,) = predict_plans(ledger, motors, [plan])
         rocket, begins = rocket_of(ledger, motors, "Skylark"), completed_plan(ledger, motors, plan, Settings())
         assert (begins.dry_mass, begins.diameter) == (0.4, 0.066)
@@ -271,7 +271,7 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
             assert np.median(one.apogee) == pytest.approx(np.median(predicted.apogee), rel=0.03)
         (open_one,) = list_forecasts(ledger, motors)
         assert not open_one.stale
-        ledger.keep_start(Start("Skylark", "A", 0.42, 0.066, 0.8, 0.6, "skylark.ork"))
+        ledger.keep_design(Configuration("Skylark", "A", 0.42, 0.066, 0.8, 0.6, "skylark.ork"))
         (stale,) = list_forecasts(ledger, motors)
     changes = [change.words() for change in stale.changes]
     assert changes == ["the design's Cd was 1, now 0.6", "the design's dry mass was 400 g, now 420 g"]
@@ -280,8 +280,8 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
 def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
     plans = [Flight(rocket="Skylark", config=config, motor="F24-4W") for config in "AB"]
     with Ledger.open(tmp_path / "ledger.db") as ledger:
-        ledger.keep_start(Start("Skylark", "A", 0.4, 0.066, 0.8, 0.5, "slim.ork"))
-        ledger.keep_start(Start("Skylark", "B", 0.4, 0.066, 0.8, 1.0, "wide.ork"))
+        ledger.keep_design(Configuration("Skylark", "A", 0.4, 0.066, 0.8, 0.5, "slim.ork"))
+        ledger.keep_design(Configuration("Skylark", "B", 0.4, 0.066, 0.8, 1.0, "wide.ork"))
         slim, wide = predict_plans(ledger, catalogue(), plans, keep=False)
         alone = [predict_plans(ledger, catalogue(), [plan], keep=False)[0] for plan in plans]
         turned = predict_plans(ledger, catalogue(), plans[::-1], keep=False)[::-1]
@@ -321,5 +321,5 @@ def test_the_command_saves_the_design_and_reports_what_it_found(tmp_path: Path, 
     assert (document["rocket"], document["kept"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))
     with Ledger.open(tmp_path / "ledger.db") as opened:
         assert opened.flights() == []
-        assert [one.config for one in opened.starts("Skylark")] == ["A"]
+        assert [one.config for one in opened.rocket("Skylark").configurations] == ["A"]
     assert "none.ork" in run("ork", tmp_path / "none.ork", status=1).err

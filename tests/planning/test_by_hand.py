@@ -17,7 +17,7 @@ from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import usual
-from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecasts
+from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
 from fieldkit.planning.quantiles import three
@@ -26,7 +26,7 @@ from fieldkit.units import FOOT, STANDARD_GRAVITY
 
 pytestmark = pytest.mark.fast
 
-NEW = Rocket((), ())
+NEW = RocketData((), ())
 """A rocket that has not flown."""
 PLAN = Flight(rocket="Comet", dry_mass=0.45, diameter=0.066)
 

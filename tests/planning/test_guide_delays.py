@@ -10,14 +10,14 @@ from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.motors import Found, catalogue
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
 
 
 def test_it_is_shown_how_early_a_charge_before_apogee_fires() -> None:
     motor = catalogue().find("AeroTech F24W").motor
-    rocket = Rocket((), ())
+    rocket = RocketData((), ())
     plan = Flight(rocket="Swift", dry_mass=0.15, diameter=0.03)
     (choice,) = guide(rocket, plan, [motor], limits(), Site())
     (uncharged,) = forecasts(rocket, [(plan.with_changes(motor="AeroTech F24W"), Found(motor, None))], draws=300)
@@ -34,7 +34,7 @@ def test_a_motor_flown_with_a_longer_delay_than_listed_has_been_flown() -> None:
     flight = Flight(
         flight_id="1", rocket="Swift", motor="AeroTech H128W-17A", dry_mass=0.6, diameter=0.04, apogee=900.0
     )
-    rocket = Rocket(((flight, printed),), ())
+    rocket = RocketData(((flight, printed),), ())
     (choice,) = guide(rocket, Flight(rocket="Swift", dry_mass=0.6, diameter=0.04), [listed], limits(), Site())
     assert choice.flown
 

@@ -12,8 +12,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.planning.kit_file import drop_kit, put_kit
 from fieldkit.planning.kits import KIT_KEYS, Kit, read_kits
+from fieldkit.services.forecasts import rocket_of
 from fieldkit.services.pickers import names_of
-from fieldkit.services.planning import rocket_of
 
 WRITTEN = """# kits of the club
 

@@ -10,7 +10,7 @@ from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.descent_rate import fall_of
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.landing import CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY, Landing, landing
 from fieldkit.planning.quantiles import three
 from fieldkit.units import DEGREE
@@ -88,6 +88,6 @@ def _forecast(case: dict[str, Any]) -> Landing:
         extra |= {"drogue_speed_mps": f"{case['first_speed']}", "main_altitude_m": f"{case['main_altitude']}"}
     angle = float(np.hypot(case["rail_into"], case["rail_across"])) * DEGREE
     plan = body.with_changes(motor=case["motor"], wind=case["wind"], rail_angle=angle, extra=extra)
-    rocket = Rocket(history, ())
+    rocket = RocketData(history, ())
     (forecast,) = forecasts(rocket, [(plan, found)], draws=300)
     return landing(forecast, fall_of(history, plan, found))

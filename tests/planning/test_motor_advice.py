@@ -11,7 +11,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.motors import catalogue
 from fieldkit.planning.contest import season
-from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_advice import in_season, motor_advice
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
@@ -25,7 +25,7 @@ RULE = season(2027)
 def choices() -> list[MotorChoice]:
     motors = [catalogue().resolve(name).motor for name in ("F39T", "F24W", "G40W")]
     plan = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, rail_length=2.0)
-    return guide(Rocket((), ()), plan, motors, limits(), Site(), 100)
+    return guide(RocketData((), ()), plan, motors, limits(), Site(), 100)
 
 
 def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left_out(

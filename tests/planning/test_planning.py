@@ -25,16 +25,16 @@ from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered
 from fieldkit.planning.descent_rate import Fall
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.safety import first_thrust, safety_lines
 from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
 from fieldkit.selection.candidates import Place
-from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.forecasts import predict_plans, rocket_of
 from fieldkit.services.manual_entry import enter, offer
-from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.plans import completed_plan
 from fieldkit.services.sites import Site, keep_site, site_of
 from fieldkit.settings import Settings
 
@@ -82,7 +82,7 @@ def motors() -> Catalogue:
 
 
 @pytest.fixture(scope="module")
-def rocket(path: str, motors: Catalogue) -> Rocket:
+def rocket(path: str, motors: Catalogue) -> RocketData:
     with Ledger.open(path) as ledger:
         return rocket_of(ledger, motors, "Astra")
 
@@ -95,7 +95,7 @@ def plan(path: str) -> Flight:
 
 
 @pytest.fixture(scope="module")
-def prediction(rocket: Rocket, plan: Flight, motors: Catalogue) -> Prediction:
+def prediction(rocket: RocketData, plan: Flight, motors: Catalogue) -> Prediction:
     """A forecast to be judged."""
     return forecasts(rocket, [(plan, motors.resolve("F24-4W"))], draws=300)[0]
 
@@ -106,7 +106,7 @@ def lines_of(prediction: Prediction, site: Site = ANYWHERE, **changes: object) -
     return {line.name: line for line in safety_lines(changed, site, FALL, limits())}
 
 
-def test_plans_agree_with_predictions(path: str, rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_plans_agree_with_predictions(path: str, rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     names = ["F24-4W", "E16-6W"]
     with Ledger.open(path) as ledger:
         plans = [plan.with_changes(motor=name) for name in names]
@@ -117,7 +117,7 @@ def test_plans_agree_with_predictions(path: str, rocket: Rocket, plan: Flight, m
     assert made_of == pytest.approx(predicted, rel=0.07)
 
 
-def test_the_guide_shows_every_check_of_every_motor(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_the_guide_shows_every_check_of_every_motor(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     wanted = Wanted(mount=mount_of(rocket, "A"), classes=("E", "F"), impulse=40.0)
     choices = by_closeness(guide(rocket, plan, suitable_motors(motors, wanted), limits(), Site(), draws=40), 250.0)
     misses = [abs(choice.apogee - 250.0) for choice in choices]
@@ -137,7 +137,7 @@ def test_a_shortlist_and_a_length_narrow_the_motors_that_fit(motors: Catalogue) 
     assert [motor.designation for motor in named] == ["F24W"]
 
 
-def test_declared_weather_and_rail_act_on_plans(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_declared_weather_and_rail_act_on_plans(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     found = motors.resolve("F24-4W")
     days = [
         plan,
@@ -238,7 +238,7 @@ def test_every_threshold_states_its_source() -> None:
     assert all(limit.source for limit in limits().values())
 
 
-def test_the_best_delay_is_the_least_likely_to_be_too_fast(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_the_best_delay_is_the_least_likely_to_be_too_fast(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     judged = delays(rocket, plan, motors.resolve("F67W"), limit=15.0, takes_off=(8.0,), draws=200)
     chances = [one.too_fast for one in judged.delays]
     assert chances == sorted(chances)
@@ -263,7 +263,7 @@ def test_no_delay_varies_by_more_than_three_seconds() -> None:
 
 @pytest.mark.parametrize("printed", [3.0, 6.0, 10.0])
 def test_a_delay_scatters_in_a_forecast_as_makers_allow_however_much_the_rocket_scatters(
-    rocket: Rocket, plan: Flight, motors: Catalogue, printed: float
+    rocket: RocketData, plan: Flight, motors: Catalogue, printed: float
 ) -> None:
     """Each lot of motors has its own error too. It was once 0.3 s for a delay of 3 s."""
     (ahead,) = forecasts(rocket, [(plan.with_changes(delay=printed), motors.resolve("F67W"))], draws=1000)
@@ -273,7 +273,7 @@ def test_a_delay_scatters_in_a_forecast_as_makers_allow_however_much_the_rocket_
 
 
 def test_the_forecast_of_a_plan_ejects_like_that_delay_in_the_choice_of_a_delay(
-    rocket: Rocket, plan: Flight, motors: Catalogue
+    rocket: RocketData, plan: Flight, motors: Catalogue
 ) -> None:
     """So landing, safety and forecast agree with the page of delays."""
     found = motors.resolve("F67W")
@@ -319,7 +319,7 @@ def test_an_old_list_of_delays_asks_for_the_longest_on_the_package(motors: Catal
     heavy = Flight(rocket="Comet", dry_mass=1.2, diameter=0.057)
 
     def words(name: str) -> str:
-        return " ".join(delays(Rocket((), ()), heavy, motors.resolve(name), 15.0, draws=40).words)
+        return " ".join(delays(RocketData((), ()), heavy, motors.resolve(name), 15.0, draws=40).words)
 
     assert "the longest delay printed on yours, as in I284W-14A" in words("I284W")
     assert "printed" not in words("I284W-14A")
@@ -330,7 +330,7 @@ def test_an_old_list_of_delays_asks_for_the_longest_on_the_package(motors: Catal
 
 @pytest.mark.parametrize(("mass", "motor", "text"), [(0.25, "F67W", "early"), (1.2, "F67W", "late")])
 def test_delays_that_cannot_fit_are_explained(
-    rocket: Rocket, plan: Flight, motors: Catalogue, mass: float, motor: str, text: str
+    rocket: RocketData, plan: Flight, motors: Catalogue, mass: float, motor: str, text: str
 ) -> None:
     found = motors.resolve(motor)
     sold = (2.0,) if text == "early" else (9.0,)
@@ -340,7 +340,9 @@ def test_delays_that_cannot_fit_are_explained(
     assert f"every charge fires {text}" in words
 
 
-def test_the_best_ballast_beats_more_less_and_the_current_one(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_the_best_ballast_beats_more_less_and_the_current_one(
+    rocket: RocketData, plan: Flight, motors: Catalogue
+) -> None:
     found = motors.resolve("F24-4W")
     best = ballast(rocket, plan, found, Goal(240.0, 10.0), draws=300)
     masses = [best.mass + change for change in (-0.03, 0.0, 0.03)]
@@ -357,7 +359,7 @@ def test_the_best_ballast_beats_more_less_and_the_current_one(rocket: Rocket, pl
 
 @pytest.mark.parametrize(("target", "end"), [(2000.0, 1), (20.0, 0)])
 def test_for_a_target_out_of_reach_the_possible_range_is_stated(
-    rocket: Rocket, plan: Flight, motors: Catalogue, target: float, end: int
+    rocket: RocketData, plan: Flight, motors: Catalogue, target: float, end: int
 ) -> None:
     best = ballast(rocket, plan, motors.resolve("F24-4W"), Goal(target, 3.0), draws=60)
     assert not best.met
@@ -444,7 +446,7 @@ def test_the_ceiling_of_a_saved_site_applies_to_plans(path: str, capsys: pytest.
     assert "ceiling 100 m [ceiling of Meadow]" in " ".join(capsys.readouterr().out.split())
 
 
-def test_ballast_by_a_seasons_points_includes_the_descent(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
+def test_ballast_by_a_seasons_points_includes_the_descent(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     rule, found = season(2027), motors.resolve("F24-4W")
     best = ballast(rocket, plan, found, Goal(rule.target, 3.0, "points", rule), draws=60)
     assert best.there.points is not None
@@ -454,7 +456,7 @@ def test_ballast_by_a_seasons_points_includes_the_descent(rocket: Rocket, plan: 
 
 
 def test_an_effect_that_grows_with_each_flight_is_the_same_for_all_motors_to_choose_from(
-    rocket: Rocket, plan: Flight, motors: Catalogue
+    rocket: RocketData, plan: Flight, motors: Catalogue
 ) -> None:
     """The motors of a list are alternatives, not consecutive flights."""
     worn = replace(rocket, averaged=((1.0, (Place("wear"),)),))

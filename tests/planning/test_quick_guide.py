@@ -4,7 +4,7 @@ import pytest
 
 from fieldkit.flight.site import Site
 from fieldkit.motors import Motor, catalogue
-from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide, label
 from fieldkit.planning.quick_guide import quick_guide
@@ -15,9 +15,9 @@ FLOWN = history(8)
 PLAN = FLOWN.flights[-1]
 
 
-def rocket(flights: int) -> Rocket:
+def rocket(flights: int) -> RocketData:
     """A rocket with its first flights."""
-    return Rocket(tuple(zip(FLOWN.flights[:flights], FLOWN.found[:flights], strict=True)), ())
+    return RocketData(tuple(zip(FLOWN.flights[:flights], FLOWN.found[:flights], strict=True)), ())
 
 
 def motor(name: str) -> Motor:

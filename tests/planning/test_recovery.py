@@ -25,7 +25,7 @@ from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations
 from fieldkit.planning.descent_rate import Fall, fall_of, usual
 from fieldkit.planning.flown_descent import landing_mass, shown_speeds
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.landing import (
     MAX_RECOMMENDED_ANGLE,
     TRIED_DRAWS,
@@ -40,12 +40,12 @@ from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words, rail_in_words
 from fieldkit.quantities import ShownUnits
-from fieldkit.services.planning import completed_plan
+from fieldkit.services.plans import completed_plan
 from fieldkit.settings import Settings
 
 CHECK_SHAPES = False
 FOUND = catalogue().resolve("F39T-6")
-NEW = Rocket((), ())
+NEW = RocketData((), ())
 DUAL_LOG = Path(__file__).parents[2] / "sample_logs" / "altos_csv__a_barometer_alone.csv"
 """A flight on a drogue at 15 m/s and a main at 6 m/s."""
 PLAN = Flight(rocket="Comet", motor="F39T-6", dry_mass=0.4, diameter=0.066, wind=4.0)
@@ -159,7 +159,7 @@ def test_one_timed_flight_narrows_the_descent_of_a_rocket_without_any() -> None:
 
 def test_forecast_durations_agree_with_the_flight_they_were_fitted_to() -> None:
     flights = tuple((flown(6.0, 6.0).with_changes(flight_id=str(n)), FOUND) for n in range(5))
-    rocket = Rocket(flights, ())
+    rocket = RocketData(flights, ())
     plan = PLAN.with_changes(wind=None, delay=6.0)
     (one,) = forecasts(rocket, [(plan, FOUND)], draws=300)
     fall = fall_of(rocket.history, plan)

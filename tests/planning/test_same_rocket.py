@@ -5,14 +5,14 @@ import pytest
 
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
-from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.forecasts import RocketData
 
 pytestmark = pytest.mark.fast
 
 
-def rocket(mean: float | None, flights: int = 0) -> Rocket:
+def rocket(mean: float | None, flights: int = 0) -> RocketData:
     shared = None if mean is None else SharedPrior((TermName("a"), TermName("b")), np.array([mean, 0.0]), np.eye(2))
-    return Rocket((), ((1.0, ()),) * flights, shared=shared)
+    return RocketData((), ((1.0, ()),) * flights, shared=shared)
 
 
 @pytest.mark.parametrize("mean", [None, 0.3])

@@ -9,11 +9,11 @@ import pytest
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import PLUGGED_DELAY, catalogue
 from fieldkit.presentation.after_flight_text import apogee_question, outcome_lines
+from fieldkit.rocket import Configuration
 from fieldkit.services.after_flight import expected_instead, outcome
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer, planned_answers, setup_answers
@@ -159,7 +159,7 @@ def test_a_flight_without_a_forecast_is_compared_with_earlier_flights(ledger: Le
 
 
 def test_a_first_flight_is_compared_with_the_forecast_from_its_design(ledger: Ledger) -> None:
-    ledger.keep_start(Start("Comet", "A", 0.32, 0.066, None, 1.4, "comet.ork"))
+    ledger.keep_design(Configuration("Comet", "A", 0.32, 0.066, None, 1.4, "comet.ork"))
     plan = Flight(rocket="Comet", config="A", motor="F24W-4", dry_mass=0.32, diameter=0.066)
     (lines_shown,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     flight = plan.with_changes(flight_id="1", apogee=float(np.median(lines_shown.apogee)))

@@ -12,8 +12,7 @@ from fieldkit.forecast.evaluation.uncalibrated import simulate
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import catalogue
-from fieldkit.services.forecasts import earlier_forecasts, forecast_from_others, predict_plans
-from fieldkit.services.planning import rocket_of
+from fieldkit.services.forecasts import earlier_forecasts, forecast_from_others, predict_plans, rocket_of
 from fieldkit.services.plausible_flights import followed
 from tests.commands import Run
 

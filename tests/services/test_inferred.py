@@ -7,7 +7,7 @@ import pytest
 from jaxtyping import config
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import repeated
+from fieldkit.flight.plan import repeated
 from fieldkit.forecast.at_once import each_at_once, forecast_at_once
 from fieldkit.inference.network.history import load_history
 from fieldkit.ledger import Ledger

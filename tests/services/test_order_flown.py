@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start
 from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT
 from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import catalogue
 from fieldkit.planning.forecasts import forecasts
+from fieldkit.rocket import Configuration
 from fieldkit.selection.candidates import Pattern, Place
-from fieldkit.services.forecasts import forecast_from_others, predict_plans
-from fieldkit.services.planning import rocket_of
+from fieldkit.services.forecasts import forecast_from_others, predict_plans, rocket_of
 
 pytestmark = pytest.mark.fast
 
@@ -68,7 +67,7 @@ def test_a_flight_does_not_inform_its_own_forecast_after_an_edit(ledger: Ledger)
 def test_a_flight_before_any_other_starts_from_the_design(ledger: Ledger) -> None:
     new = FLOWN[0].with_changes(rocket="New", flight_id="N0", config="B")
     plain = forecast_from_others(ledger, catalogue(), new)
-    ledger.keep_start(Start("New", "B", cd=0.3))
+    ledger.keep_design(Configuration("New", "B", cd=0.3))
     designed = forecast_from_others(ledger, catalogue(), new)
     assert designed.cd.mean() < 0.8 * plain.cd.mean()
 

@@ -10,7 +10,7 @@ from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
 from fieldkit.planning.contest_day import Day
 from fieldkit.services.contest_day import DAYS, keep_day
-from fieldkit.services.planning import SHORTLIST, keep_shortlist, shortlist
+from fieldkit.services.shortlist import SHORTLIST, keep_shortlist, shortlist
 from fieldkit.services.sites import SITES, keep_site, with_site
 
 pytestmark = pytest.mark.fast

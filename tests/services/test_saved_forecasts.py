@@ -12,7 +12,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
-from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.provenance import digest, model_parts, plan_parts
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, list_forecasts
@@ -129,7 +129,7 @@ def test_extra_columns_that_change_the_climb_are_inputs_of_a_prediction(column: 
 
 def test_the_delay_of_a_plan_takes_precedence_over_that_in_the_motors_name() -> None:
     found = catalogue().resolve("F24-4W")
-    (shown,) = forecasts(Rocket((), ()), [(PLAN.with_changes(dry_mass=0.3, delay=7.0), found)], draws=20)
+    (shown,) = forecasts(RocketData((), ()), [(PLAN.with_changes(dry_mass=0.3, delay=7.0), found)], draws=20)
     assert np.median(shown.eject + shown.coast_time) == pytest.approx(7.0, abs=0.6)
     assert plan_parts(PLAN.with_changes(delay=7.0), found)["motor"]["delay_s"] == "7"
 

@@ -9,9 +9,9 @@ from rich.cells import cell_len
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.site import Site
-from fieldkit.flight.start import Start
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
+from fieldkit.rocket import Configuration
 from fieldkit.tui.flights import logged
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.next.intervals import IntervalBar, Intervals, bar
@@ -128,8 +128,8 @@ async def test_each_list_of_setup_shows_the_facts_of_its_current_row(file: Path)
 
 async def test_a_rocket_with_a_design_shows_its_centers_and_its_stability(file: Path) -> None:
     with Ledger.open(file) as ledger:
-        ledger.keep_start(Start("Astra", "B", 0.448, 0.066, 0.9, 0.7, "astra.ork", cg=0.52, cp=0.66))
-        ledger.keep_start(Start("Astra", "A", 0.322, 0.066, 0.9, 0.7, "astra.ork", cg=0.60, cp=0.65))
+        ledger.keep_design(Configuration("Astra", "B", 0.448, 0.066, 0.9, 0.7, "astra.ork", cg=0.52, cp=0.66))
+        ledger.keep_design(Configuration("Astra", "A", 0.322, 0.066, 0.9, 0.7, "astra.ork", cg=0.60, cp=0.65))
     async with opened(file, (160, 50), page="setup") as pilot:
         await press(pilot, "right")
         assert "stability 2.1 calibers off the rod, as simulated" in words(pilot)

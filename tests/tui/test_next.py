@@ -111,11 +111,11 @@ async def test_a_rocket_uses_its_design_until_it_has_flown(file: Path) -> None:
         await press(pilot, "down", "enter")
         assert "✗ error" in words(pilot)
     with Ledger.open(file) as ledger:
-        (start,) = ledger.starts("Lark")
+        (start,) = ledger.rocket("Lark").configurations
         assert start.config == "A"
         assert start.source == "a.ork"
         ledger.undo()
-        assert not ledger.starts("Lark")
+        assert not ledger.rocket("Lark").configurations
 
 
 @pytest.mark.thorough

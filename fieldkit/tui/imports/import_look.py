@@ -11,13 +11,13 @@ from textual.content import Content
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start
 from fieldkit.importing.manual_entry import read_changes
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.recognize import check_format
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
 from fieldkit.paths import expanded
 from fieldkit.quantities import counted, in_system
+from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
 from fieldkit.services.imports import Receipt, gather, take_in
 from fieldkit.tui.flights import logged
@@ -44,7 +44,7 @@ class Look:
     format: str
     receipt: Receipt | None
     trouble: str = ""
-    start: Start | None = None
+    start: Configuration | None = None
     words: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
     """The flights in it that can be imported, including duplicates."""

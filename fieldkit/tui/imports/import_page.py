@@ -163,7 +163,7 @@ class ImportScreen(PageScreen):
         elif path is not None and isdir(path):
             self.go(path)
         elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
-            self.change(lambda: self.resources.ledger.keep_start(start), self._kept)
+            self.change(lambda: self.resources.ledger.keep_design(start), self._kept)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
             await self._store(path, self._look)
         elif self._look is not None:

@@ -23,7 +23,7 @@ from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors
 from fieldkit.planning.delay import delays, drill_of
 from fieldkit.planning.descent_rate import fall_of
-from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit
 from fieldkit.planning.outlook import outlook
 from fieldkit.planning.planned_flight import planned_flight
@@ -56,7 +56,7 @@ class Decision:
     """A plan on a motor, and the inputs of its answers; pictures are in the units of a `system`."""
 
     plan: Flight
-    rocket: Rocket
+    rocket: RocketData
     site: Site
     limits: dict[str, Limit]
     motor: Motor
@@ -175,7 +175,7 @@ class Decision:
         fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
         lines = safety_lines(prediction, self.site, fall, self.limits)
         return (
-            *conditions_in_words(prediction.plan, self.rocket.starts, self.system),
+            *conditions_in_words(prediction.plan, self.rocket.known, self.system),
             "",
             *safety_text(worst_first([*lines, *more]), self.system),
         )

@@ -11,14 +11,15 @@ from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Motor
 from fieldkit.paths import data_file
-from fieldkit.planning.forecasts import Rocket
+from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit, limits
 from fieldkit.planning.motor_guide import Wanted, lifts, widest_motor
 from fieldkit.planning.safety import motor_temperature
 from fieldkit.quantities import counted, measure
 from fieldkit.safe_text import printable
 from fieldkit.services import launch_day
-from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.forecasts import rocket_of
+from fieldkit.services.plans import completed_plan
 from fieldkit.services.saved_forecasts import list_forecasts
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
@@ -55,7 +56,7 @@ class Plan:
 
     flight: Flight
     full: Flight
-    rocket: Rocket
+    rocket: RocketData
     site: Site
     limits: dict[str, Limit]
     builds: tuple[Flight, ...]

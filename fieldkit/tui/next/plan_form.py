@@ -8,7 +8,7 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import unit_of
 from fieldkit.services.launch_day import save_plan
-from fieldkit.services.planning import completed_plan
+from fieldkit.services.plans import completed_plan
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
 from fieldkit.tui.page import PageScreen

@@ -18,8 +18,8 @@ from fieldkit.planning.contest import season_of, seasons
 from fieldkit.planning.contest_day import Day
 from fieldkit.safe_text import printable
 from fieldkit.services.contest_day import day_of, keep_day
+from fieldkit.services.forecasts import rocket_of
 from fieldkit.services.launch_day import planned_mass
-from fieldkit.services.planning import rocket_of
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 from fieldkit.tui.add.fields import Form

@@ -5,15 +5,15 @@ from pathlib import Path
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
-from fieldkit.flight.start import Start
 from fieldkit.openrocket import MAX_UNPACKED_SIZE, Design, read_design
 from fieldkit.quantities import measure
+from fieldkit.rocket import Configuration
 from fieldkit.services.imports import read_file
 
 SUFFIX = ".ork"
 
 
-def design_at(path: Path, given: Mapping[str, str], system: str) -> tuple[Start, tuple[str, ...]]:
+def design_at(path: Path, given: Mapping[str, str], system: str) -> tuple[Configuration, tuple[str, ...]]:
     """The start of a rocket from a design, with its text.
 
     Rocket and configuration come from `given`, or else the rocket from the file. Raises FieldkitError if the file
@@ -28,7 +28,7 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> tuple[Start,
     return start, (*_facts(start, design, system), *design.notes)
 
 
-def _facts(start: Start, design: Design, system: str) -> list[str]:
+def _facts(start: Configuration, design: Design, system: str) -> list[str]:
     facts = [f"starts {start.rocket} {start.config}".rstrip()]
     if start.dry_mass is not None:
         facts.append(f"{measure(BY_NAME['dry_mass'], start.dry_mass, system)} without motor, from {design.mass_by}")

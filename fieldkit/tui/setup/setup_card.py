@@ -12,12 +12,12 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import Start
 from fieldkit.motors import Motor
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import MARKS
 from fieldkit.planning.kits import Kit
 from fieldkit.quantities import density, measure, number, spelled, unit_of
+from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
@@ -77,7 +77,7 @@ def of_motor(motor: Motor, system: str) -> Facts:
     return Facts((content,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
 
 
-def of_build(group: Group, system: str, design: Start | None = None) -> Facts:
+def of_build(group: Group, system: str, design: Configuration | None = None) -> Facts:
     """A configuration of a rocket, with its design if known: drawing, mass, stability, motors, apogees."""
     flights, length = group.flights, design.length if design is not None else None
     pairs = [
@@ -105,7 +105,7 @@ def _used(flights: Sequence[Flight]) -> str:
     return f"{len(flights)}, {'all' if clean == len(flights) else f'{clean} of them'} clean"
 
 
-def _stability(design: Start) -> str:
+def _stability(design: Configuration) -> str:
     """The stability margin of a design, marked if it is low."""
     if design.margin is None:
         return ""
@@ -113,7 +113,7 @@ def _stability(design: Start) -> str:
     return f"{design.margin:.1f} calibers off the rod, as simulated{low}"
 
 
-def _side_view(diameter: float, design: Start | None) -> Hanging:
+def _side_view(diameter: float, design: Configuration | None) -> Hanging:
     """The rocket from the side with its centers of gravity and of pressure, and which parts are sketched."""
     length = design.length if design is not None else None
     lines = drawing(length, diameter, DRAWING_WIDTH)

@@ -118,9 +118,8 @@ class SetupScreen(PageScreen):
         flights = self.resources.ledger.flights()
         ids = self.resources.ledger.ids(flights)
         places = placed(grouped(ids, flights, "site"), sites(self.resources.ledger))
-        rockets = dict.fromkeys(flight.rocket for flight in flights if flight.rocket)
-        designs = [start for rocket in rockets for start in self.resources.ledger.starts(rocket)]
-        return LedgerNames(grouped(ids, flights, "rocket", "config"), places, tuple(designs))
+        rockets = self.resources.ledger.rockets()
+        return LedgerNames(grouped(ids, flights, "rocket", "config"), places, tuple(rockets))
 
     def _have(self, names: LedgerNames) -> None:
         self._names = names

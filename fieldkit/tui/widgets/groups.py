@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
-from fieldkit.flight.start import Start, start_among
 from fieldkit.ledger import Ledger
+from fieldkit.rocket import Configuration, Rocket
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 """Columns whose last known values a group has."""
@@ -35,17 +35,16 @@ class LaunchSite:
 
 @dataclass(frozen=True, slots=True)
 class LedgerNames:
-    """The groups of a ledger: configurations of rockets with their mass and diameter, sites, and the `designs` of
-    rockets."""
+    """The groups of a ledger: configurations of rockets with their mass and diameter, sites, and the rockets
+    with a design."""
 
     builds: tuple[Group, ...]
     sites: tuple[LaunchSite, ...]
-    designs: tuple[Start, ...] = ()
+    rockets: tuple[Rocket, ...] = ()
 
-    def design(self, rocket: str, config: str) -> Start | None:
+    def design(self, rocket: str, config: str) -> Configuration | None:
         """The design of a configuration; None if none was imported."""
-        known = [one for one in self.designs if one.rocket == rocket]
-        return start_among(known, Flight(rocket=rocket, config=config))
+        return next((one.design(config) for one in self.rockets if one.name == rocket), None)
 
 
 def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
@@ -79,7 +78,7 @@ def placed(groups: Sequence[Group], known: Sequence[Site]) -> tuple[LaunchSite, 
     return tuple(found)
 
 
-def rocket_of(ledger: Ledger, flight: Flight) -> tuple[Group, Start | None] | None:
+def rocket_of(ledger: Ledger, flight: Flight) -> tuple[Group, Configuration | None] | None:
     """The flights of a flight's rocket in the same configuration, and its design; None for a flight without a
     rocket."""
     if not flight.rocket:
@@ -88,5 +87,4 @@ def rocket_of(ledger: Ledger, flight: Flight) -> tuple[Group, Start | None] | No
     found = grouped(ledger.ids(flights), flights, "rocket", "config")
     if not found:
         return None
-    names = LedgerNames((), (), tuple(ledger.starts(flight.rocket)))
-    return found[0], names.design(flight.rocket, flight.config)
+    return found[0], ledger.rocket(flight.rocket).design(flight.config)
