@@ -45,8 +45,8 @@ def add(
 ) -> None:
     """Enter a flight by hand. Enter accepts the default, < goes back, ? shows help, - means "not recorded".
 
-    With any flight option nothing is asked; dry mass and diameter are by default those of the plan, of the rocket's
-    last flight, or of its kit.
+    With any flight option nothing is asked; dry mass and diameter are by default those of the plan, of the last flight
+    of this build, of an earlier plan or design, or of the rocket's kit.
     Without a terminal, answers are read from standard input, one per line.
     """
     from fieldkit.services.unknown_names import unknown_names
@@ -81,8 +81,8 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
 
 
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":
-    """A flight with the mass and diameter of its plan, of the rocket's last flight, or of its kit if none are given,
-    and the names of what was filled in, which is printed."""
+    """A flight with the mass and diameter that are known of its build if none are given, and the names of what was
+    filled in, which is printed."""
     from fieldkit.services.manual_entry import with_build
 
     flight, filled = with_build(ledger, flight, given)

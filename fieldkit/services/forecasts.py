@@ -158,7 +158,7 @@ def rocket_of(
     """What forecasts of a rocket in a ledger are based on, read once, with or without the effects that the loop found.
 
     The result of the forecast of the flight `but` is not used. `on_progress` reports the fits of other rockets. Raises
-    DamagedModel if the hyperprior cannot be read.
+    BadValue for flights that cannot be simulated, DamagedModel if the hyperprior cannot be read.
     """
     history, mount = flown(ledger, motors, name), None
     with suppress(BadValue):  # a damaged file of kits is reported where the kits are listed

@@ -43,7 +43,7 @@ class Overview:
 
 
 def save_plan(ledger: Ledger, texts: Mapping[str, str]) -> bool:
-    """Save the plan of the next flight, its mass and diameter if no flight tells them, and today's weather as one
+    """Save the plan of the next flight, its mass and diameter if no flight has them, and today's weather as one
     change; False if all are unchanged. Raises BadValue."""
     build = f"{texts.get('rocket', '')} {texts.get('config', '')}".strip()
     stated = stated_bodies(ledger, [Flight().with_changes(**plan_changes(texts))])

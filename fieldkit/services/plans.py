@@ -60,7 +60,7 @@ def completed(
 
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
-    """One plan, as in `completed`."""
+    """One plan, as in `completed`. Raises BadValue for a damaged file of kits."""
     return completed(ledger, motors, [plan], settings)[0]
 
 
@@ -86,7 +86,7 @@ def body(
 
 
 def stated_bodies(ledger: Ledger, plans: Sequence[Flight]) -> list[Configuration]:
-    """The masses and diameters that plans state, of configurations of which no flight tells them: to be saved, so that
+    """The masses and diameters that plans state, of configurations without a flight that has them: to be saved, so that
     the next plan and the first flight have them.
 
     Left out are figures on which the plans of a configuration differ, those of a flight on several stages, and those of
