@@ -1,7 +1,6 @@
 """The flights of a rocket in a ledger, each beside its forecast from the others."""
 
 from fieldkit.flight import Flight
-from fieldkit.flight.start import design_cds
 from fieldkit.forecast.one_offs import FlightBesideOthers, beside_others
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
@@ -24,7 +23,8 @@ def flights_beside_others(
     flights = [flight for flight, _ in history]
     sets = accepted_average(ledger, rocket, flights=flights) if averaged is None else averaged
     shared = fleet_prior(ledger, motors, rocket)
-    return beside_others(history, sets, cds=design_cds(ledger.starts(rocket), flights), shared=shared)
+    cds = ledger.rocket(rocket).cds(flight.config for flight in flights)
+    return beside_others(history, sets, cds=cds, shared=shared)
 
 
 def flight_beside_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> FlightBesideOthers | None:
