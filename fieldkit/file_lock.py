@@ -9,9 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from fieldkit.errors import FieldkitError
+from fieldkit.paths import LOCK_NAME
 
-LOCK_NAME = ".lock"
-"""The file that is locked, in the folder of the file that changes: a replaced file itself cannot hold a lock."""
 PATIENCE = 10.0
 """Longest wait for another program, which needs milliseconds. [s]"""
 POLL = 0.01

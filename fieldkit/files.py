@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import FieldkitError, FileTaken
-from fieldkit.paths import is_own
+from fieldkit.paths import SQLITE_SUFFIXES, is_own
 
 MAX_FILE_SIZE = 1 << 30
 """Size limit of a log or table. [byte]"""
@@ -30,7 +30,7 @@ BACKUPS = "-backups"
 _DATABASE = b"SQLite format 3\0"
 _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83")
 """First bytes of SQLite's rollback journal, and of its write-ahead log in both byte orders."""
-COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
+COMPANION_SUFFIXES = (*SQLITE_SUFFIXES, BACKUPS)
 """Suffixes of the files that SQLite and fieldkit store next to a ledger."""
 _BINARY_MODE = getattr(os, "O_BINARY", 0)
 """Keeps Windows from changing line endings."""

@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from stat import S_ISLNK, S_ISREG
 from typing import Literal, get_args
 
 REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
@@ -34,6 +35,35 @@ def expanded(text: str | Path) -> Path:
     """A path with `~` replaced; that of an unknown user is left as it is, for which `Path.expanduser` raises an
     error."""
     return Path(os.path.expanduser(text))
+
+
+LOCK_NAME = ".lock"
+"""The file that is locked, in the folder of the file that changes: a replaced file itself cannot hold a lock."""
+SQLITE_SUFFIXES = ("-journal", "-wal", "-shm")
+"""Suffixes of the files that SQLite makes next to a ledger."""
+
+
+def ledger_trouble(file: Path) -> str:
+    """Why SQLite must not open a file as a ledger, as a phrase; empty if it may.
+
+    It would wait forever for a pipe that has the name of its journal, roll back the journal that a link leads to, and
+    cannot attach a file whose name is not text.
+    """
+    try:
+        str(file).encode()
+        file.resolve()
+        for companion in (file.with_name(file.name + suffix) for suffix in SQLITE_SUFFIXES):
+            with suppress(FileNotFoundError):
+                mode = companion.lstat().st_mode
+                if not S_ISREG(mode):
+                    kind = "a link" if S_ISLNK(mode) else "a folder, a pipe or a device"
+                    return f"found {kind} named {companion.name} beside it, where SQLite writes; remove that first"
+    except UnicodeEncodeError:
+        return "found a name that is not UTF-8, expected one; rename the file"
+    except (OSError, RuntimeError, ValueError) as error:
+        looped = isinstance(error, RuntimeError)
+        return f"cannot be opened ({'a loop of links' if looped else getattr(error, 'strerror', None) or error})"
+    return ""
 
 
 def working_folder() -> Path:
@@ -115,7 +145,7 @@ def is_own(file: Path) -> bool:
         folders = {data_folder().resolve(), _settings_path().resolve()}
     except (OSError, RuntimeError):  # a loop of links
         return False
-    named = [folder / name for folder in folders for name in DATA_FILES]
+    named = [folder / name for folder in folders for name in (*DATA_FILES, LOCK_NAME)]
     if any(file == own or own in file.parents for own in named):
         return True
     return file.exists() and any(_holds(folder, file) for folder in folders)

@@ -10,9 +10,9 @@ import pytest
 
 from fieldkit import file_lock
 from fieldkit.errors import FieldkitError
-from fieldkit.file_lock import LOCK_NAME, changing
+from fieldkit.file_lock import changing
 from fieldkit.importing.tables.mapping import remembered
-from fieldkit.paths import motor_folder
+from fieldkit.paths import LOCK_NAME, motor_folder
 from fieldkit.services.kits import kits
 from fieldkit.services.learn import keep_card, own_card
 from fieldkit.settings import read_settings

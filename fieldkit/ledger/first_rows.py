@@ -10,7 +10,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from fieldkit.flight import Flight
-from fieldkit.paths import data_file, expanded
+from fieldkit.paths import data_file, expanded, ledger_trouble
 
 SELECT_NEWEST = """SELECT flight_id, rocket, config, motor, apogee, date_time, log FROM flights
 ORDER BY date_time DESC, entry DESC LIMIT ?"""
@@ -29,9 +29,12 @@ def first_rows(where: str | Path | None, most: int) -> list[tuple[str, Flight]]:
     where = where or os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
     if "://" in str(where):
         return []
+    file = expanded(where).absolute()
+    if ledger_trouble(file) or ledger_trouble(file.resolve()):
+        return []
     try:
-        file = quote(str(expanded(where).absolute()))
-        with closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True, timeout=0)) as connection:
+        with closing(sqlite3.connect(f"file:{quote(str(file))}?mode=ro", uri=True, timeout=0)) as connection:
+            connection.execute("PRAGMA trusted_schema = OFF")
             if connection.execute(HAS_UNUSUAL).fetchone() != (0,):
                 return []
             return [_listed(*row) for row in connection.execute(SELECT_NEWEST, (most,))]

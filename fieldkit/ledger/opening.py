@@ -16,7 +16,7 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError, UnusableLedger
 from fieldkit.ledger import backups
-from fieldkit.ledger.schema import STEPS, upgrade, version
+from fieldkit.ledger.schema import STEPS, check_objects, upgrade, version
 from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.tables import journal
 from fieldkit.ledger.trouble import explained
@@ -50,7 +50,7 @@ def connect(url: URL) -> Engine:
 
 def _prepare_sqlite(connection: object, _entry: ConnectionPoolEntry) -> None:
     connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are started below
-    for setting in ("foreign_keys = ON", f"synchronous = {SYNCHRONOUS_MODE}"):
+    for setting in ("foreign_keys = ON", f"synchronous = {SYNCHRONOUS_MODE}", "trusted_schema = OFF"):
         connection.execute(f"PRAGMA {setting}")  # type: ignore[attr-defined]
 
 
@@ -112,6 +112,7 @@ def bring_up_to_date(engine: Engine) -> None:
     """
     _refuse_remains(file_of(engine.url))
     with reading(engine) as connection:
+        check_objects(connection)
         step = version(connection)
     if step == STEPS[-1]:
         return

@@ -9,7 +9,7 @@ from pathlib import Path
 from sqlalchemy import Connection, inspect, text
 from sqlalchemy.exc import DBAPIError
 
-from fieldkit.errors import LedgerError
+from fieldkit.errors import LedgerError, shortened
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import metadata
 from fieldkit.ledger.whereabouts import name_of
@@ -28,7 +28,12 @@ def version(connection: Connection) -> str | None:
     name = name_of(connection.engine.url)
     tables = inspect(connection)
     if tables.has_table("alembic_version"):
-        found = str(connection.scalar(text("SELECT version_num FROM alembic_version")))
+        versions = list(connection.scalars(text("SELECT version_num FROM alembic_version LIMIT 2")))
+        if len(versions) > 1:
+            raise LedgerError(
+                f"{name}: found two versions of its tables, {versions[0]} and {versions[1]}, expected one"
+            )
+        found = str(versions[0] if versions else None)
         if found in STEPS:
             return found
         if re.match(r"m\d{3}_", found):
@@ -38,6 +43,21 @@ def version(connection: Connection) -> str | None:
     elif not tables.get_table_names():
         return None
     raise LedgerError(f"{name}: found another program's tables, expected a ledger or an empty database")
+
+
+def check_objects(connection: Connection) -> None:
+    """Raise LedgerError for a SQLite ledger with a view, a trigger or a virtual table: no fieldkit made it, and each of
+    them would run what its maker wrote."""
+    if connection.dialect.name != "sqlite":
+        return
+    foreign = "type IN ('view', 'trigger') OR (type = 'table' AND sql LIKE 'CREATE VIRTUAL%')"
+    found = connection.execute(text(f"SELECT type, name FROM sqlite_master WHERE {foreign} LIMIT 1")).first()
+    if found is not None:
+        kind = "virtual table" if found.type == "table" else found.type
+        raise LedgerError(
+            f"{name_of(connection.engine.url)}: found the {kind} {shortened(found.name)} in it, which no ledger has; "
+            "import its flights from an export instead"
+        )
 
 
 def missing(connection: Connection) -> str:

@@ -2,12 +2,13 @@
 
 import os
 from pathlib import Path
+from urllib.parse import unquote
 
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
 from fieldkit.errors import LedgerError
-from fieldkit.paths import data_file, expanded
+from fieldkit.paths import data_file, expanded, ledger_trouble
 
 _DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": "postgresql+psycopg"}
 
@@ -18,7 +19,8 @@ FILE_MODES = ("ro", "rw", "rwc")
 def location(where: str | Path | None) -> URL:
     """The URL of a ledger named by a path or URL, by FIELDKIT_LEDGER, or the one in the user's data folder.
 
-    Raises LedgerError for an empty name, and for a URL that is neither SQLite's nor PostgreSQL's.
+    Raises LedgerError for an empty name, for a URL that is neither SQLite's nor PostgreSQL's, and for a file that
+    SQLite must not open.
     """
     if where is None:
         where = os.environ.get("FIELDKIT_LEDGER") or data_file("ledger.db")
@@ -50,6 +52,9 @@ def _keeping(url: URL, where: str) -> URL:
     modes = {"uri", "mode"} if uri else set()
     if not set(url.query) <= modes or url.query.get("mode", "rwc") not in FILE_MODES or "?" in file:
         raise LedgerError(f"found the ledger {where!r}, expected sqlite:///FILE and nothing after it")
+    place = Path(unquote(file) if uri else file)
+    if trouble := ledger_trouble(place) or ledger_trouble(place.resolve()):
+        raise LedgerError(f"{place}: {trouble}")
     return url
 
 

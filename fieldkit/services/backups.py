@@ -24,5 +24,6 @@ def chosen_copy(where: str | Path | None, number: int | None) -> tuple[Path, Bac
     for one in known:
         if number in (None, one.number):
             return file, one
-    listed = ", ".join(str(one.number) for one in known) or "none"
-    raise LedgerError(f"{file}: found no backup {number or ''}, expected one of: {listed}")
+    if not known:
+        raise LedgerError(f"{file}: has no backups yet; one is made before the first change of a day")
+    raise LedgerError(f"{file}: no backup {number}, expected one of: {', '.join(str(one.number) for one in known)}")

@@ -279,7 +279,9 @@ def test_the_target_of_a_link_in_the_data_folder_is_never_overwritten(home: Path
         assert target.read_text() == "kept"
 
 
-@pytest.mark.parametrize("name", [*paths.DATA_FILES, "motors/new.eng", "rules/new.toml", "seasons/2031.toml"])
+@pytest.mark.parametrize(
+    "name", [*paths.DATA_FILES, paths.LOCK_NAME, "motors/new.eng", "rules/new.toml", "seasons/2031.toml"]
+)
 def test_no_command_creates_a_file_that_fieldkit_would_take_for_its_own(home: Path, name: str) -> None:
     target = paths.data_folder() / name
     target.unlink(missing_ok=True) if target.is_file() else None
@@ -408,7 +410,7 @@ READERS = {
     "presentation/report/html.py": "a page that comes along",
     "inference/network/ensemble.py": "reads so many bytes and no more",
     "importing/tables/spreadsheet.py": "the first bytes of a member of an archive",
-    "importing/tables/spreadsheet_bounds.py": "members of an archive, a part at a time, to count what they expand to",
+    "importing/tables/sheet_xml.py": "members of an archive, a part at a time within a budget",
     "openrocket/archive.py": "a member of an archive, so many bytes and no more",
     "inference/training/unfinished.py": "results of this program",
     "parallel.py": "results of this program",

@@ -15,9 +15,11 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import create_engine, event, make_url
 
+from fieldkit.cli.main import main
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, backups, opening, schema, soundness, whereabouts
+from fieldkit.ledger.first_rows import first_rows
 from fieldkit.ledger.tables import metadata
 from fieldkit.rocket import Configuration
 from tests.new_ledgers import SYNCHRONOUS
@@ -519,3 +521,64 @@ def test_a_ledger_deleted_while_open_is_reported_and_not_created_again(tmp_path:
         with pytest.raises(LedgerError, match="the file is gone while it is open"):
             ledger.flights()
     assert not file.exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes and links of Unix")
+@pytest.mark.parametrize("command", ["flights", "tag 1 a", "undo", "backups"])
+def test_a_path_that_sqlite_must_not_open_is_refused_at_once(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = tmp_path / "good.db"
+    with Ledger.open(good) as ledger:
+        ledger.add([FIRST])
+    content = good.read_bytes()
+    loop, piped, linked, journal = (tmp_path / name for name in ("loop.db", "piped.db", "linked.db", "link.db"))
+    loop.symlink_to(loop)
+    for file in (piped, journal, tmp_path / os.fsdecode(b"bad\xff.db")):
+        file.write_bytes(content)
+    os.mkfifo(tmp_path / "piped.db-journal")
+    linked.symlink_to(piped)
+    (tmp_path / "link.db-wal").symlink_to(good)
+    for file, found in (
+        (loop, "a loop of links"),
+        (piped, "piped.db-journal"),
+        (linked, "piped.db-journal"),
+        (f"sqlite:///file:{piped}?uri=true", "piped.db-journal"),
+        (journal, "found a link named link.db-wal"),
+        (tmp_path / os.fsdecode(b"bad\xff.db"), "not UTF-8"),
+    ):
+        assert main(["--ledger", str(file), *command.split()]) == 1
+        message = capsys.readouterr().err
+        assert found in message
+        assert message.count("\n") == 1
+        assert first_rows(file, 5) == []
+    assert good.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("statement", "found"),
+    [
+        ("CREATE TRIGGER t AFTER INSERT ON tags BEGIN DELETE FROM flights; END", "found the trigger t in it"),
+        ("CREATE VIEW v AS SELECT randomblob(1000000000)", "found the view v in it"),
+        ("CREATE VIRTUAL TABLE f USING fts5(a)", "found the virtual table f in it"),
+        ("INSERT INTO alembic_version VALUES ('m001_flights')", "found two versions of its tables"),
+    ],
+)
+def test_a_ledger_of_foreign_make_is_refused(statement: str, found: str, tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+        with ledger._reading() as connection:
+            assert connection.exec_driver_sql("PRAGMA trusted_schema").scalar() == 0
+    with closing(sqlite3.connect(file)) as raw:
+        raw.execute(statement)
+        raw.commit()
+    with pytest.raises(LedgerError, match=found):
+        Ledger.open(file)
+
+
+def test_backups_that_do_not_exist_are_named_as_such(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "ledger.db"
+    Ledger.open(file).close()
+    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 1
+    assert "has no backups yet" in capsys.readouterr().err

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
-from fieldkit.file_lock import LOCK_NAME
 from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Note, Reading
 from fieldkit.importing.read import read
@@ -17,6 +16,7 @@ from fieldkit.importing.recognize import claims, open_log, parsers
 from fieldkit.importing.tables import mapping
 from fieldkit.importing.tables.headings import channel, heading, stated_unit
 from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+from fieldkit.paths import LOCK_NAME
 from fieldkit.services.imports.mappings import columns_of
 from tests.commands import Run
 from tests.parsers.recorded import recorded
