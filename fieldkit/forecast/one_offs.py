@@ -108,22 +108,32 @@ def _mixed(parts: Sequence[tuple[float, OneOffs]]) -> OneOffs:
     return replace(parts[0][1], miss=miss, sd=sd, normal=normal, cause=cause, strength=strength)
 
 
+def _cause(
+    name: str, probability: float, strength: float, departures: Mapping[str, tuple[float, float]]
+) -> PossibleCause:
+    if name == "misread" and farthest(departures) == "apogee_to_eject":
+        return PossibleCause(name, probability, departures["apogee_to_eject"][0], "s")
+    return PossibleCause(name, probability, CAUSES[name].shown(strength), CAUSES[name].unit)
+
+
+def farthest(departures: Mapping[str, tuple[float, float]]) -> str:
+    """The readout that departs by the most standard deviations from its expectation."""
+    return max(departures, key=lambda name: abs(departures[name][0]) / departures[name][1])
+
+
 def _beside(flight: Flight, found: OneOffs, row: int) -> FlightBesideOthers:
     apogee, miss, sd = flight.apogee or np.nan, float(found.miss[row, 0]), float(found.sd[row, 0])
     forecast = apogee * np.exp(-miss)
-    causes = sorted(
-        (
-            PossibleCause(name, float(chance), CAUSES[name].shown(float(found.strength[row, place])), CAUSES[name].unit)
-            for place, (name, chance) in enumerate(zip(NAMES, found.cause[row], strict=True))
-            if chance > 0
-        ),
-        key=lambda one: -one.probability,
-    )
     departures = {
         name: (float(found.miss[row, column]), float(found.sd[row, column]))
         for column, name in enumerate(OBSERVED_READOUTS)
         if np.isfinite(found.miss[row, column])
     }
+    causes = [
+        _cause(name, float(chance), float(found.strength[row, place]), departures)
+        for place, (name, chance) in enumerate(zip(NAMES, found.cause[row], strict=True))
+        if chance > 0
+    ]
     return FlightBesideOthers(
         flight,
         float(forecast),
@@ -131,5 +141,5 @@ def _beside(flight: Flight, found: OneOffs, row: int) -> FlightBesideOthers:
         float(sd * forecast),
         departures,
         float(1 - found.normal[row]),
-        tuple(causes),
+        tuple(sorted(causes, key=lambda one: -one.probability)),
     )

@@ -1,10 +1,11 @@
 """A flight beside the others of its rocket in words: by how much it missed, what most likely went wrong, and why."""
 
 from collections.abc import Iterator, Sequence
+from math import expm1
 
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.short_name import flight_label
-from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause
+from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause, farthest
 from fieldkit.model.causes import CAUSES
 from fieldkit.quantities import percent
 
@@ -58,8 +59,7 @@ def _named(one: FlightBesideOthers, cause: PossibleCause) -> str:
     """The cause in words; of a misread readout, which one."""
     if cause.cause != "misread":
         return CAUSES[cause.cause].title
-    worst = max(one.departures, key=lambda name: abs(one.departures[name][0]) / one.departures[name][1])
-    return f"a misread {BY_NAME[worst].title.lower()}"
+    return f"a misread {BY_NAME[farthest(one.departures)].title.lower()}"
 
 
 def _listed(causes: Sequence[PossibleCause]) -> str:
@@ -83,19 +83,12 @@ def _signs(one: FlightBesideOthers) -> Iterator[str]:
         more, less = LONGER.get(name, ("high", "low"))
         word = more if miss > 0 else less
         value = one.flight.number(name)
-        if value is None or name == "apogee_to_eject":
+        if name == "apogee_to_eject":
             yield f"{title} {abs(miss):.1f} s {word}"
-        elif name in LONGER:
-            yield f"{title} {abs(value * _less(-miss)):.1f} s {word}"
+        elif name in LONGER and value is not None:
+            yield f"{title} {abs(value * expm1(-miss)):.1f} s {word}"
         else:
-            yield f"{title} {abs(_less(miss)):.0%} {word}"
-
-
-def _less(log_ratio: float) -> float:
-    """The change relative to what is expected, of a log ratio to it. [1]"""
-    from math import expm1
-
-    return expm1(log_ratio)
+            yield f"{title} {abs(expm1(miss)):.0%} {word}"
 
 
 def one_off_lines(found: Sequence[FlightBesideOthers]) -> Iterator[str]:
