@@ -3,13 +3,15 @@
 New form: an object of settings, then lines of hex bytes with records whose length depends on `log_format`. Old form:
 settings as text, possibly among the commands of a terminal, then one record per line, `A 1f2e 00 12 ...`; the samples
 of a TeleMini 1, which has no accelerometer, are records of the letter P. A record is a letter, a checksum, a 16-bit
-clock and data. Erased bytes are ff; a record with a wrong checksum is skipped.
-Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 were checked with real files.
+clock and data. Erased bytes are ff; a record with a wrong checksum is skipped. The record of the flight holds the
+pressure on the pad, from which the device itself counts its heights: a log may begin in the boost.
+Source: altoslib and libaltos of AltOS (`ao_log.h`); formats 1, 7, 16 and 22 were checked with real files.
 """
 
 import codecs
 import re
 from dataclasses import fields, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -32,13 +34,15 @@ from fieldkit.importing.tables.altos_flash import (
     Octets,
     RecordLayout,
     hex_bytes,
+    layout_in,
     new_form,
     number_at,
     old_form,
 )
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, first_lines, shown
-from fieldkit.shapes import Array, Float, Int
+from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.shapes import Array, Float, Int, Integers
 
 MAX_LOG_SIZE = 32 << 20
 """Largest file size; the flash of these devices fits in it. [bytes]"""
@@ -47,15 +51,15 @@ LARGEST_SETTINGS = 1 << 18
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
 """What the settings of the old form contain: commands of a terminal, or the first setting."""
-FORMAT_1_RECORD = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
-"""A record of a letter and three numbers: log format 1, which its first devices do not state."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
 """Letters of records."""
 PRESSURE = POSITION
 """The letter of a sample without an acceleration, in formats without positions."""
 TELEMINI_1 = 2
 """The log format of a TeleMini 1."""
-OLD_TELEMINI_1 = RecordLayout("TeleMini 1", 8, counts=0)
+OLD_TELEMINI_1 = RecordLayout("TeleMini 1", 8, counts=0, pad=None)
+PAD_PRESSURES, MAX_START = (30_000.0, 120_000.0), 1000.0
+"""Pressures on the ground anywhere [Pa], and the largest height at which a log that misses its lift-off begins [m]."""
 OTHER_DEVICES = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
 """Devices by log formats that are not supported."""
 
@@ -76,9 +80,9 @@ def read(log: bytes) -> list[Parsed]:
     old = not settings.lstrip().startswith("{") and OLD_RECORD.match(_line(log, row)) is not None
     if number == TELEMINI_1 and not old:
         return _telemini_1(settings, log, row)
-    if number is None and old:
-        number = 1 if FORMAT_1_RECORD.fullmatch(_line(log, row)) else None
     layout = OLD_TELEMINI_1 if number == TELEMINI_1 else LAYOUTS.get(number or 0)
+    if not number and old:
+        layout = layout_in(settings, log, row)
     if layout is None:
         known = f"{number}, {OTHER_DEVICES[number]}," if number in OTHER_DEVICES else str(number) if number else "none"
         raise DamagedLog(f"found log format {known}, expected one with pressures: {', '.join(map(str, LAYOUTS))}")
@@ -96,14 +100,14 @@ def _plain(log: bytes) -> bytes:
 
 
 def _settings(log: bytes) -> tuple[str, int]:
-    """The text above the first record, and the row of that record."""
-    above: list[str] = []
-    for first, lines in blocks(log[:LARGEST_SETTINGS]):
-        for row, line in enumerate(lines, start=first):
-            if HEX.match(line) or OLD_RECORD.match(line):
-                return "\n".join(above), row
-            above.append(line)
-    raise DamagedLog("found no records, expected lines of hex bytes below the settings", row=len(above) or 1)
+    """The text above the first record, and the row of that record: the first of two in a row, because a setting may
+    look like one."""
+    lines = [line for _, block in blocks(log[:LARGEST_SETTINGS]) for line in block]
+    alike = [row for row, line in enumerate(lines, start=1) if HEX.match(line) or OLD_RECORD.match(line)]
+    if not alike:
+        raise DamagedLog("found no records, expected lines of hex bytes below the settings", row=len(lines) or 1)
+    row = next((one for one, other in pairwise(alike) if other == one + 1), alike[0])
+    return "\n".join(lines[: row - 1]), row
 
 
 def _line(log: bytes, row: int) -> str:
@@ -132,6 +136,7 @@ def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordL
         return None
     states = records[:, 0] == STATE
     events = entered(number_at(records[states], 0, 2), time[states], STATES)
+    events = {name: when for name, when in events.items() if when > time[samples][0]}  # else it was entered before
     start = events.get("liftoff", float(time[samples][0]))
     head = records[records[:, 0] == FLIGHT][:1]
     series = [_samples(records[samples], _increasing(time[samples] - start), head, settings, layout)]
@@ -182,8 +187,18 @@ def _samples(
     if not layout.counts:
         return Series(time, pressure=_real(mp3h6115(number_at(samples, 2, 2))), acceleration=acceleration)
     raw, raw_temperature = (number_at(samples, place, layout.counts) for place in (0, layout.counts))
-    pressure, temperature = ms5607(raw, raw_temperature, _coefficients(settings))
-    return Series(time, pressure=_real(pressure), temperature=temperature, acceleration=acceleration)
+    counts_as, temperature = ms5607(raw, raw_temperature, _coefficients(settings))
+    pressure = _real(counts_as)
+    altitude = _above_pad(pressure, number_at(head, layout.pad, 4)) if layout.pad is not None else None
+    return Series(time, altitude, pressure=pressure, temperature=temperature, acceleration=acceleration)
+
+
+def _above_pad(pressure: Float[Array, "record"], pad: Integers) -> Float[Array, "record"] | None:
+    """Heights above the pad, whose pressure the record of the flight states; None without a plausible one. [m]"""
+    if not len(pad) or not PAD_PRESSURES[0] < pad[0] < PAD_PRESSURES[1]:
+        return None
+    heights = np.asarray(pressure_height(pressure) - pressure_height(pad[:1].astype(float)))
+    return heights if abs(float(np.nanmedian(heights[:10]))) < MAX_START else None
 
 
 def _real(pressure: Float[Array, "record"]) -> Float[Array, "record"]:

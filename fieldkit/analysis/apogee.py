@@ -11,10 +11,13 @@ from fieldkit.analysis.channels import CHANNEL_TITLES, Heights
 from fieldkit.analysis.phases import WIND_PRESSURE_SD, Outline
 from fieldkit.analysis.records import Event, Figure
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """How long a curve must continue after its top [s] and how far it must clearly fall [m] to count as coming down."""
+_TOP_REACH, _LEAST_TOP_SAMPLES = 2.0, 6
+"""How far around the highest heights a parabola shows the top [s], and in how many samples [1]."""
 _MAX_TAKEN = 0.8
 """Largest fraction of the variance that subtracting the mean of a short rest may have removed. [1]"""
 _LEAST_GPS = 2.0
@@ -34,11 +37,11 @@ def falls(ascent: Ascent) -> bool:
 
 
 def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
-    """The top of the curve, or None if it is still rising when the log ends."""
+    """The top of the curve, or of the heights if the curve misses it; None if they still rise when the log ends."""
     has_samples = _has_samples(ascent.time, track, seen.top)
     place = int(np.argmax(np.where(has_samples, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:
-        return None
+        return _by_heights(seen, track) if seen.down else None
     drawn = np.where(has_samples, ascent.heights, -np.inf)
     tops = drawn.max(axis=1)
     moment = float(_vertices(ascent.time, ascent.speed[None], np.array([place]))[0])
@@ -50,6 +53,23 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     spread = 1.4826 * np.median(np.abs(moments - moment))
     event = Event(moment, float(np.hypot(spread, track.lag / 2)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
+
+
+def _by_heights(seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
+    """The top of a parabola through the heights around their highest running median, for a log that is seen to come
+    down though a curve through the climb would still rise: pressure is off in the climb, or was held for a while."""
+    near = np.abs(track.time - seen.top) < _TOP_REACH
+    since, height = track.time[near] - seen.top, track.height[near] - seen.pad
+    if near.sum() < _LEAST_TOP_SAMPLES or not since.min() < 0 < since.max():
+        return None
+    bend, slope, level = (float(one) for one in np.polyfit(since, height, 2))
+    at = float(np.clip(-slope / (2 * bend), since.min(), since.max())) if bend < 0 else 0.0
+    value = level + slope * at + bend * at**2
+    off = abs(value - (seen.top_height - seen.pad))
+    left = float(np.std(height - np.polyval((bend, slope, level), since)))
+    sd = float(np.linalg.norm([left, off, seen.pad_sd, slow_error_sd(track, seen)]))
+    moment_sd = max(float(np.sqrt(2 * max(sd, track.noise) / GRAVITY)), abs(at))
+    return Event(seen.top + at, moment_sd, track.source), Figure(value, sd, track.source)
 
 
 def _vertices(

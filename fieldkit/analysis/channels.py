@@ -46,6 +46,9 @@ _MIN_FILLED, _FAR_FROM_FILL = 0.4, 20.0
 _REPEAT_TIME, _BOOST_ACCELERATION, _FIX_NOISE = 2.0, 600.0, 20.0
 """Shortest time for which a lost receiver repeats its last height [s], the acceleration of the hardest boosts
 [m/s^2], and how far two heights of a receiver in the open differ [m]."""
+_HELD_TIME, _HELD_SAMPLES, _HELD_JUMP = 0.25, 3, 5.0
+"""Shortest time [s] and number of samples for which a barometer that failed repeats a height, and the least jump after
+it, beyond what a coarse resolution or shocks show [m]."""
 _WINDOW, _MIN_SIZE, _MAX_SIZE = 0.5, 5, 61
 """Length of the running median that reveals spikes [s], and its limits in samples. [1]"""
 
@@ -106,8 +109,8 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
                 continue
             if name == "altitude" and zero_moved(series):
                 continue
-            values = _without_stale(series.time, values) if name == "gps_altitude_msl" else values
-            time, values = _thinned(*_usable(series.time, _without_fill(values)), name == "pressure")
+            time, values = _usable(series.time, _without_held(series.time, _without_fill(values), name))
+            time, values = _thinned(time, values, name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
             found = _despiked(time, height, name)
             if found is not None:
@@ -186,22 +189,27 @@ def _without_fill(values: Float[Array, "_"]) -> Float[Array, "_"]:
     return np.where(zero, np.nan, values) if (alone & far).sum() >= MIN_SAMPLES else values
 
 
-def _without_stale(time: Float[Array, "_"], values: Float[Array, "_"]) -> Float[Array, "_"]:
-    """Remove the repetitions of the last fix by a receiver that lost its satellites.
+def _without_held(time: Float[Array, "_"], values: Float[Array, "_"], name: str) -> Float[Array, "_"]:
+    """Remove the repetitions of a value that a receiver without satellites, a sensor that failed, or a radio holds.
 
-    They end in a jump that no rocket at rest makes from one sample to the next. The values do not show when the
-    repetitions began.
+    They end in a jump that no rocket at rest makes from one sample to the next, and after a rise or a fall that would
+    have reached there. The values do not show when the repetitions of a receiver began, whose last fix may be old.
     """
     known = np.flatnonzero(np.isfinite(values))
     when, height = time[known], values[known]
     changes = np.flatnonzero(np.diff(height) != 0)
     if not changes.size:
         return values
+    height = pressure_height(height) if name == "pressure" else height
     begins = np.concatenate(([0], changes[:-1] + 1))
     lasts, step = when[changes] - when[begins], np.maximum(when[changes + 1] - when[changes], 1e-3)
-    jumps = np.abs(height[changes + 1] - height[changes]) > _BOOST_ACCELERATION * step**2 / 2 + _FIX_NOISE
+    shortest, noise = (_REPEAT_TIME, _FIX_NOISE) if name == "gps_altitude_msl" else (_HELD_TIME, _HELD_JUMP)
+    enough = changes - begins >= _HELD_SAMPLES
+    jumps = np.abs(height[changes + 1] - height[changes]) > _BOOST_ACCELERATION * step**2 / 2 + noise + 3 * _resolution(
+        height
+    )
     kept = values.copy()
-    for begin, end in zip(begins[(lasts > _REPEAT_TIME) & jumps], changes[(lasts > _REPEAT_TIME) & jumps], strict=True):
+    for begin, end in zip(*(places[(lasts > shortest) & enough & jumps] for places in (begins, changes)), strict=True):
         kept[known[begin + 1 : end + 1]] = np.nan
     return kept
 

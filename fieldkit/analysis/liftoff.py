@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.hard_boost import checked_by_climb
-from fieldkit.analysis.phases import LEAST_GAIN, Outline
+from fieldkit.analysis.phases import LEAST_GAIN, LONGEST_CLIMB, Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.integrals import running_integral
@@ -47,6 +47,19 @@ def earlier_liftoffs(lift: Event, track: Heights, seen: Outline, lags: Sequence[
     corners = [_by_rise(track, seen, lag, _QUICK_STEP) for lag in (0.0, *lags)]
     times = [one.time if one else lift.time for one in corners]
     return [replace(lift, time=lift.time - max(times[0] - one, 0.0)) for one in times[1:]]
+
+
+def felt_boost(push: Push, seen: Outline) -> Outline | None:
+    """The outline with the boost that an accelerometer felt on the way up: shocks and static ports may hide the start
+    and the end of a fast one from the heights. None if it felt no thrust from a rest on."""
+    climb = (push.time > seen.top - LONGEST_CLIMB) & (push.time < seen.top)
+    time, net = push.time[climb], push.felt[climb] - GRAVITY
+    if time.size < 8:
+        return None
+    pushed = _pushed(time, net)
+    if pushed.start < 3 or float(np.median(net[pushed])) < _THRUST - GRAVITY:
+        return None
+    return replace(seen, lift=float(time[pushed.start]), fastest=float(time[pushed.stop - 1]))
 
 
 def _is_under_way(push: Push, moment: float) -> bool:

@@ -16,7 +16,7 @@ from fieldkit.analysis.ejection import shock
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
 from fieldkit.analysis.height_lag import averaged, possible_lags, widened_by_unseen_lag
 from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
-from fieldkit.analysis.liftoff import liftoff
+from fieldkit.analysis.liftoff import felt_boost, liftoff
 from fieldkit.analysis.notes import (
     CLIPPED_NOTE,
     EARLIER_FLIGHT,
@@ -95,7 +95,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     start = seen.lift if seen.lift is not None else seen.fastest
     push = pushes(clocks, start - 15, seen.top + 20)
     full = at_its_end(push, start, seen.fastest) if push is not None else None
-    trust = _trusted(push, full, track, seen)
+    trust, seen = _trusted(push, full, track, seen)
     felt = trust.push or trust.clock_only
     slanted = trust.slanted
     track, seen = _sooner(trust.lag, track, seen)
@@ -166,40 +166,54 @@ class _Trust:
     compared: bool = True
 
 
-def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> _Trust:
+def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> tuple[_Trust, Outline]:
     """Compare an accelerometer with the heights: whether it recorded the same climb, straight or tilted, or why not.
 
-    A saturated accelerometer is used except for the samples in `full`.
+    A saturated accelerometer is used except for the samples in `full`. If only the boost that it felt itself, rather
+    than that of the heights, makes both agree, the outline has that one.
     """
-    if push is not None and _ends_in_boost(push, seen):
-        return _Trust(None, notes=(ENDS_IN_BOOST,), clock_only=push)
-    rise = liftoff(track, None, seen) if push is not None else None
-    if push is not None and full is not None:
-        return _filled(push, full, agreement(track, push, seen, rise, full) if rise else None)
-    found = _agreement(track, push, seen, rise) if push is not None and rise is not None else None
-    if push is not None and found is None and unchecked(push, seen, rise):
-        return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED_NOTE),))
-    if push is None or rise is None:
-        return _Trust(push)
+    if push is None:
+        return _Trust(None), seen
+    if _ends_in_boost(push, seen):
+        return _Trust(None, notes=(ENDS_IN_BOOST,), clock_only=push), seen
+    rise = liftoff(track, None, seen)
+    found = _agreement(track, push, seen, rise, full)
+    if found is None or not found.is_consistent:
+        slanted = _slanted(found, track, push, seen, rise) if full is None else None
+        if slanted is not None:
+            return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),)), seen
+        felt = felt_boost(push, seen)
+        again = _agreement(track, push, felt, None, full) if felt is not None else None
+        if felt is not None and again is not None and again.is_consistent:
+            found, seen = again, felt
+    if full is not None:
+        return _filled(push, full, found), seen
+    if found is None and unchecked(push, seen, rise):
+        return _Trust(None, notes=(REJECTED_NOTE.format(UNCHECKED_NOTE),)), seen
     if found is None:
-        return _Trust(push, compared=False)
+        return _Trust(push, compared=rise is None), seen
     if found.is_consistent:
         lag = -found.late if found.late < -_MIN_LAG - found.step / 2 else 0.0
-        return _Trust(replace(push, scale=found.scale, blur=found.blur), lag=lag)
-    slanted = None if found.derived else slanted_flight(track, push, seen, rise)
-    if slanted is not None:
-        return _Trust(push, slanted, notes=(SLANTED_NOTE.format(np.degrees(slanted.angle)),))
-    return _Trust(None, notes=(REJECTED_NOTE.format(found.why),))
+        return _Trust(replace(push, scale=found.scale, blur=found.blur), lag=lag), seen
+    return _Trust(None, notes=(REJECTED_NOTE.format(found.why),)), seen
 
 
-def _agreement(track: Heights, push: Push, seen: Outline, rise: Event) -> Agreement | None:
+def _slanted(
+    found: Agreement | None, track: Heights, push: Push, seen: Outline, rise: Event | None
+) -> SlantedFlight | None:
+    """The tilted climb that an accelerometer shows if it disagrees with the heights; None if there is none."""
+    return None if found is None or found.derived or rise is None else slanted_flight(track, push, seen, rise)
+
+
+def _agreement(track: Heights, push: Push, seen: Outline, rise: Event | None, full: Flags | None) -> Agreement | None:
     """Comparison of an accelerometer with the heights from their lift-off or, if they differ, from its own: shocks and
     static ports may hide the start of a hard boost from the heights."""
-    found = agreement(track, push, seen, rise)
-    if found is None or found.is_consistent:
+    found = agreement(track, push, seen, rise, full) if rise is not None else None
+    if found is not None and found.is_consistent:
         return found
     lift = liftoff(track, push, seen)
-    again = agreement(track, push, seen, lift) if lift is not None and lift.time < rise.time else None
+    sooner = lift is not None and (rise is None or lift.time < rise.time)
+    again = agreement(track, push, seen, lift, full) if lift is not None and sooner else None
     return again if again is not None and again.is_consistent else found
 
 

@@ -11,11 +11,15 @@ from fieldkit.flight import Series
 from fieldkit.importing import Note, Parsed, Reading
 from fieldkit.importing.read import read_together
 from fieldkit.importing.recognize import claims, parsers
-from fieldkit.importing.tables.altos import entered
-from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.importing.tables.altos import Coefficients, entered, ms5607
+from fieldkit.importing.tables.altos_flash import LAYOUTS
+from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
+from tests.parsers.recorded import LOGS as RECORDINGS
 from tests.parsers.recorded import recorded
 from tests.samples import any_motor
-from tools.samples.two_parachutes import PAD, flight
+from tools.samples.altos_eeprom import MINUS, PLUS, SENSOR, WARM, flash, logged, raw_pressure, settings
+from tools.samples.two_parachutes import PAD, air, flight
+from tools.samples.writing import little, noise, text
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 V5 = "header does not match its rows of 70 cells, read up to main_voltage"
@@ -289,3 +293,73 @@ def test_altitudes_of_older_firmware_have_two_bytes(setting: str, highest: int) 
     altitude = read("altos_eeprom__", other.encode())[0].clocks[1].gps_altitude_msl
     assert altitude is not None
     assert abs(altitude.max() - highest) < 200
+
+
+def twins(number: int, begin: float) -> tuple[bytes, bytes]:
+    """The flash of a device with this log format, from a time on, and the table that Altus Metrum's program makes of
+    it: heights above the pressure on the pad that the record of the flight holds."""
+    layout, seen, pad = LAYOUTS[number], flight().between(begin, 25.0, 0.05), air(np.array([PAD]))[0]
+    counts = raw_pressure(seen.pressure + noise(21, len(seen.time), 2.0))
+    gravities = np.round(PLUS + 2 + seen.acceleration / GRAVITY * (PLUS - MINUS) / 2)
+    place = layout.acceleration or 0
+
+    def sample(i: int) -> bytes:
+        if not layout.acceleration:
+            return little(counts[i], 3) + little(WARM, 3)
+        return (little(counts[i], 4) + little(WARM, 4)).ljust(place, b"\0") + little(gravities[i], 2)
+
+    records = logged(seen, layout.size, lambda: little(3, 2) + little(PLUS + 2, 2) + little(pad, 4), sample, 500)
+    pressure = ms5607(counts, np.full(len(counts), WARM), Coefficients(*SENSOR))[0]
+    height = pressure_height(pressure) - pressure_height(np.array([np.floor(pad)]))
+    net = (gravities - PLUS - 2) / ((PLUS - MINUS) / 2) * GRAVITY
+    names = "#version,serial,flight,time,state,state_name,acceleration,pressure,height"
+    rows = [
+        f"6,2417,3,{time:.2f},{int(state)},state,{felt:.3f},{p:.0f},{h:.3f}"
+        for time, state, felt, p, h in zip(seen.time, seen.state, net, pressure, height, strict=True)
+    ]
+    if not layout.acceleration:
+        names = names.replace("acceleration,", "")
+        rows = [",".join((*row.split(",")[:6], *row.split(",")[7:])) for row in rows]
+    return text([*settings(number), *flash(records)]), text([names, *rows])
+
+
+@pytest.mark.parametrize("begin", [-1.0, -0.05, 0.3])
+@pytest.mark.parametrize("number", LAYOUTS.keys() - {1})
+def test_the_flash_gives_the_figures_of_its_table_also_if_it_begins_in_the_boost(number: int, begin: float) -> None:
+    flash_of, table_of = twins(number, begin)
+    one, other = (read_together([("a", log)], any_motor)[0].recorded[0] for log in (flash_of, table_of))
+    assert one is not None
+    assert other is not None
+    assert one.figures.keys() == other.figures.keys() >= {"apogee", "descent_speed"}
+    for name, figure in one.figures.items():
+        assert figure.value == pytest.approx(other.figures[name].value, abs=figure.sd, rel=0.002)
+    assert one.figures["apogee"].value == pytest.approx(flight().apogee, abs=2.5)
+
+
+def test_every_recorded_flash_gives_the_figures_of_its_table() -> None:
+    """Of the real recordings, those with the same name and both endings, if there are any beside the checkout."""
+    for file in RECORDINGS.glob("*.eeprom") if RECORDINGS.is_dir() else ():
+        table = next((one for one in RECORDINGS.glob(f"*{file.stem.partition('__')[2]}.csv")), None)
+        if table is None:
+            continue
+        logs = [(one.name, one.read_bytes()) for one in (file, table)]
+        one, other = (read_together([log], any_motor)[0].recorded[0] for log in logs)
+        assert one is not None
+        assert other is not None
+        for name in one.figures.keys() & other.figures.keys():
+            first, second = one.figures[name], other.figures[name]
+            assert abs(first.value - second.value) < max(3 * np.hypot(first.sd, second.sd), 0.01 * abs(second.value))
+
+
+@pytest.mark.parametrize("form", ["Config version: 1.3\n", "Config version: 1.3\nproduct TeleMetrum-v2.0\n"])
+def test_the_layout_of_old_records_is_that_of_most_if_no_format_is_stated(form: str) -> None:
+    """The first line that looks like a record may be another one: a setting, or a record cut short."""
+    name = "altos_eeprom__telemetrum_1_among_commands.eeprom"
+    if "2.0" in form:
+        name = "altos_eeprom__telemetrum_2_old_form.eeprom"
+    whole, _ = read(name)
+    lines = (LOGS / name).read_text().rstrip("\0").splitlines()
+    rest = [line for line in lines if not re.match("~|> |log-format|Config|product|flight|done", line)]
+    log = form + "\n".join(["X 0001 02 03 04 05", *rest, ""])
+    old, _ = read("altos_eeprom__", log.encode())
+    assert len(old.clocks[0].time) == len(whole.clocks[0].time)

@@ -23,6 +23,8 @@ MAX_RADIO_GAP = 2.0
 """If a state is entered during a longer radio gap, its time is unknown. [s]"""
 NO_VALUE = 2_147_483_647
 """What AltOS writes for a missing number."""
+LEAST_BOOST, AFTER_FLIGHT = 1.0, (-2.5, 0.5)
+"""Acceleration net of gravity of a log that begins in the boost, and at its end, where the axis points anywhere. [g]"""
 STATES: Mapping[str, tuple[int, ...]] = {
     "liftoff": (3,),
     "burnout": (4, 5),
@@ -93,12 +95,15 @@ def net_acceleration(
     """Acceleration along the axis, net of gravity, from the counts of an accelerometer. [m/s^2]
 
     `plus` and `minus` are its counts with the nose up and down, `ground` those on the pad. None if one of them is
-    unknown, or if the first samples do not match the pad: then these are not the right counts.
+    unknown, or if the first samples match neither the pad nor a boost that ends in a descent or on the ground: then
+    these are not the right counts.
     """
     if ground is None or plus is None or minus is None or plus == minus or not len(counts):
         return None
     gravities: Array = (counts - ground) / ((plus - minus) / 2)
-    return gravities * STANDARD_GRAVITY if abs(float(np.median(gravities[:10]))) < 0.5 else None
+    first, last = float(np.median(gravities[:10])), float(np.median(gravities[-10:]))
+    in_boost = first > LEAST_BOOST and AFTER_FLIGHT[0] < last < AFTER_FLIGHT[1]
+    return gravities * STANDARD_GRAVITY if abs(first) < 0.5 or in_boost else None
 
 
 def entered(

@@ -24,6 +24,9 @@ from fieldkit.shapes import Int, Integers
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
 LARGEST_FLASH = 16 << 20
 """Twice the flash of the largest of these devices. [bytes]"""
+_RECORDS_TO_MEASURE, _WORDS_OF_FORMAT_1 = 200, 2
+"""Number of records of the old form whose length determines the layout, and how many numbers follow the clock in log
+format 1. [1]"""
 OLD_RECORD = re.compile(r"([A-Z]) +([0-9a-fA-F]{1,4})((?: +[0-9a-fA-F]{1,4})+)\s*$")
 """A record of the old form; the oldest pads its numbers with spaces."""
 
@@ -33,8 +36,9 @@ class RecordLayout:
     """One log format: the number of bytes in a record, and the positions of sensor data after its clock.
 
     The raw pressure and temperature come first, with `counts` bytes each; 0 for an analog pressure of 2 bytes after the
-    acceleration. `acceleration` and `ground` (in the record of the flight) are 2 bytes, None if the format has none.
-    `positions` means that there are records of a satellite receiver.
+    acceleration. `acceleration` and `ground` (in the record of the flight) are 2 bytes, None if the format has none;
+    `pad` there is the pressure on the pad, 4 bytes [Pa]. `positions` means that there are records of a satellite
+    receiver.
     """
 
     device: str
@@ -43,6 +47,12 @@ class RecordLayout:
     acceleration: int | None = None
     ground: int | None = None
     positions: bool = False
+    pad: int | None = 4
+
+    @property
+    def payload(self) -> int:
+        """Number of bytes after the clock. [bytes]"""
+        return self.size - 4
 
 
 MEGA = {5: "TeleMega", 10: "TeleMega 2", 15: "TeleMega 3", 19: "TeleMega 4", 21: "TeleMega 5", 22: "TeleMega 6"}
@@ -50,7 +60,7 @@ EASY_MEGA = {16: "EasyMega 2", 24: "EasyMega 3"}
 MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
 """Devices by log format, in groups with the same layout."""
 LAYOUTS: Mapping[int, RecordLayout] = {
-    1: RecordLayout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
+    1: RecordLayout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0, pad=None),
     7: RecordLayout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
     **{number: RecordLayout(device, 32, acceleration=26, ground=2) for number, device in (MEGA | EASY_MEGA).items()},
     **{number: RecordLayout(device, 16, counts=3) for number, device in MINI.items()},
@@ -103,6 +113,20 @@ def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash
     return Flash(settings, written[good], tuple(found))
 
 
+def layout_in(settings: str, log: bytes, row: int) -> RecordLayout | None:
+    """The layout of records in the old form whose log format is not stated: by the length of most of the first records,
+    and where two devices share it by the name of the product. None if neither shows it."""
+    lines = (OLD_RECORD.match(line.strip()) for line in first_lines(log, after=row - 1, most=_RECORDS_TO_MEASURE))
+    sizes = Counter(len(match[3].split()) for match in lines if match)
+    words = sizes.most_common(1)[0][0] if sizes else 0
+    if words == _WORDS_OF_FORMAT_1:
+        return LAYOUTS[1]
+    fitting = [layout for layout in LAYOUTS.values() if layout.payload == words and layout.counts]
+    product = re.sub(r"[^a-z]", "", settings.lower())
+    named = [one for one in fitting if re.sub(r"[^a-z]", "", one.device.lower()) in product]
+    return next(iter(named or (fitting if len({one.counts for one in fitting}) == 1 else [])), None)
+
+
 def hex_bytes(line: str) -> bytes | None:
     """The bytes of a line of hex, None if it is not hex."""
     try:
@@ -121,7 +145,7 @@ def old_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash
             if record is not None:
                 records += record
             elif re.match(r"[A-Z] [0-9a-fA-F]", line):
-                expected = "two numbers" if layout.size == 8 else f"{layout.size - 4} bytes"
+                expected = "two numbers" if layout.size == 8 else f"{layout.payload} bytes"
                 damaged.add(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
     whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
     return Flash(settings, whole, tuple(damage(damaged, "records", log)))
@@ -132,11 +156,11 @@ def _old_record(line: str, layout: RecordLayout) -> bytes | None:
     if not match:
         return None
     clock = int(match[2], 16).to_bytes(2, "little")
-    if layout.size > 8 and len(match[3]) == 3 * (layout.size - 4):
+    if layout.size > 8 and len(match[3]) == 3 * layout.payload:
         return bytes([ord(match[1]), 0]) + clock + bytes.fromhex(match[3])
     words = match[3].split()
     size = 2 if layout.size == 8 else 1
-    if len(words) * size != layout.size - 4 or any(len(word) > 2 * size for word in words):
+    if len(words) * size != layout.payload or any(len(word) > 2 * size for word in words):
         return None
     payload = b"".join(int(word, 16).to_bytes(size, "little") for word in words)
     return bytes([ord(match[1]), 0]) + clock + payload

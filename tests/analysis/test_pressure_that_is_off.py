@@ -1,0 +1,80 @@
+"""Pressure that is off for seconds: ports behind a shock in a fast climb, and a sensor or radio that holds a value."""
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis import measure
+from fieldkit.analysis.channels import heights
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, standard_density
+
+PAD, SOUND = 300.0, 335.0
+
+
+def fast_flight(thrust: float, burn: float, drag: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Time [s], height [m], speed [m/s] and specific force [m/s^2] of a vertical flight with a parachute at apogee;
+    thrust [m/s^2], burn [s], and drag area per mass [m^2/kg], which rises around Mach 1."""
+    step, rows = 0.005, []
+    time, height, speed = -3.0, 0.0, 0.0
+    while height >= 0 or time < burn:
+        air = float(standard_density(np.array([height + PAD]))[0])
+        sonic = 1 + 0.8 * np.exp(-(((speed / SOUND - 1.05) / 0.15) ** 2))
+        felt = (thrust if time < burn else 0.0) - air / 2 * drag * sonic * speed * abs(speed) if time >= 0 else GRAVITY
+        net = felt - GRAVITY if speed > 0 or time < burn else (-20 * np.sqrt(1.225 / air) - speed) / 0.5
+        rows.append((time, height, speed, felt))
+        time, speed, height = time + step, speed + net * step, height + speed * step
+    return tuple(np.array(rows).T)  # type: ignore[return-value]
+
+
+def recorded(
+    *flight: np.ndarray, static: float, rate: float, shock: float = 0.0, held: tuple[float, float] = (0, 0), end: float
+) -> tuple[Series, Series]:
+    """What a barometer and an accelerometer record: the ports are off by a fraction of the dynamic pressure, and by
+    `shock` meters near Mach 1; from `held[0]` seconds after apogee on the pressure is held for `held[1]` seconds; the
+    log ends `end` seconds after apogee."""
+    time, height, speed, felt = flight
+    rng, top = np.random.default_rng(5), time[np.argmax(height)]
+    mach = speed / SOUND
+    shown = height - static * speed * np.abs(speed) / (2 * GRAVITY)
+    shown -= shock * np.clip(np.minimum((mach - 0.92) / 0.05, (1.12 - mach) / 0.05), 0, 1)
+    when = np.arange(time[0], min(top + end, time[-1]), 1 / rate)
+    seen = np.interp(when, time, shown) + rng.normal(0, 1, when.size)
+    holds = (when > top + held[0]) & (when < top + sum(held))
+    seen[holds] = seen[holds][:1]
+    clock = np.arange(time[0], when[-1], 0.01)
+    swings = np.where(clock > top + 1, rng.normal(4, 5, clock.size), np.interp(clock, time, felt))
+    return Series(when, pressure=height_pressure(seen + PAD)), Series(
+        clock, felt=swings + rng.normal(0, 0.5, clock.size)
+    )
+
+
+@pytest.mark.parametrize("shock", [0.0, 800.0])
+def test_an_accelerometer_shows_a_boost_that_static_ports_hide(shock: float) -> None:
+    """Ports that show a tenth of the dynamic pressure hide 1300 m at 500 m/s: the heights rise only in the coast."""
+    flight = fast_flight(170.0, 4.0, 0.0005)
+    found = measure(recorded(*flight, static=0.1, rate=20, shock=shock, end=30)).figures
+    assert found["apogee"].value == pytest.approx(flight[1].max(), rel=0.002)
+    assert found["top_speed"].value == pytest.approx(flight[2].max(), abs=3 * found["top_speed"].sd)
+    assert found["top_speed"].sd < 0.05 * found["top_speed"].value
+    assert found["burn_time"].value == pytest.approx(4.0, abs=0.1)
+
+
+@pytest.mark.parametrize("accelerometer", [True, False])
+@pytest.mark.parametrize("held", [(-4.0, 1.0), (-1.5, 1.0), (-8.0, 3.0), (-5.0, 6.0)])
+@pytest.mark.parametrize("end", [2.5, 8.0])
+def test_a_held_pressure_hides_no_apogee(held: tuple[float, float], end: float, *, accelerometer: bool) -> None:
+    """It resumes with a jump that is not a fault of its own, also where the log ends soon after it."""
+    flight = fast_flight(200.0, 5.0, 0.0005)
+    clocks = recorded(*flight, static=0.05, rate=20, held=held, end=end)
+    apogee = measure(clocks if accelerometer else clocks[:1]).figures["apogee"]
+    assert apogee.value == pytest.approx(flight[1].max(), abs=max(3 * apogee.sd, 0.002 * flight[1].max()))
+
+
+def test_coarse_heights_are_not_taken_for_held_ones() -> None:
+    """A barometer with steps of 1 hPa repeats most values in a slow climb, and each change is a step of 8 m."""
+    time = np.arange(0, 60, 0.05)
+    height = np.where(time > 5, 400 * np.sin(np.clip((time - 5) / 20, 0, np.pi)), 0.0)
+    pressure = np.round(height_pressure(height + PAD) / 100) * 100
+    track = heights((Series(time, pressure=pressure),))
+    assert track is not None
+    assert track.time.size > 0.95 * time.size
