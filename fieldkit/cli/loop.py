@@ -43,6 +43,9 @@ def loop(
             "--quick", help="Probabilities at once, by the network and closed forms; do not change the model."
         ),
     ] = False,
+    fleet: Annotated[
+        bool, typer.Option("--fleet", help="Look at all rockets: a motor type or lot, a day, a site, an altimeter.")
+    ] = False,
     details: Annotated[
         bool, typer.Option("--details", help="Also print every effect, the residuals and the held-out errors.")
     ] = False,
@@ -56,8 +59,12 @@ def loop(
     json: AsJson = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, the likely cause, and the error after correcting it."""
+    refused = {"--effect": effect, "--decline": decline, "--report": page}
+    if fleet:
+        _fleet(context, refused={"--quick": quick or None, "--rocket": rocket, **refused}, json=json)
+        return
     if quick:
-        _quick(context, rocket, refused={"--effect": effect, "--decline": decline, "--report": page}, json=json)
+        _quick(context, rocket, refused=refused, json=json)
         return
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.presentation.loop_text import report
@@ -91,14 +98,33 @@ def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, 
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.quick_look import look_quickly
 
-    if given := [option for option, value in refused.items() if value is not None]:
-        raise BadValue(f"{given[0]}: found together with --quick, expected one of the two")
+    _refuse(refused, "--quick")
     with open_ledger(context) as ledger:
         found = look_quickly(ledger, known_motors(), which_rocket(ledger, rocket))
     if json:
         print_json(quick_document(found))
         return
     say_report(quick_lines(found, system()))
+
+
+def _fleet(context: typer.Context, *, refused: Mapping[str, object], json: bool) -> None:
+    """Print what several rockets share."""
+    from fieldkit.presentation.fleet_text import fleet_document, fleet_lines
+    from fieldkit.services.fleet_loop import close_fleet_loop
+
+    _refuse(refused, "--fleet")
+    with open_ledger(context) as ledger, progress("searching over all rockets") as on_progress:
+        found = close_fleet_loop(ledger, known_motors(), on_progress)
+    if json:
+        print_json(fleet_document(found))
+        return
+    say_report(fleet_lines(found, system()))
+
+
+def _refuse(options: Mapping[str, object], beside: str) -> None:
+    """Raise BadValue for an option that cannot be combined with another."""
+    if given := [option for option, value in options.items() if value is not None]:
+        raise BadValue(f"{given[0]}: found together with {beside}, expected one of the two")
 
 
 @app.command()

@@ -278,6 +278,14 @@ def _without_one_offs(result: Fit) -> tuple[Fit, Float[Array, "flight"]]:
     return result, found.log_mixture
 
 
+def robust_at(model: Model, data: Data, near: Tangent) -> Fit:
+    """As `fit_robustly`, linear around a known point: the weights of outliers are found there, without simulations."""
+    result = solve(model, data, near)
+    for _ in range(TRUST_ROUNDS):
+        result = solve(model, replace(data, trust=outlier_weights(result)), near)
+    return _bounded(result)
+
+
 def _bounded(result: Fit) -> Fit:
     """The fit with the lower bound of the log evidence of Student t residuals, in place of that of normal residuals
     with the outliers' variances."""

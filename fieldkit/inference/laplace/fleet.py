@@ -46,13 +46,13 @@ def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | Non
     return RocketFit(result.log_evidence, message_of(result), independent_prior([model]))
 
 
-def message_of(result: Fit) -> Message:
-    """The posterior of the shared terms divided by their prior.
+def message_of(result: Fit, further: Sequence[TermName] = ()) -> Message:
+    """The posterior of the shared terms divided by their prior; `further` names other terms that rockets share.
 
     The mixture over scales is approximated by a normal distribution with its moments. If scales disagree, this may be
     wider than the prior in some direction; the message then has no information in that direction.
     """
-    names = shared_names(result.model)
+    names = [*shared_names(result.model), *further]
     rows = [result.model.names.index(name) for name in names]
     weights, mean = result.weights, result.mean[:, rows]
     middle = weights @ mean
@@ -73,9 +73,12 @@ def _symmetric(matrix: Array) -> Array:
     return np.asarray(0.5 * (matrix + matrix.T))
 
 
-def independent_prior(models: Sequence[Model]) -> SharedPrior:
-    """The independent priors of all shared terms of some models, from the hyperprior."""
-    terms = {term.name: term for model in models for term in model.terms if term.name in set(shared_names(model))}
+def independent_prior(models: Sequence[Model], further: Sequence[TermName] = ()) -> SharedPrior:
+    """The independent priors of all shared terms of some models, from the hyperprior; `further` as in `message_of`."""
+    shared = [{*shared_names(model), *further} for model in models]
+    terms = {
+        term.name: term for model, own in zip(models, shared, strict=True) for term in model.terms if term.name in own
+    }
     means, sds = (np.array([getattr(term, name) for term in terms.values()]) for name in ("mean", "sd"))
     return SharedPrior(tuple(terms), means, np.diag(sds**2))
 
@@ -99,14 +102,15 @@ def shared_prior(others: Sequence[RocketFit], period: Period | None = None) -> S
     return replace(known, period=period)
 
 
-def joint_evidence(rockets: Sequence[RocketFit]) -> float:
-    """Log marginal likelihood of all flights of a fleet, the shared terms integrated out. [nat]
+def joint_evidence(rockets: Sequence[RocketFit], prior: SharedPrior | None = None) -> float:
+    """Log marginal likelihood of all flights of a fleet, the shared terms integrated out over a prior, by default that
+    of the separate fits. [nat]
 
     The sum over rockets, plus the log ratio of the joint likelihood of their messages to the product of separate ones.
     """
-    prior = merged([one.prior for one in rockets])
-    alone = sum(one.log_evidence - _log_integral(prior, [one.message]) for one in rockets)
-    return float(alone + _log_integral(prior, [one.message for one in rockets]))
+    own = merged([one.prior for one in rockets])
+    alone = sum(one.log_evidence - _log_integral(own, [one.message]) for one in rockets)
+    return float(alone + _log_integral(prior or own, [one.message for one in rockets]))
 
 
 def _log_integral(prior: SharedPrior, messages: Sequence[Message]) -> float:
