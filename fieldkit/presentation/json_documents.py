@@ -98,6 +98,7 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "confidence": diagnosis.confidence,
         "why": diagnosis.why,
         "odds": in_odds(diagnosis.confidence),
+        "fits": {"p": diagnosis.fits.p, "left": diagnosis.fits.left},
         "also": list(diagnosis.also),
         "accepting": list(what_accepting_changes(found)),
         "tell_apart": [_test(test) for test in found.tests],

@@ -150,6 +150,9 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
         yield found.unexplained.words(system)
     yield in_next_flight(found.next_flight, system)
     yield how_sure(found)
+    if diagnosis.fits.left:
+        left = diagnosis.fits.pattern
+        yield f"the model does not fit all that was measured: {left} ({_p_value(diagnosis.fits.p).strip('()')})"
     if diagnosis.also:
         yield f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"
     for number, test in enumerate(found.tests):

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from math import expm1
 
 from fieldkit.flight import BY_NAME
-from fieldkit.flight.short_name import flight_label
+from fieldkit.flight.short_name import flight_label, has_derived_id, short_name
 from fieldkit.forecast.one_offs import FlightBesideOthers, PossibleCause, farthest
 from fieldkit.model.causes import CAUSES
 from fieldkit.quantities import percent
@@ -23,7 +23,8 @@ LONGER = {"burn_time": ("long", "short"), "coast_to_apogee": ("long", "short"), 
 
 def why(one: FlightBesideOthers) -> str:
     """What is known about a flight in one or two sentences."""
-    name = flight_label(one.flight.flight_id).capitalize()
+    derived = has_derived_id(one.flight)
+    name = short_name(one.flight) if derived else flight_label(one.flight.flight_id).capitalize()
     flew = _flew(one)
     if not one.departures:
         return f"{name} has no readouts to compare."

@@ -18,11 +18,12 @@ from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.averaged import left_out
 from fieldkit.selection.candidates import Averaged, Place, effect_candidates
 from fieldkit.selection.hypotheses import SetPosterior
+from fieldkit.selection.model_check import ModelCheck, model_check
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.search import Families, chain, checked, explore
 from fieldkit.selection.trial import Trial, by_effect
-from fieldkit.selection.verdict import LoopVerdict, given_verdict, verdict
+from fieldkit.selection.verdict import LoopVerdict, given_verdict, verdict, verdict_that_fits
 from fieldkit.shapes import Array, Flags, Float
 
 MIN_AVERAGED = 0.02
@@ -66,7 +67,8 @@ class Diagnosis:
     """The result of the search: the plain model, everything tried, the verdict, and leave-one-out errors before and
     after.
 
-    `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses.
+    `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses, and
+    `fits` is the check of what these leave in the readouts.
     """
 
     model: Model
@@ -80,6 +82,7 @@ class Diagnosis:
     after: Score
     forecasts_before: Forecasts
     forecasts_after: Forecasts
+    fits: ModelCheck
 
     @property
     def effect(self) -> str:
@@ -141,6 +144,9 @@ def diagnose(
         forecast_by = SetPosterior(pinned.hypotheses[1:])
         others = (one for one in posterior.hypotheses if one.members != frozenset(given))  # a single one was tried too
         named = given_verdict(SetPosterior((*others, *forecast_by.hypotheses)), given)
+    fits = model_check(forecast_by)
+    if not given:
+        named = verdict_that_fits(named, fits, posterior.nothing)
     before = left_out(SetPosterior((plain,)))
     after = left_out(forecast_by, part(on_progress, 0.85, 0.15))
     return Diagnosis(
@@ -155,6 +161,7 @@ def diagnose(
         after=score(after, truth, seen),
         forecasts_before=before,
         forecasts_after=after,
+        fits=fits,
     )
 
 

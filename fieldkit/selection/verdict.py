@@ -7,11 +7,12 @@ absence has more than `NAMING_PROBABILITY`; in between the flights do not decide
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fieldkit.physics.effect import Effect, effects
-from fieldkit.quantities import with_sd
+from fieldkit.quantities import percent, with_sd
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
+from fieldkit.selection.model_check import ModelCheck
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.trial import Trial
 
@@ -56,6 +57,28 @@ def verdict(posterior: SetPosterior) -> LoopVerdict:
 def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> LoopVerdict:
     """The verdict if a flyer names the effects."""
     return _named(posterior, given, _alternatives(posterior, given), posterior.all_of(given))
+
+
+def verdict_that_fits(found: LoopVerdict, check: ModelCheck, nothing: float) -> LoopVerdict:
+    """The verdict after the check of the averaged model, which may leave something that the search does not describe.
+
+    Each statement is right only if nothing unlisted acts, which lowers its probability. If something clearly is left,
+    and a name, or that nothing is missing, has less than `NAMING_PROBABILITY`, the verdict is that something is
+    unexplained. `nothing` is the posterior probability that the plain model lacks nothing. [1]
+    """
+    fits = 1 - check.unlisted
+    something = 1 - nothing * fits
+    if found.effect == UNEXPLAINED:
+        return replace(found, confidence=something)
+    sure = (nothing if found.effect == "none" else found.confidence) * fits
+    doubted = something > NAMING_PROBABILITY if found.effect == "none" else sure <= NAMING_PROBABILITY
+    if check.left is None or not doubted:
+        return replace(found, confidence=sure)
+    but = "" if found.effect == "none" else f" beside {found.effect}"
+    as_clear = f"a pattern as clear arises in {percent(check.p)} of such histories"
+    why = f"no known effect explains {check.pattern}{but}; {as_clear}"
+    names = () if found.effect == "none" else (found.effect,)
+    return LoopVerdict(UNEXPLAINED, something, why, tuple(dict.fromkeys([*names, *found.also])))
 
 
 def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:
