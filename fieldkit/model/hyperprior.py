@@ -52,7 +52,8 @@ class Hyperprior:
     the noise proportional to it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose
     diameter is not recorded. `opening` is the mean and standard deviation of the parachute's opening time [s].
     `scatter` scales the random effects of single flights, and `reading` the noise of every readout except the apogee.
-    With `motors`, those in the quantities of `scaled_by_motors` are scaled by it instead.
+    With `motors`, those in the quantities of `scaled_by_motors` are scaled by it instead. `documents` scales how far
+    motors, masses and devices are from their documents (`fieldkit.model.documents`).
     `tail` is the degrees of freedom of the Student t distribution of single flights and readings. `design_drag` is the
     standard deviation of the log Cd of a rocket with a design, around the Cd of the design. `high_power` scales the
     random effects of mass, thrust and apogee of such a rocket on high-power motors.
@@ -67,6 +68,7 @@ class Hyperprior:
     scatter: Scale
     reading: Scale
     motors: Scale | None = None
+    documents: Scale | None = None
     scaled_by_motors: tuple[str, ...] = ("thrust", "drag", "stretch", "delay")
     opening: tuple[float, float] = (0.6, 0.4)
     tail: float = 4.0
@@ -108,18 +110,26 @@ class Hyperprior:
         """The scale of the scatter in the quantities of `scaled_by_motors`, for every point of the grid. [1]"""
         return scale_grid(self.unknown_scales)[2 if self.motors else 0]
 
+    def document_scales(self) -> Float[Array, "scale"]:
+        """The scale of `documents`, for every point of the grid. [1]"""
+        if self.documents is None:
+            return np.ones(len(self.scales()[0]))
+        return scale_grid(self.unknown_scales)[-2]
+
     def scale_of(self, quantity: str) -> Literal["scatter", "motors"]:
         """Which scale the scatter of single flights in a quantity has."""
         return "motors" if self.motors and quantity in self.scaled_by_motors else "scatter"
 
     @property
     def unknown_scales(self) -> tuple[Scale, ...]:
-        """The scales that the grid runs over: `scatter`, `reading`, and `motors` if it is separate."""
-        return (self.scatter, self.reading, *([self.motors] if self.motors else []))
+        """The scales that the grid runs over: `scatter`, `reading`, and `motors` and `documents` if they are
+        unknown."""
+        return tuple(one for one in (self.scatter, self.reading, self.motors, self.documents) if one)
 
-    def with_scales(self, scatter: Scale, reading: Scale, motors: Scale | None = None) -> "Hyperprior":
-        """A copy with other grids."""
-        return replace(self, scatter=scatter, reading=reading, motors=motors)
+    def with_scales(self, *scales: Scale) -> "Hyperprior":
+        """A copy with other grids, in the order of `unknown_scales`."""
+        names = [name for name in ("scatter", "reading", "motors", "documents") if getattr(self, name)]
+        return replace(self, **dict(zip(names, scales, strict=True)))  # type: ignore[arg-type]  # each is a scale
 
     def json(self) -> dict[str, Any]:
         """The card, in the form that `read_card` reads."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import not_measured
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.hyperprior import READOUTS, Hyperprior
 from fieldkit.motors import Found
 from fieldkit.physics.setups import recorded
@@ -46,7 +46,7 @@ def observe(
     flights: Sequence[Flight],
     found: Sequence[Found],
     used_in_fit: Sequence[bool],
-    hyperprior: Hyperprior = CERTIFIED_PRIOR,
+    hyperprior: Hyperprior = SEARCH_PRIOR,
 ) -> Data:
     """The observed readouts of flights on their motors; those of flights marked in `used_in_fit` are seen, except those
     that cannot be measurements (`not_measured`)."""
@@ -96,7 +96,7 @@ def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readou
 
 
 def reading_sd(
-    raw: Float[Array, "*draw flight readout"], hyperprior: Hyperprior = CERTIFIED_PRIOR
+    raw: Float[Array, "*draw flight readout"], hyperprior: Hyperprior = SEARCH_PRIOR
 ) -> Float[Array, "*draw flight readout"]:
     """Expected error of each readout as compared: a constant part and a part proportional to the readout. [1] or [s]"""
     fixed, ratio = np.array(hyperprior.fixed), np.array(hyperprior.ratio)

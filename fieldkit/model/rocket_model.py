@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.fleet_drift import Period, years, years_passed
 from fieldkit.model.hyperprior import FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
@@ -86,7 +86,7 @@ class Model:
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
     flight_index: tuple[int, ...]
-    hyperprior: Hyperprior = CERTIFIED_PRIOR
+    hyperprior: Hyperprior = SEARCH_PRIOR
     shared: SharedPrior | None = None
     coarse: bool = False
     departure: tuple[float, ...] = ()
@@ -156,7 +156,7 @@ def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[
 def base_model(
     flights: Sequence[Flight],
     found: Sequence[Found],
-    hyperprior: Hyperprior = CERTIFIED_PRIOR,
+    hyperprior: Hyperprior = SEARCH_PRIOR,
     flown: int | None = None,
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,

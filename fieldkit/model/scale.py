@@ -8,10 +8,13 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
+HALF_CAUCHY_GRID = np.geomspace(0.1, 2.2, 5)
+"""A grid over the bulk of a half-Cauchy prior, relative to its median. [1]"""
+
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """A log-normal factor between the ends of a grid, on which it is integrated. [1]
+    """A factor between the ends of a grid, on which it is integrated: log-normal, or half-Cauchy around its median. [1]
 
     A grid around a posterior is even in the logarithm with a `step`, and its weights are prior density times step.
     Without a step, the weights of the grid add to one. `ends` are those of the prior, by default those of the grid.
@@ -24,6 +27,7 @@ class Scale:
     step: float = 0.0
     ends: tuple[float, float] | None = None
     points: int = 5
+    half_cauchy: bool = False
 
     @property
     def values(self) -> Float[Array, "scale"]:
@@ -31,7 +35,9 @@ class Scale:
         return np.array(self.grid)
 
     def refined(self) -> "Scale":
-        """The same on a grid twice as fine."""
+        """The same on a grid twice as fine; of a half-Cauchy scale, from a tenth to twice its median."""
+        if self.half_cauchy:
+            return replace(self, grid=tuple((self.median * HALF_CAUCHY_GRID).tolist()))
         values = self.values
         return replace(self, grid=tuple(np.sort(np.r_[values, np.sqrt(values[1:] * values[:-1])]).tolist()))
 
@@ -47,9 +53,20 @@ class Scale:
         return replace(self, grid=tuple(grid.tolist()), step=float(edges[1] - edges[0]), ends=self.range)
 
     @property
+    def log_density(self) -> Float[Array, "scale"]:
+        """Log prior density of the logarithm at each value of the grid, up to a constant. [nat]
+
+        Source: Gelman, Prior distributions for variance parameters, Bayesian Analysis 1, 2006, for the half-Cauchy.
+        """
+        ratio = self.values / self.median
+        if self.half_cauchy:
+            return np.asarray(np.log(ratio) - np.log1p(ratio**2))
+        return np.asarray(-0.5 * (np.log(ratio) / self.log_sd) ** 2)
+
+    @property
     def log_prior(self) -> Float[Array, "scale"]:
         """Log prior weight of each value of the grid, not normalized without a step. [nat]"""
-        log_density = -0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2
+        log_density = self.log_density
         if not self.step:
             return np.asarray(log_density)
         low, high = np.log(np.array(self.range) / self.median) / (self.log_sd * sqrt(2))

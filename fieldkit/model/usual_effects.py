@@ -10,7 +10,7 @@ from fieldkit.physics.effect import effects
 def usual_terms(model: Model) -> list[Term]:
     """The terms of effects that every rocket has, on all flights; the learned hyperprior has them in its random
     effects."""
-    if model.hyperprior.kind != "certified":
+    if model.hyperprior.kind != "certified" and not model.hyperprior.documents:
         return []
     every = np.ones(len(model.flights))
     return [

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
@@ -18,7 +18,7 @@ def rocket_model(
     flights: Sequence[Flight],
     found: Sequence[Found],
     accepted: Sequence[Place] = (),
-    hyperprior: Hyperprior = CERTIFIED_PRIOR,
+    hyperprior: Hyperprior = SEARCH_PRIOR,
     flown: int | None = None,
     flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,

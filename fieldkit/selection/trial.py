@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes
+from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes, probable_scales
 from fieldkit.inference.laplace.linearization import known_angle_slope
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
@@ -97,6 +97,7 @@ def try_all(
         known_angle_slope(near.model, near.tangent),
         on_progress=on_progress,
         flight_weight=near.flight_weight,
+        scales=probable_scales(near),
     )
     best: dict[Place, Fit] = {}
     for candidate, result in zip(owners, fits, strict=True):

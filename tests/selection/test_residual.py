@@ -52,6 +52,7 @@ def null_residuals() -> Float[Array, "set flight readout"]:
             np.zeros(FLIGHTS),
             terms,
             tuple(range(FLIGHTS)),
+            CERTIFIED_PRIOR,
         ),
         near(),
     )

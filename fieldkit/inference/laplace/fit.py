@@ -101,11 +101,13 @@ def fit_lanes(
     *,
     near: bool = False,
     flight_weight: Float[Array, "flight"] | None = None,
+    scales: Int[Integers, "scale"] | None = None,
 ) -> list[Fit]:
     """Several fits of parts of a model in parallel; terms that a lane lacks are zero in it.
 
     `angle_slope` is from `launch_angle_slope`. `on_progress` is called with the fraction done. With an initial
-    `flight_weight` [1], the noise of single flights follows a Student t. Raises ImpossibleFlight for a flight without a
+    `flight_weight` [1], the noise of single flights follows a Student t. `scales` are the scales that matter at the
+    first point, by default all. Raises ImpossibleFlight for a flight without a
     dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
     parts = [model.only(lane.terms) for lane in lanes]
@@ -123,7 +125,7 @@ def fit_lanes(
                 on_progress((turn - first + (number + 1) / len(moving)) / (rounds - first))
             known = results[i]
             if known is None:
-                results[i] = _first_fit(parts[i], data, tangent, flight_weight)
+                results[i] = _first_fit(parts[i], data, tangent, flight_weight, scales)
             else:
                 results[i] = _moved(known, tangent)
         best = _best(lanes, results)
@@ -143,9 +145,15 @@ def fit_lanes(
     return [settled[i] for i in sorted(settled)]
 
 
-def _first_fit(model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None) -> Fit:
+def _first_fit(
+    model: Model,
+    data: Data,
+    tangent: Tangent,
+    flight_weight: Float[Array, "flight"] | None,
+    scales: Int[Integers, "scale"] | None,
+) -> Fit:
     """The posterior at the first point, after a few updates of the weights of outlier flights."""
-    found = solve(model, data, tangent, flight_weight)
+    found = solve(model, data, tangent, flight_weight, scales)
     for _ in range(FLIGHT_WEIGHT_ROUNDS if flight_weight is not None else 0):
         found = _moved(found, tangent)
     return found
@@ -160,14 +168,16 @@ def _moved(known: Fit, tangent: Tangent) -> Fit:
 def probable_scales(known: Fit) -> Int[Integers, "scale"]:
     """The pairs of scales that matter before a fit converges: all in the range of the probable ones, and the next
     smaller scatter, because the scatter decreases as a fit converges."""
-    scatter, reading, _ = known.model.hyperprior.scales()
+    hyperprior = known.model.hyperprior
+    (scatter, reading, _), documents = hyperprior.scales(), hyperprior.document_scales()
     every = np.arange(len(scatter)) if known.scales is None else known.scales
     if not np.isfinite(known.log_weight).all():  # the evidence is nan: some flights cannot be simulated at this point
         return np.arange(len(scatter))
     likely = every[known.weights > WALKING_SCALE_WEIGHT]
-    own, other = scatter[likely], reading[likely]
+    own, other, exact = scatter[likely], reading[likely], documents[likely]
     smaller = scatter[scatter < own.min()].max(initial=0.0)
     within = (scatter >= smaller) & (scatter <= own.max()) & (reading >= other.min()) & (reading <= other.max())
+    within &= (documents >= exact.min()) & (documents <= exact.max())
     return np.flatnonzero(within)
 
 

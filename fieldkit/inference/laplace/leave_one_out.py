@@ -11,7 +11,7 @@ from fieldkit.inference.laplace.apogee_scatter import ScatterWeights, apogee_spr
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.inference.laplace.posterior import Fit, density_constant, residual_variance
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS, reading_sd
 from fieldkit.shapes import Array, Float
@@ -104,7 +104,7 @@ def _expected_sd(result: Fit) -> Float[Array, "flight readout"]:
     return sd
 
 
-def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Float[Array, "*draw"]:
+def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = SEARCH_PRIOR) -> Float[Array, "*draw"]:
     """Expected relative error of an apogee [m] as read off the altimeter. [1]"""
     raw = np.full((*apogee.shape, len(OBSERVED_READOUTS)), 1.0)
     raw[..., 0] = apogee

@@ -14,6 +14,7 @@ from fieldkit.inference.evidence import LinearModel, log_mass, normal_posterior
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
+from fieldkit.model.documents import power
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
@@ -31,7 +32,11 @@ def term_sds(model: Model) -> Float[Array, "scale term"]:
     scatter, reading, _ = model.hyperprior.scales()
     factors = np.stack([np.ones_like(scatter), scatter, reading], axis=-1)
     by = [SCALED_BY.index(term.scaled_by) for term in model.terms]
-    return np.asarray(np.array([term.sd for term in model.terms]) * factors[:, np.array(by, int)])
+    sds = np.array([term.sd for term in model.terms]) * factors[:, np.array(by, int)]
+    if model.hyperprior.documents is None:
+        return np.asarray(sds)
+    powers = np.array([power(term.name.quantity, term.name.level) for term in model.terms])
+    return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** powers)
 
 
 def prior_precision(

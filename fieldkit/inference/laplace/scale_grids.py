@@ -63,6 +63,8 @@ def _marginals(result: Fit) -> list[Float[Array, "value"]]:
 
 def _contains_mode(scale: Scale, log_weight: Float[Array, "value"]) -> bool:
     """Whether the most probable value is inside the grid, or the grid ends there because the prior does."""
+    if scale.half_cauchy:
+        return True
     best, (first, last) = int(np.argmax(log_weight)), scale.range
     half = np.exp(scale.step / 2) * (1 + 1e-9)
     ends = {0: scale.grid[0] <= first * half, len(scale.grid) - 1: scale.grid[-1] * half >= last}
@@ -73,7 +75,7 @@ def _log_density(scale: Scale, log_weight: Float[Array, "value"]) -> Known:
     """The log posterior density of the logarithm of a scale at every value of its grid, the same up to a constant for
     all grids. [nat]"""
     known = scale.log_prior - (0.0 if scale.step else np.logaddexp.reduce(scale.log_prior))
-    density = log_weight - known - 0.5 * (np.log(scale.values / scale.median) / scale.log_sd) ** 2
+    density = log_weight - known + scale.log_density
     return dict(zip(scale.grid, density.tolist(), strict=True))
 
 
@@ -85,7 +87,9 @@ def _updated(known: Known, scale: Scale, log_weight: Float[Array, "value"]) -> K
 
 
 def _moved(scale: Scale, known: Known) -> Scale:
-    """The scale on a grid around its mode; a known scale keeps its only value."""
+    """The scale on a grid around its mode; a known scale keeps its value, and a half-Cauchy one spans its prior."""
+    if scale.half_cauchy:
+        return scale.refined()
     return scale if scale.range[0] == scale.range[1] else scale.between(*_interval(scale, known))
 
 
