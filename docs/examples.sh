@@ -73,6 +73,7 @@ fieldkit remeasure --dry-run
 # a field you fly from: plans use its elevation and its limits
 fieldkit sites "North field" --elevation 212m --size 400m --ceiling 900m
 fieldkit kits "Big Bertha" --dry-mass 80g --diameter 41.6mm --mount 18mm
+fieldkit flyer --certification 1 --born 2009-05-31 --rails 3ft,1.8m
 fieldkit predictions
 fieldkit report 2 --out card.pdf
 fieldkit backups

@@ -29,9 +29,7 @@ from fieldkit.units import FOOT, parse
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.motors import Found
     from fieldkit.planning.contest import Season
-    from fieldkit.planning.finals import FinalsRow
     from fieldkit.planning.outlook import Outlook
 
 app = typer.Typer()
@@ -61,6 +59,7 @@ def finals(
         ENDS_NOTE,
         FINALS_NOTES,
         finals_basis,
+        finals_document,
         finals_failures,
         finals_headers,
         finals_heading,
@@ -91,7 +90,7 @@ def finals(
     chosen = system()
     heading, rows = (
         list(finals_heading(plan.flight, found, rule, flown.fall, chosen)),
-        finals_rows(table, found, chosen),
+        finals_rows(table, plan.flight, found, flown.fall, chosen),
     )
     headers = finals_headers(flown.fall, chosen)
     by_eye = [*([("finals", rule.finals)] if rule.finals else []), *rule.by_hand]
@@ -101,7 +100,11 @@ def finals(
         files.write(card, finals_card(heading, headers, rows, card.suffix.lower(), below), force=force)
         complain(f"Wrote the card to {card}")
     if json:
-        document = {"season": rule.year, "motor": found.motor.designation, "finals": table_of(table, found)}
+        document = {
+            "season": rule.year,
+            "motor": found.motor.designation,
+            "finals": finals_document(table, plan.flight, found, flown.fall),
+        }
         document |= {"flights": prediction.rests_on, "timed_flights": flown.fall.flights}
         print_json(document | about_plan(prediction, lines))
         return
@@ -111,27 +114,6 @@ def finals(
     for line in (*FINALS_NOTES, *notes, *heading):
         say_wrapped(line)
     print_table(headers, rows, numbers=headers)
-
-
-def table_of(table: "Sequence[FinalsRow]", found: "Found") -> list[dict[str, Any]]:
-    """The rows of the table of finals, with the unit in the key."""
-    from fieldkit.planning.quantiles import named
-
-    return [
-        {
-            "target_ft": one.target / FOOT,
-            "dry_mass_g": one.mass * 1e3,
-            "lift_off_mass_g": (one.mass + found.motor.loaded_mass) * 1e3,
-            "parachute_area": one.area,
-            "apogee_ft": one.apogee[1] / FOOT,
-            "apogee_m": named(one.apogee),
-            "duration_s": one.duration[1],
-            "duration": named(one.duration),
-            "points": one.points,
-            "at_edge": one.at_edge,
-        }
-        for one in table
-    ]
 
 
 takes_plan(finals)

@@ -13,8 +13,10 @@ from fieldkit.cli.quick_guide import print_quick_guide
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
 from fieldkit.errors import UnknownMotor
 from fieldkit.paths import data_file
+from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, Verdict
 from fieldkit.quantities import ShownUnits, counted
+from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
@@ -36,6 +38,7 @@ def print_guide(
     adapter: bool,
     retired: bool,
     shortlisted: bool,
+    boxed: bool,
     every: bool,
     quick: bool,
     json: bool,
@@ -48,7 +51,7 @@ def print_guide(
 
     target = length("--target", fit["target"])
     with planning(context, given) as plan:
-        wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted)
+        wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted, boxed=boxed)
         motors = suitable_motors(plan.motors, wanted)
         mass = plan.flight.dry_mass or 0.0  # without one the guide prints a note
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
@@ -100,20 +103,20 @@ def _in_season(
     return held, motor_advice(held, rule, label(last) if last is not None else None)
 
 
-def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
-    from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
+def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool, boxed: bool) -> "Wanted":
+    from fieldkit.planning.motor_guide import Wanted, label, mount_of, widest_motor
     from fieldkit.services.shortlist import shortlist
 
-    mount = (
-        length("--mount", fit["mount"], "mm")
-        or plan.mount
-        or mount_of(plan.rocket, plan.flight.config)
-        or plan.rocket.mount
-    )
+    last = mount_of(plan.rocket, plan.flight.config) or plan.rocket.mount
+    mount = length("--mount", fit["mount"], "mm") or plan.mount or last
     adapter = adapter or mount is None
     mount = mount or widest_motor(plan.rocket, plan.flight)
     if mount is None:
         raise UnknownMotor("found no flights that show the motor mount and no diameter, expected --mount such as 29mm")
+    names = shortlist(plan.ledger, plan.flight.rocket) if shortlisted else None
+    if boxed:
+        box = frozenset(label(plan.motors.resolve(one.motor).motor) for one in read_settings().flyer.box)
+        names = box if names is None else box & names
     return Wanted(
         mount=mount,
         length=length("--max-length", fit["max_length"], "mm") or math.inf,
@@ -121,7 +124,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
         classes=_classes(fit["class"] or ""),
         retired=retired,
         adapter=adapter,
-        names=shortlist(plan.ledger, plan.flight.rocket) if shortlisted else None,
+        names=names,
     )
 
 
@@ -160,12 +163,13 @@ def _print(
     from fieldkit.presentation.forecast_text import rests_in_words
 
     prediction, flight = choices[0].prediction, plan.flight
-    name = " ".join(part for part in (flight.rocket, flight.config) if part)
+    name = " ".join(filter(None, (flight.rocket, flight.config)))
     say(f"{name}, {ShownUnits(system()).mass(prediction.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
     say(f"{len(choices)} of {counted(of, 'motor')} of {width} fit and are not excluded by a check")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
-        say_wrapped("rail    not given: no motor is excluded by its speed off the rail; give --rail-length", "        ")
+        rail = ShownUnits(system()).length(RAIL_LENGTH, 1)
+        say_wrapped(f"rail    not given: {rail} assumed for the speed off it; give --rail-length", "        ")
     if plan.site.ceiling is None:
         say_wrapped(
             "ceiling not given: no motor is excluded by its height; give --waiver, or save the site's", "        "
@@ -175,8 +179,8 @@ def _print(
             "field   not given: no motor is excluded for needing a larger one; give --field-size, or save the site's",
             "        ",
         )
-    if unknown := [names[one.motor] for one in choices if EJECTION_CHECK in one.not_judged]:
-        say_wrapped(f"delay   unknown: {', '.join(unknown)}", "        ")
+    if no_delay := [names[one.motor] for one in choices if EJECTION_CHECK in one.not_judged]:
+        say_wrapped(f"delay   unknown: {', '.join(no_delay)}", "        ")
     if wanted.mount is not None and wanted.mount == flight.diameter and not plan.rocket.motors:
         say_wrapped(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
@@ -204,7 +208,11 @@ def _print_checks(choices: "list[MotorChoice]", names: MotorNames, *, every: boo
             else:
                 motors_by_check.setdefault((line.verdict, line.name), []).append(names[choice.motor])
     everywhere = [
-        name for (verdict, name), motors in motors_by_check.items() if verdict == "unknown" and _all(motors, choices)
+        name
+        for (of, name), ones in motors_by_check.items()
+        if of == "unknown" and len(ones) == len(choices)
+        for (verdict, name), motors in motors_by_check.items()
+        if verdict == "unknown" and len(motors) == len(choices)
     ]
     for verdict in reversed(SEVERITY[1:]):
         some = {check: motors for (of, check), motors in motors_by_check.items() if of == verdict}
@@ -218,10 +226,6 @@ def _print_checks(choices: "list[MotorChoice]", names: MotorNames, *, every: boo
     say("  values, limits, and rules of each motor: --all")
 
 
-def _all(motors: list[str], choices: "list[MotorChoice]") -> bool:
-    return len(motors) == len(choices)
-
-
 def _in_short(motors: list[str], every: list[str]) -> str:
     """`F24W, F39T`, or `all but F39T` if that is shorter."""
     others = [name for name in every if name not in motors]
@@ -231,12 +235,11 @@ def _in_short(motors: list[str], every: list[str]) -> str:
 
 
 def _print_excluded(excluded_motors: "list[MotorChoice]", names: MotorNames) -> None:
-    """Print a line for each reason that excludes motors, with these motors."""
-    reasons: dict[str, list[str]] = {}
+    """Print a line for each combination of reasons that exclude motors, with these motors."""
+    reasons: dict[tuple[str, ...], list[str]] = {}
     for choice in excluded_motors:
-        for line in choice.why_not:
-            reasons.setdefault(line.name, []).append(names[choice.motor])
-    for why, excluded in _of_the_same(reasons):
+        reasons.setdefault(tuple([line.name for line in choice.why_not]), []).append(names[choice.motor])
+    for why, excluded in reasons.items():
         say_wrapped(f"  excluded by {', '.join(why)}: {', '.join(excluded)}", "    ")
 
 

@@ -52,6 +52,7 @@ GROUPS = {
     "daysheet": ("daysheet",),
     "sites": ("sites",),
     "kits": ("kits",),
+    "flyer": ("flyer",),
     "simulate": ("simulate",),
     "paper": ("paper",),
     "study": ("study",),

@@ -92,6 +92,9 @@ def motors(
     shortlist: Annotated[
         bool, typer.Option("--shortlist", help="Only motors on the shortlist.", rich_help_panel=GUIDE)
     ] = False,
+    box: Annotated[
+        bool, typer.Option("--box", help="Only motors in your range box (fieldkit flyer).", rich_help_panel=GUIDE)
+    ] = False,
     every: Annotated[
         bool, typer.Option("--all", help="Show the checks of every motor.", rich_help_panel=GUIDE)
     ] = False,
@@ -118,7 +121,8 @@ def motors(
     }
     guide_options |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
     _check_needs_fit(
-        fit, {**guide_options, "--shortlist": shortlist, "--all": every, "--quick": quick, **dashed(given)}
+        fit,
+        {**guide_options, "--shortlist": shortlist, "--box": box, "--all": every, "--quick": quick, **dashed(given)},
     )
     if shortlist_for is not None and (fit or compare or corrections or about or check):
         raise typer.BadParameter("found --shortlist-for without a search or --import, expected one of them")
@@ -129,7 +133,8 @@ def motors(
 
         impulse = None if max_impulse is None else str(max_impulse)
         wanted = {"target": target, "mount": mount, "max_length": max_length, "max_impulse": impulse, "class": class_}
-        options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "every": every, "quick": quick}
+        options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "boxed": box}
+        options |= {"every": every, "quick": quick}
         print_guide(context, {**given, "rocket": fit}, wanted, season, **options, json=json)
         return
     from fieldkit.motors import describe

@@ -151,8 +151,7 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
 def check_rules(text: str) -> None:
     """Raise BadValue if a text names an authority without a known set of rules."""
-    from fieldkit.planning.rules import governing, read_authorities
-    from fieldkit.planning.safety import known_rules
+    from fieldkit.planning.rules import governing, known_rules, read_authorities
 
     governing(known_rules(), read_authorities(text), False, date.today())
 

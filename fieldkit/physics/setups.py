@@ -68,11 +68,12 @@ def differs_from_zero(flights: Sequence[Flight], name: str) -> bool:
 
 
 def delays(flights: Sequence[Flight], found: Sequence[Found]) -> Float[Array, "flight"]:
-    """Time from burnout to the ejection charge: as recorded, else from the motor's name, else nan. [s]"""
+    """Time from burnout to the ejection charge: as recorded, else from the motor's name; nan if unknown, and for one
+    without a charge: a plugged motor, or a booster (a delay of 0). [s]"""
     stated = [
         flight.delay if flight.delay is not None else motor.delay for flight, motor in zip(flights, found, strict=True)
     ]
-    return np.array([np.nan if delay is None or not np.isfinite(delay) else delay for delay in stated], float)
+    return np.array([delay if delay and np.isfinite(delay) else np.nan for delay in stated], float)
 
 
 def field_setup(

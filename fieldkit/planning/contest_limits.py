@@ -1,16 +1,18 @@
 """A season's limits on the pad, line by line: mass, impulse, length, the motor list, and rules to check by eye."""
 
+import math
 import re
 from pathlib import Path
 
 from fieldkit import files
 from fieldkit.flight import Flight
 from fieldkit.motors import Found
-from fieldkit.motors.motor import Motor
+from fieldkit.motors.motor import Motor, impulse_class
 from fieldkit.motors.names import parse, squeeze
 from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict
+from fieldkit.planning.classification import build_of, why_high_power
 from fieldkit.planning.contest import Season
-from fieldkit.planning.rules import MARKS
+from fieldkit.planning.rules import MARKS, known_rules
 
 ROUNDING = 1e-9
 """Excess over a limit that is only the rounding of a sum, as a fraction of the limit. [1]"""
@@ -67,7 +69,7 @@ def allowed(
     approved: frozenset[str] | None = None,
 ) -> list[SafetyCheck]:
     """One line for each limit of a season: mass on the pad, total impulse, minimum length [m] of the rocket, rules to
-    check by eye, and the motor list."""
+    check by eye, and the motor list. Raises BadValue for a damaged file of rules."""
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
         ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
@@ -87,10 +89,29 @@ def allowed(
         shown = (f"{value * scale:.{digits}g}" for digits in range(4, 8))
         own = next((one for one in shown if well or float(one) != limit * scale), f"{value * scale:.9g}")
         lines.append(SafetyCheck(name, verdict, f"{own} {unit}, {wanted}", source))
+    lines += [class_line(rule, found)] if rule.impulse is not None else []
     for name, text in rule.by_hand:
         look = f"{BY_EYE}{text}"
         lines.append(SafetyCheck(f"contest {name}", "unknown", look, _limit_source(rule, name)))
     return [*lines, motor_line(rule, found, approved)]
+
+
+def class_line(rule: Season, found: Found) -> SafetyCheck:
+    """The class of the motor against the largest of the season, which that of its impulse limit is; a motor of high
+    power, by its thrust too, is none of model rockets, which contests are for.
+
+    Raises BadValue for a damaged file of rules.
+    """
+    name, motor = "contest motor class", found.motor
+    parts = motor.parts or (motor,)
+    largest = impulse_class(rule.impulse or math.inf)
+    if why := why_high_power(build_of(motor, math.nan), known_rules()):
+        text = f"class {largest} or smaller; high power because of {why}"
+        return SafetyCheck(name, "unsafe", text, _limit_source(rule, "motors"))
+    above = [one for one in parts if one.total_impulse > (rule.impulse or math.inf) * (1 + ROUNDING)]
+    own = impulse_class(max(one.total_impulse for one in parts))
+    verdict: Verdict = "unsafe" if above else "ok"
+    return SafetyCheck(name, verdict, f"class {own}, {largest} or smaller", _limit_source(rule, "motors"))
 
 
 def _limit_source(rule: Season, name: str) -> str:

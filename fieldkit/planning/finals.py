@@ -25,6 +25,8 @@ FINE_MASSES = 97
 """Number of masses evaluated. [1]"""
 AREAS = tuple(np.exp(0.1 * np.arange(-12, 10)))
 """Areas of the parachute that are evaluated, the current one among them, as a ratio to it. [1]"""
+CURRENT_AREA = int(np.argmin(np.abs(np.log(AREAS))))
+"""Place of the current area among `AREAS`. [1]"""
 MIN_MASS_RATIO = 0.6
 """Lowest dry mass evaluated, as a ratio to the current mass. [1]"""
 DRAWS = 300
@@ -35,7 +37,11 @@ STEP = 5 * FOOT
 @dataclass(frozen=True, slots=True)
 class FinalsRow:
     """The dry mass [kg] and the ratio of the parachute's area to the current one [1] with the fewest points for a
-    target [m] and a window [s]: apogee and duration at 5, 50 and 95%, and points per flight."""
+    target [m] and a window [s]: apogee and duration at 5, 50 and 95%, and points per flight.
+
+    Without a measured descent there is nothing to find the area by: it stays the current one, and the points are those
+    for the altitude.
+    """
 
     target: float
     window: tuple[float, float]
@@ -65,8 +71,10 @@ class TrialFlights:
 
     def best(self, rule: Season) -> FinalsRow:
         """The mass and area with the fewest points under a season's rules."""
-        points = np.array([rule.points(self.apogee, one).mean(axis=-1) for one in self.duration])
-        area, row = np.unravel_index(int(np.argmin(points)), points.shape)
+        timed = np.full_like(self.duration, np.nan) if self.fall.assumed else self.duration
+        points = np.array([rule.points(self.apogee, one).mean(axis=-1) for one in timed])
+        best, row = np.unravel_index(int(np.argmin(points)), points.shape)
+        area = CURRENT_AREA if self.fall.assumed else int(best)
         return FinalsRow(
             rule.target,
             rule.window,

@@ -3,11 +3,14 @@
 import datetime
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
 from fieldkit.flight.site import Site
 from fieldkit.planning.classification import Build, legal_class, why_high_power
 from fieldkit.planning.rules import Rule, RuleSet, governing, read_authorities
 
+UNTESTED = "untested stability"
+"""The rule about the stability of a rocket that has not flown, a text on which the check of the static margin rests."""
 FIGURE_RULES = (
     "ground wind",
     "launch angle",
@@ -21,6 +24,8 @@ FIGURE_RULES = (
     "complex rocket",
     "bystanders",
     "certification",
+    UNTESTED,
+    "age",
 )
 """Rules that a value of the plan is checked against; all others become reminders."""
 
@@ -46,6 +51,19 @@ class Governed:
             if rule.check == check and rule.rows and (not rule.classes or self.legal in rule.classes)
         ]
 
+    def texts(self, check: str) -> list[Rule]:
+        """The rules of one kind that are only text."""
+        return [rule for one in self.sets for rule in one.rules if rule.check == check and not rule.rows]
+
+    def over(self, rule: Rule) -> bool:
+        """Whether one of the motors exceeds one of the figures of a rule, if it has any."""
+        return not rule.motors_over or any(
+            one.total_impulse > rule.motors_over.get("impulse", inf)
+            or one.rated_thrust > rule.motors_over.get("average", inf)
+            or one.propellant_mass > rule.motors_over.get("propellant", inf)
+            for one in self.build.motors
+        )
+
     def people_distance(self) -> float:
         """The distance that the codes require from the pad to the people at the launch; 0 without one. [m]"""
         rules, several = self.rules("pad distance"), self.build.complex
@@ -54,7 +72,12 @@ class Governed:
 
     def reminders(self) -> list[Rule]:
         """The rules that no value of a plan can be checked against."""
-        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES or not rule.rows]
+        every = [
+            rule
+            for one in self.sets
+            for rule in one.rules
+            if rule.check not in FIGURE_RULES or not (rule.rows or rule.check == UNTESTED)
+        ]
         return [
             rule
             for rule in every

@@ -70,7 +70,10 @@ class MotorAdvice:
 
 
 def in_season(choice: MotorChoice, rule: Season, approved: frozenset[str] | None = None) -> MotorChoice:
-    """A motor held to the limits of a season and to the flyer's copy of its list of motors, if there is one."""
+    """A motor held to the limits of a season and to the flyer's copy of its list of motors, if there is one.
+
+    Raises BadValue for a damaged file of rules.
+    """
     lines = allowed(rule, choice.plan, choice.prediction.found, approved=approved)
     return replace(choice, beyond_season=tuple(line for line in lines if line.verdict == "unsafe"))
 

@@ -25,7 +25,9 @@ from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_pl
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import Three, named, three
-from fieldkit.planning.safety import known_rules, safety_lines, thrust_to_weight
+from fieldkit.planning.rules import known_rules
+from fieldkit.planning.safety import safety_lines, thrust_to_weight
+from fieldkit.settings import read_settings
 from fieldkit.units import STANDARD_GRAVITY
 
 DRAWS = 64
@@ -233,7 +235,7 @@ def guide(
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
     known, falls = {label(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
-    rules = known_rules()
+    by = limits, known_rules(), read_settings()
     return [
         MotorChoice(
             motor,
@@ -243,9 +245,7 @@ def guide(
             label(motor) in known,
             *thrust_to_weight(motor, prediction.plan.dry_mass or math.nan),
             tuple(
-                safety_lines(
-                    prediction, site, fall := completed_fall(falls, prediction.plan, prediction.found), limits, rules
-                )
+                safety_lines(prediction, site, fall := completed_fall(falls, prediction.plan, prediction.found), *by)
             ),
             fall,
         )

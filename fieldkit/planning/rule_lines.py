@@ -8,7 +8,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 
 from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
-from fieldkit.planning.governed import Governed
+from fieldkit.planning.governed import UNTESTED, Governed
+from fieldkit.planning.limits import Limits
 from fieldkit.planning.rules import Rule, RuleRow
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
 
@@ -197,8 +198,11 @@ def class_line(governed_by: Governed) -> SafetyCheck:
     return SafetyCheck("class", "caution", f"{text}: {name}{waiver}, {high}", source)
 
 
-def certification_line(governed_by: Governed) -> SafetyCheck:
-    """The certification level that the motors require."""
+def certification_line(governed_by: Governed, own: int | None = None) -> SafetyCheck:
+    """The certification level that the motors require, against the flyer's own; None if not known, 0 for none.
+
+    A flyer may fly for the next level at a certification flight; a motor above it is not allowed.
+    """
     name = "certification"
     if not governed_by.why:
         return SafetyCheck(name, "ok", "none needed: not high power", "")
@@ -207,9 +211,61 @@ def certification_line(governed_by: Governed) -> SafetyCheck:
         level = rule.least(governed_by.build.impulse, governed_by.altitude)
         if level is None:
             return _check(name, "unsafe", f"{governed_by.build.impulse:.0f} N s is beyond every level", rule)
-        return _check(name, "caution", f"requires certification level {level:.0f}", rule)
+        text = f"requires certification level {level:.0f}"
+        if own is None:
+            return _check(name, "caution", f"{text}; yours is not known: fieldkit flyer --certification 1", rule)
+        if own >= level:
+            return _check(name, "ok", f"{text}; yours is {own}", rule)
+        yours = f"yours is {own}" if own else "you have none"
+        if level == own + 1:
+            return _check(name, "caution", f"{text}; {yours}: only as a certification flight, with its witnesses", rule)
+        return _check(name, "unsafe", f"{text}; {yours}", rule)
 
     return _line(name, governed_by.rules(name), judge, "high power: none of the chosen rules names a level")
+
+
+def age_line(governed_by: Governed, age: int | None = None) -> SafetyCheck:
+    """The age at which the motors are sold, or the rocket may be flown, against the flyer's. [years]"""
+    name = "age"
+
+    def judge(rule: Rule) -> SafetyCheck:
+        least = rule.rows[0].value
+        if age is None:
+            return _check(
+                name, "unknown", f"from {least:.0f} years on; yours is not known: fieldkit flyer --born", rule
+            )
+        verdict: Verdict = "ok" if age >= least else "unsafe"
+        return _check(name, verdict, f"from {least:.0f} years on; you are {age}", rule)
+
+    rules = [rule for rule in governed_by.rules(name) if governed_by.over(rule)]
+    if not rules:
+        return SafetyCheck(name, "ok", "no least age for these motors in the chosen sets", "")
+    return _line(name, rules, judge)
+
+
+def stability_line(governed_by: Governed, margin: float | None, flown: int, limits: Limits) -> SafetyCheck:
+    """The static margin on the pad [1] against guidance; without one, what must be checked before a rocket that has not
+    flown does, by the codes' own words. `flown` are the flights of the rocket that were measured."""
+    name, least, most = "stability", limits["stability"], limits["stability_most"]
+    if margin is None and flown:
+        times = "once" if flown == 1 else f"{flown} times"
+        return SafetyCheck(name, "ok", f"flown {times}; a heavier motor moves the center of gravity back", least.source)
+    if margin is None:
+        text = (
+            f"no static margin, and this rocket has not flown: check it before flight, at least {least.value:g} caliber"
+        )
+        text = f"{text} (--stability-cal, or its OpenRocket design)"
+
+        def judge(rule: Rule) -> SafetyCheck:
+            return _check(name, "unknown", text, rule)
+
+        return _line(name, governed_by.texts(UNTESTED), judge, text)
+    text = f"{ratio(margin, least.value)} calibers, at least {least.value:g}"
+    if margin < least.value:
+        return SafetyCheck(name, "caution", f"{text}: show that it flies straight", least.source)
+    if margin > most.value:
+        return SafetyCheck(name, "caution", f"{text}; above {most.value:g} it turns into the wind", most.source)
+    return SafetyCheck(name, "ok", text, least.source)
 
 
 def complex_line(governed_by: Governed) -> SafetyCheck:

@@ -14,6 +14,7 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.files import read_toml
+from fieldkit.paths import data_file
 from fieldkit.planning.rule_units import RULE_UNITS
 from fieldkit.planning.toml_values import number, problem_in, texts, whole
 from fieldkit.safe_text import printable
@@ -37,6 +38,12 @@ CLASS_KEYS = ("class1_propellant_g", "class1_mass_g", "class2_impulse_ns")
 """Keys that the classes of an air law must have."""
 LISTS = ("kinds", "designations", "sparky")
 """Keys of a definition of high power whose values are lists."""
+_MOTORS_OVER = {
+    "impulse": ("impulse_over_ns", 1.0),
+    "average": ("average_over_n", 1.0),
+    "propellant": ("propellant_over_g", 1e-3),
+}
+"""Keys of a rule for motors that exceed a figure, and their factor to SI."""
 KINDS = ("model", "high power", "any")
 """The kinds of rockets that a set is for."""
 
@@ -83,6 +90,8 @@ class Rule:
     limits; `of_altitude` is the lower limit as a fraction of the expected altitude [1]. A rule without rows is only
     text. `only` are bounds on its applicability. `pad_inside` is whether the edges of a field must be as far from the
     pad as people. `cleared_times` is the factor by which the cleared diameter of the distance table is larger [1].
+    `motors_over` are the figures of which a motor must exceed one for the rule to apply, empty for any motor: impulse
+    [N s], average thrust [N], propellant [kg].
     """
 
     check: str
@@ -97,6 +106,7 @@ class Rule:
     propellants: tuple[str, ...] = ()
     pad_inside: bool = False
     cleared_times: float = 1.0
+    motors_over: Mapping[str, float] = field(default_factory=dict)
 
     def row(self, impulse: float, altitude: float) -> RuleRow | None:
         """The row for an installed impulse [N s] and an expected altitude [m]; None beyond the table."""
@@ -142,6 +152,11 @@ def rule_sets(own: Path | None = None) -> list[RuleSet]:
         file.name: file for folder in (FOLDER, own) if folder is not None for file in sorted(folder.glob("*.toml"))
     }
     return [_read(file, file.stat().st_mtime_ns) for file in files.values()]
+
+
+def known_rules() -> list[RuleSet]:
+    """The shipped rule sets and the user's own. Raises BadValue for a damaged file."""
+    return rule_sets(data_file("rules"))
 
 
 def governing(
@@ -263,4 +278,7 @@ def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
         propellants=texts(table.get("propellants", ()), "propellants"),
         pad_inside=bool(table.get("pad_inside", False)),
         cleared_times=number(table.get("cleared_times", 1.0), "cleared_times"),
+        motors_over={
+            name: number(table[key], key) * scale for name, (key, scale) in _MOTORS_OVER.items() if key in table
+        },
     )

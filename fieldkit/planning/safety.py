@@ -8,7 +8,7 @@ the loaded weight at standard gravity. Limits have their sources in `fieldkit/da
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -22,11 +22,11 @@ from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
-from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
 from fieldkit.planning.check import (
     SAFE_RISK,
+    UNSAFE_RISK,
     SafetyCheck,
     Verdict,
     by_chance,
@@ -46,8 +46,9 @@ from fieldkit.planning.landing import Landing, landing
 from fieldkit.planning.landing_speed import landing_speed_line, two_device_lines
 from fieldkit.planning.limits import Limit, Limits
 from fieldkit.planning.quantiles import three
-from fieldkit.planning.rules import RuleSet, rule_sets
+from fieldkit.planning.rules import RuleSet, known_rules
 from fieldkit.quantities import percent
+from fieldkit.settings import Settings, read_settings
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, STANDARD_GRAVITY, ZERO_CELSIUS
 
@@ -90,33 +91,35 @@ def motor_temperature(plan: Flight) -> float | None:
         raise BadValue(f"motor temperature: {error}") from error
 
 
-def known_rules() -> list[RuleSet]:
-    """The shipped rule sets and the user's own. Raises BadValue for a damaged file."""
-    return rule_sets(data_file("rules"))
-
-
 def safety_lines(
-    prediction: Prediction, site: Site, fall: Fall, limits: Limits, rules: Sequence[RuleSet] | None = None
+    prediction: Prediction,
+    site: Site,
+    fall: Fall,
+    limits: Limits,
+    rules: Sequence[RuleSet] | None = None,
+    own: Settings | None = None,
 ) -> list[SafetyCheck]:
     """All checks of a forecast: guidance, the rules that govern the launch, and reminders.
 
-    `rules` defaults to the shipped sets and the user's own. Raises BadValue for a damaged file of rules, and for a site
+    `rules` defaults to the shipped sets and the user's own, `own` to the flyer's settings, which have certification,
+    age and usual rules. Raises BadValue for a damaged file of rules, and for a site
     under an authority without rule sets.
     """
     plan, motor = prediction.plan, prediction.found.motor
     build = build_of(motor, math.nan if plan.dry_mass is None else plan.dry_mass)
     day = plan.date_time.date() if plan.date_time else None
-    sets = known_rules() if rules is None else rules
+    sets, own = known_rules() if rules is None else rules, own or read_settings()
+    site = replace(site, rules=site.rules or own.rules)
     governed_by = governed(build, three(prediction.true_apogee)[2], site, sets, day)
     down = landing(prediction, fall)
     recovery, mass = recovery_of(plan), landing_mass(plan, prediction.found)
     density = float(air_at_pads([plan]).density[0])
     lines = [
-        _rail(prediction.rail_speed, plan, limits),
+        rail_line(prediction.rail_speed, plan, limits),
         _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(governed_by)),
         _stricter(rule_lines.wind_line(governed_by, plan.wind), _own("wind", plan.wind, limits)),
         _stricter(rule_lines.angle_line(governed_by, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
-        *_stability(plan, limits),
+        rule_lines.stability_line(governed_by, stability(plan), prediction.rests_on, limits),
         _ceiling(prediction.true_apogee, site),
         _field(down, site, rule_lines.field_line(governed_by, site.size)),
         rule_lines.distance_line(governed_by, site.people),
@@ -127,7 +130,8 @@ def safety_lines(
         _temperature(plan, limits),
         rule_lines.mass_line(governed_by),
         rule_lines.class_line(governed_by),
-        rule_lines.certification_line(governed_by),
+        rule_lines.certification_line(governed_by, own.flyer.certification),
+        rule_lines.age_line(governed_by, own.flyer.age(day)),
         rule_lines.complex_line(governed_by),
     ]
     return [*lines, *rule_lines.reminder_lines(governed_by)]
@@ -137,9 +141,8 @@ def staged_lines(plan: Flight, motor: Motor, altitude: float, site: Site, limits
     """The checks of a rocket with several stages that need no forecast of its landing, for an expected altitude [m]:
     the thrust of the first half second and the rules that govern the launch. Raises BadValue as `safety_lines`."""
     mass = math.nan if plan.dry_mass is None else plan.dry_mass
-    by = governed(
-        build_of(motor, mass), altitude, site, known_rules(), plan.date_time.date() if plan.date_time else None
-    )
+    day, own = plan.date_time.date() if plan.date_time else None, read_settings()
+    by = governed(build_of(motor, mass), altitude, replace(site, rules=site.rules or own.rules), known_rules(), day)
     lines = [
         _thrust_line({"in the first half second": thrust_to_weight(motor, mass)[0]}, limits),
         rule_lines.wind_line(by, plan.wind),
@@ -149,7 +152,8 @@ def staged_lines(plan: Flight, motor: Motor, altitude: float, site: Site, limits
         rule_lines.bystander_line(by, site.bystanders),
         rule_lines.mass_line(by),
         rule_lines.class_line(by),
-        rule_lines.certification_line(by),
+        rule_lines.certification_line(by, own.flyer.certification),
+        rule_lines.age_line(by, own.flyer.age(day)),
         rule_lines.complex_line(by),
     ]
     return [*lines, *rule_lines.reminder_lines(by)]
@@ -174,19 +178,30 @@ def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
     return SafetyCheck(OWN_BOUNDS[name], verdict, f"{found}, at most {most}", limit.source)
 
 
-def _rail(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyCheck:
-    """Speed off the rail against the minimum for the wind; at worst caution if the rail was not given."""
-    fixed, times = limits["rail_speed"], limits["rail_speed_per_wind"]
+def rail_line(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> SafetyCheck:
+    """Speed off the rail [m/s] against the wind that turns the rocket there.
+
+    The relative wind at the end of the rail meets the rocket at an angle whose tangent is wind over speed. Guidance
+    asks for a speed of four times the wind, 14 degrees, and of 44 ft/s in any wind, which is four times 7.5 mph. Less
+    is a caution; less than half of it, 27 degrees, is beyond the stall of flat fins (15 to 20 degrees) and unsafe.
+    """
+    fixed, times, fraction = (limits[name] for name in ("rail_speed", "rail_speed_per_wind", "rail_speed_unsafe"))
     speeds = np.nan_to_num(speeds)
-    needed = max(fixed.value, times.value * (plan.wind or 0.0))
-    why = "" if needed == fixed.value else f", {times.value:g} times the wind"
+    wind = plan.wind or 0.0
+    needed = max(fixed.value, times.value * wind)
+    middle, windy = three(speeds)[1], needed > fixed.value
     chance = float(np.mean(speeds < needed))
-    text = f"{speed(three(speeds)[1])}, needs at least {speed(needed)}{why}; {percent(chance)} chance of less"
-    verdict = by_chance(chance)
+    slow = float(np.mean(speeds < fraction.value * needed)) >= UNSAFE_RISK
+    verdict: Verdict = "ok" if chance < SAFE_RISK else "unsafe" if slow else "caution"
+    text = f"{speed(middle)}, good from {speed(needed)}{f', {times.value:g} times the wind' if windy else ''}"
+    text += f", unsafe below {speed(fraction.value * needed)}; {percent(chance)} chance of less than good"
+    if verdict != "ok":
+        light = wind if windy else fixed.value / times.value
+        angle = math.degrees(math.atan2(light, middle))
+        text += f": a wind of {speed(light)} meets it at {angle:.0f}°"
     if plan.rail_length is None:
-        verdict = "caution" if verdict == "unsafe" else verdict
         text += f"; rail length not given, {of_column('rail_length', RAIL_LENGTH)} assumed"
-    return SafetyCheck("rail exit speed", verdict, text, times.source if why else fixed.source)
+    return SafetyCheck("rail exit speed", verdict, text, (fraction if slow else times if windy else fixed).source)
 
 
 def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
@@ -202,20 +217,6 @@ def _thrust_line(found: Mapping[str, float], limits: Limits) -> SafetyCheck:
     shown = ", ".join(f"{ratio(value, good.value, unsafe.value)} {when}" for when, value in found.items())
     text = f"{shown}; good above {good.value:g}, unsafe below {unsafe.value:g}"
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
-
-
-def _stability(plan: Flight, limits: Limits) -> Iterator[SafetyCheck]:
-    """The static margin of a plan against guidance, if it is known."""
-    margin, least, most = stability(plan), limits["stability"], limits["stability_most"]
-    if margin is None:
-        return
-    text = f"{margin:.4g} calibers, at least {least.value:g}"
-    if margin < least.value:
-        yield SafetyCheck("stability", "caution", f"{text}: show that it flies straight", least.source)
-    elif margin > most.value:
-        yield SafetyCheck("stability", "caution", f"{text}; above {most.value:g} it turns into the wind", most.source)
-    else:
-        yield SafetyCheck("stability", "ok", text, least.source)
 
 
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:

@@ -2,14 +2,16 @@
 
 import datetime
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import Season
-from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
+from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.finals import FinalsRow, TrialFlights
+from fieldkit.planning.quantiles import named
 from fieldkit.presentation.forecast_text import motor_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
 from fieldkit.quantities import ShownUnits
@@ -17,26 +19,64 @@ from fieldkit.units import FOOT
 
 
 def finals_headers(fall: Fall, system: str = "SI") -> tuple[str, ...]:
-    """The headers of the table: heights in feet, as in the rules, masses in the units of a system; a question mark
-    where the descent is assumed."""
-    mass, doubt = ShownUnits(system).mass(0.0).split()[1], "?" if fall.assumed else ""
-    heights = "target ft", f"dry {mass}", f"lift-off {mass}"
-    return *heights, f"parachute{doubt}", "apogee ft", f"seconds{doubt}", f"points{doubt}"
+    """The headers of the table: heights in feet, as in the rules, masses in the units of a system; without a measured
+    descent, no parachute and no duration, and the points of the altitude alone."""
+    mass = ShownUnits(system).mass(0.0).split()[1]
+    first = "target ft", f"dry {mass}", f"change {mass}", f"lift-off {mass}"
+    return (
+        (*first, "apogee ft", "altitude points")
+        if fall.assumed
+        else (
+            *first,
+            "parachute",
+            "apogee ft",
+            "seconds",
+            "points",
+        )
+    )
 
 
-def finals_rows(table: Sequence[FinalsRow], found: Found, system: str = "SI") -> list[tuple[str, ...]]:
-    """One row per target."""
+def finals_rows(
+    table: Sequence[FinalsRow], plan: Flight, found: Found, fall: Fall, system: str = "SI"
+) -> list[tuple[str, ...]]:
+    """One row per target; the change is against the dry mass of the plan."""
     shown = ShownUnits(system)
     return [
         (
             f"{one.target / FOOT:.0f}",
             shown.mass(one.mass).split()[0],
+            _signed(one.mass - (plan.dry_mass or one.mass), shown),
             shown.mass(one.mass + found.motor.loaded_mass).split()[0],
-            f"{one.area:.0%}{'*' if one.at_edge else ''}",
+            *(() if fall.assumed else (f"{one.area:.0%}{'*' if one.at_edge else ''}",)),
             f"{one.apogee[0] / FOOT:.0f}-{one.apogee[2] / FOOT:.0f}",
-            f"{one.duration[0]:.0f}-{one.duration[2]:.0f}",
-            f"{one.points:.0f}",
+            *(() if fall.assumed else (f"{one.duration[0]:.0f}-{one.duration[2]:.0f}",)),
+            f"{one.points:.0f}{'*' if fall.assumed and one.at_edge else ''}",
         )
+        for one in table
+    ]
+
+
+def _signed(mass: float, shown: ShownUnits) -> str:
+    """A change of mass [kg] with its sign, without the unit."""
+    return ("+" if mass > 0 else "") + shown.mass(mass).split()[0]
+
+
+def finals_document(table: Sequence[FinalsRow], plan: Flight, found: Found, fall: Fall) -> list[dict[str, Any]]:
+    """The rows of the table of finals, with the unit in the key."""
+    return [
+        {
+            "target_ft": one.target / FOOT,
+            "dry_mass_g": one.mass * 1e3,
+            "change_g": (one.mass - (plan.dry_mass or one.mass)) * 1e3,
+            "lift_off_mass_g": (one.mass + found.motor.loaded_mass) * 1e3,
+            "parachute_area": None if fall.assumed else one.area,
+            "apogee_ft": one.apogee[1] / FOOT,
+            "apogee_m": named(one.apogee),
+            "duration_s": one.duration[1],
+            "duration": named(one.duration),
+            "points": one.points,
+            "at_edge": one.at_edge,
+        }
         for one in table
     ]
 
@@ -61,8 +101,8 @@ def finals_heading(plan: Flight, found: Found, rule: Season, fall: Fall, system:
     yield f"{day}, temperature {temperature}, wind {wind}; {air_of(plan).words(system)}"
     if fall.assumed:
         yield (
-            f"PARACHUTE ASSUMED, not measured: one with a usual descent speed, ± {DEFAULT_DESCENT_SD:.0%}; "
-            "give --main-speed or --parachute-diameter, or time a flight"
+            "no parachute is advised, and only the altitude is scored: the descent is not measured; time a flight, or "
+            "give --main-speed or --parachute-diameter"
         )
 
 
@@ -85,8 +125,8 @@ def finals_failures(lines: Sequence[SafetyCheck]) -> str:
 ENDS_NOTE = "Checks are those of the lightest or the heaviest flight of the table, whichever is worse."
 """Line above the safety checks of the finals."""
 FINALS_NOTES = (
-    "parachute: area relative to the one flown or entered. *: at the limit of the masses and areas tried; a wider "
-    "range may be better. "
+    "change: against the mass of the plan. parachute: area relative to the one flown or entered. "
+    "*: at the limit of the masses and areas tried; a wider range may be better. "
     "apogee, seconds: 5 to 95%. points: mean per flight.",
     "Weigh on the pad; the altimeter's reading counts.",
 )

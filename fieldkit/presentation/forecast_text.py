@@ -68,8 +68,8 @@ def ejection_in_words(prediction: Prediction) -> str:
     delay = plan.delay if plan.delay is not None else found.delay
     if delay is None:
         return "delay unknown; add it to the motor's name, as in F24-4W"
-    if delay == PLUGGED_DELAY:
-        return "none: a plugged motor has no charge"
+    if delay in (0, PLUGGED_DELAY):
+        return f"none: a {'plugged' if delay else 'booster'} motor has no charge"
     if not prediction.true_apogee.any():
         return "none: the rocket does not leave the pad"
     return "none: the rocket hits the ground first"

@@ -154,8 +154,9 @@ def outlook_in_words(
 
 
 def _better_parachute(ahead: Outlook, shown: ShownUnits) -> Iterator[str]:
-    """The area with the fewest expected points, if it saves one per flight, and whether a change to it is advised."""
-    if ahead.gain < LEAST_GAIN:
+    """The area with the fewest expected points, if the descent is measured and it saves one per flight, and whether a
+    change to it is advised."""
+    if ahead.fall.assumed or ahead.gain < LEAST_GAIN:
         return
     edge = " of the area flown, the limit of the areas tried," if ahead.at_edge else ""
     saves = f"{ahead.area:.0%}{edge} would lower the points per flight by {ahead.gain:.0f} ± {ahead.gain_error:.0f}"

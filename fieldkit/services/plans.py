@@ -32,7 +32,8 @@ def completed(
     ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], settings: Settings | None = None
 ) -> list[Flight]:
     """Plans with their missing values filled in: mass and diameter as in `body`, the rail as last flown or the flyer's
-    usual one, the last site, the elevation of the site, and the recovery as last flown. Weather is never assumed.
+    usual or longest one, the last site, the elevation of the site, and the recovery as last flown. No weather is
+    assumed.
 
     Raises BadValue for a damaged file of kits.
     """
@@ -51,7 +52,7 @@ def completed(
         if plan.site not in elevations:
             elevations[plan.site] = site_of(ledger, plan.site).elevation
         plan = plan.with_defaults(
-            rail_length=settings.rail_length,
+            rail_length=settings.rail_length or max(settings.flyer.rails, default=None),
             rail_angle=settings.rail_angle,
             site_elevation=elevations[plan.site],
         )

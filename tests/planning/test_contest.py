@@ -33,6 +33,7 @@ from fieldkit.presentation.finals_text import finals_basis
 from fieldkit.presentation.planning_text import ballast_in_words, outlook_in_words
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.units import FOOT
+from tests.commands import Run
 
 pytestmark = pytest.mark.fast
 
@@ -265,9 +266,21 @@ def test_a_parachute_that_was_never_timed_is_not_to_be_changed_for_a_gain_within
     assert not ahead.clear
     faster = ahead.fall.usual_speed(0.56, 1.225) / np.sqrt(ahead.area)
     assert ahead.speed_there == pytest.approx(faster, rel=0.05)
-    advice = " ".join(outlook_in_words(ahead, season(2027), 1.0))
-    assert "no change advised: 40% of the area flown, the limit of the areas tried, would lower" in advice
-    assert f"which is not significant, and land at {ahead.speed_there:.1f} m/s" in advice
+    assert "would lower the points" not in " ".join(outlook_in_words(ahead, season(2027), 1.0))
+
+
+def test_finals_without_a_measured_descent_advise_a_mass_and_no_parachute(run: Run) -> None:
+    """An area chosen for an assumed descent would land the eggs at twice the speed."""
+    body = ("--rocket", "Fresh", "--dry-mass", "480g", "--diameter", "66mm", "--rail-length", "1.8m")
+    plan = ("finals", "--season", "2027", "--motor", "AeroTech F52T-8", *body)
+    printed = run(*plan)
+    assert "parachute area" not in printed.out.split("target ft")[1]
+    assert "only the altitude is scored: the descent is not measured" in " ".join(printed.out.split())
+    rows = json.loads(run(*plan, "--json").out)["finals"]
+    assert {row["parachute_area"] for row in rows} == {None}
+    assert [row["change_g"] for row in rows] == pytest.approx([row["dry_mass_g"] - 480 for row in rows])
+    timed = json.loads(run(*plan, "--main-speed", "5m/s", "--json").out)["finals"]
+    assert all(row["parachute_area"] > 0 for row in timed)
 
 
 def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:

@@ -42,7 +42,7 @@ def test_the_fewest_points_are_first_and_motors_that_the_season_forbids_are_left
     reasons = {name: [line.name for line in one.beyond_season] for name, one in judged.items()}
     assert reasons["F24W"] == []
     assert reasons["F39T"] == ["contest motor list"]
-    assert reasons["G40W"] == ["contest impulse", "contest motor list"]
+    assert reasons["G40W"] == ["contest impulse", "contest motor class", "contest motor list"]
     assert not judged["F39T"].fits
     assert {"contest impulse", "contest motor list"} <= set(judged["G40W"].json()["why_not"])
     listed = motor_advice(list(judged.values()), RULE, None)

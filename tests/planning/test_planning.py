@@ -45,6 +45,7 @@ NAMES = [
     "thrust to weight",
     "ground wind",
     "launch angle",
+    "stability",
     "ceiling",
     "field size",
     "pad distance",
@@ -55,7 +56,10 @@ NAMES = [
     "mass and impulse",
     "class",
     "certification",
+    "age",
     "complex rocket",
+    "dry grass",
+    "recovery places",
     "sky",
     "recovery",
     "misfire",
@@ -175,8 +179,10 @@ def test_wind_raises_the_required_rail_speed(prediction: Prediction) -> None:
     assert calm["rail exit speed"].verdict == calm["ground wind"].verdict == "ok"
     assert gusty["rail exit speed"].verdict == gusty["ground wind"].verdict == "unsafe"
     assert "4 times the wind" in gusty["rail exit speed"].text
+    assert "a wind of 9.5 m/s meets it at 31°" in gusty["rail exit speed"].text
+    assert lines_of(with_rail_speed, wind=7.9, rail_length=1.0)["rail exit speed"].verdict == "caution"
     assumed = lines_of(with_rail_speed, wind=9.5)["rail exit speed"]
-    assert assumed.verdict == "caution"  # of a rail that was not given
+    assert assumed.verdict == "unsafe"  # by the same rule
     assert "rail length not given, 1.0 m assumed" in assumed.text
     assert "rail length not given, 3.3 ft assumed" in assumed.words("US")
 

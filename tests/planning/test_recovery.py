@@ -489,14 +489,26 @@ def test_a_map_states_its_assumed_wind(tmp_path: Path, capsys: pytest.CaptureFix
 
 @pytest.mark.parametrize(
     ("margin", "verdict"),
-    [("0.99", "caution"), ("1", "ok"), ("1.01", "ok"), ("3", "ok"), ("3.01", "caution"), ("", None)],
+    [("0.99", "caution"), ("1.0", "ok"), ("1.01", "ok"), ("3.0", "ok"), ("3.01", "caution")],
 )
-def test_a_known_static_margin_is_checked(margin: str, verdict: str | None, prediction: Prediction) -> None:
+def test_a_known_static_margin_is_checked(margin: str, verdict: str, prediction: Prediction) -> None:
     plan = prediction.plan.with_changes(extra={"stability_cal": margin})
     lines = safety_lines(replace(prediction, plan=plan), Site(), usual(), limits())
-    found = [line for line in lines if line.name == "stability"]
-    assert [line.verdict for line in found] == ([verdict] if verdict else [])
-    assert all(line.text.startswith(f"{margin} calibers, at least 1") for line in found)
+    (found,) = [line for line in lines if line.name == "stability"]
+    assert found.verdict == verdict
+    assert found.text.startswith(f"{float(margin):.1f}" if margin != "0.99" else margin)
+
+
+def test_the_stability_of_a_rocket_that_has_not_flown_is_asked_for(prediction: Prediction) -> None:
+    new, flown = (
+        next(line for line in safety_lines(one, Site(), usual(), limits()) if line.name == "stability")
+        for one in (replace(prediction, rests_on=0), replace(prediction, rests_on=5))
+    )
+    assert (new.verdict, new.mark) == ("unknown", "O")
+    assert "check it before flight" in new.text
+    assert "I will check the stability before flight" in new.rule
+    assert flown.verdict == "ok"
+    assert "flown 5 times" in flown.text
 
 
 def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
@@ -510,8 +522,8 @@ def test_no_rail_is_recommended_for_a_rocket_that_lands_without_a_parachute(
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
-        ({"wind": 15.0}, "unsafe at every angle: ground wind"),
-        ({"wind": 4.0, "rail_length": 0.2}, "unsafe at every angle: rail exit speed"),
+        ({"wind": 15.0}, "unsafe at every angle: rail exit speed, ground wind"),
+        ({"wind": 4.0, "rail_length": 0.05}, "unsafe at every angle: rail exit speed"),
         ({"wind": 3.0, "dry_mass": 2.0}, "unsafe at every angle: thrust to weight"),
         ({"wind": 3.0, "delay": 0.0}, "at every angle ejection speed would be unsafe"),
         ({"wind": 3.0, "delay": 3.0}, "at every angle ejection speed would be unsafe"),

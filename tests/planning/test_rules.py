@@ -42,7 +42,7 @@ def test_the_launch_sites_of_the_model_code_agree_with_its_table() -> None:
     for impulse, feet in table.items():
         assert (sites.least(impulse, 100.0) or 0) / FOOT == pytest.approx(feet)
     assert sites.least(321.0, 100.0) is None
-    assert [row.text.mark for row in sites.rows] == ["O"] * 8 + ["U"]
+    assert [row.text.mark for row in sites.rows] == ["O"] * 8 + ["T"]
 
 
 def test_the_launch_distances_of_the_model_code_are_fifteen_and_thirty_feet() -> None:
@@ -298,7 +298,7 @@ def test_bystanders_have_a_distance_by_law_from_class_2_on() -> None:
 
 def test_certification_depends_on_the_installed_impulse() -> None:
     texts = {name: rule_lines.certification_line(under_rules(name, 2.0)).text for name in ("H128W", "J350W", "M1297W")}
-    assert [text[-1] for text in texts.values()] == ["1", "2", "3"]
+    assert [text.partition(";")[0][-1] for text in texts.values()] == ["1", "2", "3"]
     assert rule_lines.certification_line(under_rules("F24W")).verdict == "ok"
 
 

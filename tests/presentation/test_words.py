@@ -12,7 +12,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import catalogue
 from fieldkit.planning.check import figure, in_units
-from fieldkit.planning.descent_rate import usual
+from fieldkit.planning.descent_rate import Fall, usual
 from fieldkit.presentation.finals_text import finals_headers
 from fieldkit.presentation.forecast_text import ejection_in_words, in_words, rests_in_words
 from fieldkit.presentation.report.finals_card import finals_card
@@ -85,9 +85,11 @@ def test_the_reason_why_a_forecast_is_stale_is_in_the_flyers_units(
 
 @pytest.mark.parametrize("suffix", EDGES)
 def test_a_name_is_not_read_as_a_formula_on_the_finals_card(suffix: str) -> None:
-    row = ("800", "320", "383", "100%", "700-900", "30-50", "40")
+    row = ("800", "320", "-20", "383", "700-900", "40")
     heading = [f"{NAME} on AeroTech F24W " * 4, "wind not given"]
     assert finals_card(heading, finals_headers(usual()), [row], suffix, [NAME])
+    row = ("800", "320", "-20", "383", "100%", "700-900", "30-50", "40")
+    assert finals_card(heading, finals_headers(Fall(2.2, 0.1, 4)), [row], suffix, [NAME])
 
 
 @pytest.fixture

@@ -43,7 +43,9 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
     words = (
         *finals_heading(replace(plan, rocket=plan.rocket or "this rocket"), found, rule, flown.fall, decision.system),
         "",
-        *finals_lines(finals_headers(flown.fall, decision.system), finals_rows(table, found, decision.system)),
+        *finals_lines(
+            finals_headers(flown.fall, decision.system), finals_rows(table, plan, found, flown.fall, decision.system)
+        ),
         "",
         *FINALS_NOTES,
         *finals_basis(flown, table),

@@ -1,0 +1,80 @@
+"""`fieldkit flyer`: the flyer's card, from which planning starts."""
+
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.numbers import length
+from fieldkit.cli.planning import check_rules
+from fieldkit.cli.screen import AsJson, complain, print_json, say, say_wrapped, system
+from fieldkit.cli.session import known_motors
+from fieldkit.quantities import ShownUnits
+
+if TYPE_CHECKING:
+    from fieldkit.settings import Settings
+
+app = typer.Typer()
+NOT_GIVEN = "not given"
+
+
+@app.command()
+def flyer(
+    certification: Annotated[str | None, typer.Option(help="Level of high-power certification: none, 1, 2, 3.")] = None,
+    born: Annotated[str | None, typer.Option(help="Year or date of birth: 2009, 2009-05-31.")] = None,
+    rules: Annotated[str | None, typer.Option(help="Rules of sites without their own: NAR,FAA or UKRA.")] = None,
+    rails: Annotated[str | None, typer.Option(help="Lengths of your rods and rails: 3ft,1.8m.")] = None,
+    motor: Annotated[str | None, typer.Option(help="A motor in your range box: C6-5.")] = None,
+    count: Annotated[int | None, typer.Option(min=0, help="How many of --motor there are; 0 takes it out.")] = None,
+    lot: Annotated[str, typer.Option(help="Lot or date printed on --motor.")] = "",
+    json: AsJson = False,
+) -> None:
+    """Show or change your card: certification, age, rules, rods and rails, and the motors in your range box.
+
+    Safety checks use certification and age, plans the rules and the longest rail, and `motors --fit ROCKET --box` lists
+    only motors in the box.
+    """
+    from fieldkit.settings import BIRTH, CERTIFICATIONS, change_settings, read_settings
+
+    if (motor is None) != (count is None):
+        raise typer.BadParameter("found --motor or --count alone, expected both: --motor C6-5 --count 3")
+    now = read_settings()
+    card = now.flyer
+    if certification is not None:
+        levels = {"none" if level == 0 else str(level): level for level in CERTIFICATIONS}
+        if certification.casefold() not in levels:
+            raise typer.BadParameter(f"found --certification {certification!r}, expected one of {', '.join(levels)}")
+        card = replace(card, certification=levels[certification.casefold()])
+    if born is not None:
+        if born and not BIRTH.fullmatch(born):
+            raise typer.BadParameter(f"found --born {born!r}, expected a year or a date such as 2009-05-31")
+        card = replace(card, born=born or None)
+    if rails is not None:
+        own = [length("--rails", one, "m") for one in rails.split(",") if one.strip()]
+        card = replace(card, rails=tuple(sorted(one for one in own if one)))
+    if motor is not None and count is not None:
+        known_motors().resolve(motor)
+        card = card.with_motors(motor.strip(), count, lot)
+    if rules:
+        check_rules(rules)
+    changes = ({"flyer": card} if card != now.flyer else {}) | ({} if rules is None else {"rules": rules})
+    if changes:
+        now = change_settings(changes)
+    if json:
+        print_json({"rules": now.rules, **asdict(now.flyer), "age": now.flyer.age()})
+        return
+    _print(now)
+
+
+def _print(settings: "Settings") -> None:
+    card, shown = settings.flyer, ShownUnits(system())
+    level = {None: NOT_GIVEN, 0: "none"}.get(card.certification, f"level {card.certification}")
+    age = card.age()
+    say(f"certification  {level}")
+    say(f"age            {NOT_GIVEN if age is None else age}")
+    say(f"rules          {settings.rules or 'NAR, FAA (default)'}")
+    say_wrapped(f"rails          {', '.join(shown.length(one, 1) for one in card.rails) or NOT_GIVEN}", " " * 15)
+    if not card.box:
+        complain("No motors in the box; `fieldkit flyer --motor C6-5 --count 3` puts some in")
+    for one in card.box:
+        say(f"box            {one.count} x {one.motor}{f', lot {one.lot}' if one.lot else ''}")
