@@ -20,7 +20,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op
-from fieldkit.services.plausible_flights import exclusions, followed
+from fieldkit.services.plausible_flights import exclusions, followed, simulable
 from fieldkit.services.provenance import USED_IN_FIT, SourceDigests
 from fieldkit.services.saved_forecasts import SavedForecast
 
@@ -59,7 +59,7 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) ->
     and the plan at that time. Raises BadValue for a recovery figure or rail direction that cannot be read.
     """
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
-    known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean] if scored else []
+    known = [one for one in simulate(simulable(ledger.flights(), motors)) if one.flight.clean] if scored else []
     known = [one for one in known if one.flight.apogee is not None]
     judged = [one.flight for one in known]
     rows = [_beside(one, known, motors) for one in scored if one.flight in judged]
