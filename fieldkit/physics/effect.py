@@ -17,6 +17,8 @@ from fieldkit.shapes import Array, Flags, Float
 Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "aging", "device"]
 """The category of an effect: the path through the wind, leaving the rail, the delay and parachute, the air, the mass,
 the motor, the drag law, change with use, or the instrument. Prior probability is split equally between families."""
+SharedBy = Literal["motor_type", "lot", "day", "site", "device", "fleet"]
+"""Groups of flights of several rockets that may differ by an effect together."""
 Strength = Float[Array, "*#draw"]
 BendSetup = Callable[[Setup, Strength], Setup]
 Readings = Mapping[str, Float[Array, "*#draw"]]
@@ -80,7 +82,9 @@ class Effect:
     effect is strongly nonlinear. `explains` describes it to a flyer; `tell_apart` says what to fly or record to confirm
     it. `measured` is the standard deviation of the fitted value from a measurement on the ground, 0 if there is none.
     An effect with `needs_delay` acts only on motors with a delay. `logged` is the signature of an effect on the setup
-    in the force that a log measures, None if it has none.
+    in the force that a log measures, None if it has none. `quantity` is the quantity of the model whose logarithm the
+    strength adds to, and `shared_by` the groups of flights of several rockets on which it may do so alike; empty for an
+    effect of one rocket.
     """
 
     title: str
@@ -109,6 +113,8 @@ class Effect:
     measured: float = 0.0
     needs_delay: bool = False
     logged: LoggedForce | None = None
+    quantity: str = ""
+    shared_by: tuple[SharedBy, ...] = ()
 
     def strength(self, fitted: Strength) -> Strength:
         """The strength that corresponds to a fitted value."""

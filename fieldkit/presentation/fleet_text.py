@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from fieldkit.quantities import ShownUnits, counted, percent
-from fieldkit.selection.fleet_search import Candidate
+from fieldkit.selection.fleet_groups import SharedDifference
 from fieldkit.services.fleet_loop import FleetErrors, FleetLoop, FleetResult
 
 EVALUATION = (
-    "later flights of the group, each forecast from all earlier flights: before as the flyer would have been told, "
+    "later flights of the group, each forecast from all earlier flights: before as forecast then, "
     "after with the difference estimated from the earlier flights; the difference itself was found on all flights"
 )
 CHANGES: Mapping[str, tuple[str, str]] = {
@@ -104,7 +104,7 @@ def in_words(result: FleetResult) -> str:
     return f"{_where(result.finding.candidate)}: {changes} ({count})"
 
 
-def _where(one: Candidate) -> str:
+def _where(one: SharedDifference) -> str:
     """The group of a candidate: `AeroTech F24W since 2025-09-01`, `flights at Mesa`."""
     before = {"day": "flights on ", "site": "flights at ", "device": "altimeter "}.get(one.level, "")
     since = f" since {one.since}" if one.since else ""

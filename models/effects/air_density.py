@@ -24,4 +24,6 @@ EFFECT = Effect(
     per="site",
     everywhere=False,
     measured=0.01,
+    quantity="drag",
+    shared_by=("day", "site"),
 )

@@ -21,4 +21,6 @@ EFFECT = Effect(
     reading=reading,
     starts_anywhere=True,
     measured=0.01,
+    quantity="apogee",
+    shared_by=("day", "device", "fleet"),
 )

@@ -27,4 +27,6 @@ EFFECT = Effect(
     per="motor",
     starts_anywhere=True,
     logged=LoggedForce("thrust", force, scatter="thrust"),
+    quantity="thrust",
+    shared_by=("motor_type", "lot"),
 )

@@ -27,4 +27,6 @@ EFFECT = Effect(
     setup=setup,
     per="motor",
     logged=LoggedForce("longer burn", force, scatter="stretch"),
+    quantity="stretch",
+    shared_by=("motor_type", "lot"),
 )

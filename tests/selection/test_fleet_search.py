@@ -12,10 +12,10 @@ from fieldkit.inference.laplace.fleet import joint_evidence
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import FlownFlight
 from fieldkit.motors import catalogue
+from fieldkit.selection.fleet_groups import SharedDifference
 from fieldkit.selection.fleet_search import (
-    Candidate,
     FleetRocket,
-    candidates,
+    fleet_differences,
     fleet_of,
     log_bayes,
     log_shifts,
@@ -83,13 +83,15 @@ def test_a_candidate_that_concerns_no_flight_with_an_apogee_does_not_change_the_
 ) -> None:
     nobody = {one.name: np.zeros(len(one.model.flights), bool) for one in weaker}
     plain = {one.name: rocket_message(one, one.plain, ()) for one in weaker}
-    assert log_bayes(Candidate("motor_thrust", "lot", "F24", None, nobody), weaker, plain, ()) == pytest.approx(0)
+    assert log_bayes(
+        SharedDifference(("motor_thrust",), "lot", "F24", None, nobody), weaker, plain, ()
+    ) == pytest.approx(0)
 
 
 def test_the_evidence_of_a_candidate_with_a_vanishing_prior_is_that_of_the_plain_fleet(
     weaker: list[FleetRocket],
 ) -> None:
-    one = next(one for one in candidates(weaker) if one.since == date(2025, 9, 1) and "F24" in one.of)
+    one = next(one for one in fleet_differences(weaker) if one.since == date(2025, 9, 1) and "F24" in one.of)
     fits = [rocket.fit(one.terms(rocket.name, 1e-6)) for rocket in weaker]
     with_terms = [rocket_message(rocket, fit, [one]) for rocket, fit in zip(weaker, fits, strict=True)]
     plain = [rocket_message(rocket, rocket.plain, ()) for rocket in weaker]
@@ -97,7 +99,7 @@ def test_the_evidence_of_a_candidate_with_a_vanishing_prior_is_that_of_the_plain
 
 
 def test_a_group_needs_two_flights_with_the_difference_and_two_without(weaker: list[FleetRocket]) -> None:
-    for one in candidates(weaker):
+    for one in fleet_differences(weaker):
         inside = sum(int(one.members[rocket.name].sum()) for rocket in weaker)
         assert inside >= 2
         assert sum(len(rocket.model.flights) for rocket in weaker) - inside >= 2
@@ -110,12 +112,12 @@ def test_the_altimeter_of_a_flight_is_a_group() -> None:
             *season("Ash", "F24-4W", 250, 6, seed=2, extra={"Altimeter": "pnut"}),
         ]
     }
-    devices = {one.of for one in candidates(fleet_of(flown, learned())) if one.level == "device"}
+    devices = {one.of for one in fleet_differences(fleet_of(flown, learned())) if one.level == "device"}
     assert devices == {"A2 no. 7", "pnut"}
 
 
 def test_a_forecast_rests_on_earlier_flights_alone(weaker: list[FleetRocket]) -> None:
-    one = next(one for one in candidates(weaker) if one.since == date(2025, 9, 1) and "F24" in one.of)
+    one = next(one for one in fleet_differences(weaker) if one.since == date(2025, 9, 1) and "F24" in one.of)
     flights = [flight for rocket in weaker for flight in rocket.model.flights]
     dated = sorted(flights, key=lambda flight: flight.date_time or datetime.min)
     order = {(flight.rocket, flight.flight_id): number for number, flight in enumerate(dated)}
