@@ -106,7 +106,7 @@ def signatures(
     cannot be read.
     """
     usable = seen & np.isfinite(values)
-    found = [*_simulated(model, at, values), _early(model, at, values), *_readings(usable)]
+    found = [*_simulated(model, at, values), *_ejections(model, at, values), *_misread(usable)]
     every = Signatures(*(np.concatenate([getattr(one, name) for one in found]) for name in Signatures.__slots__))
     shift, spread = (np.where(usable, part, 0.0) for part in (every.shift, every.spread))
     flies = np.isfinite(shift).all(axis=-1) & (shift != 0).any(axis=-1)
@@ -145,26 +145,29 @@ def _simulated(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
     ]
 
 
-def _early(model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"]) -> Signatures:
-    """Ejection before apogee at any time of the coast, all equally likely, if the usual ejection is later; a flight
+def _ejections(model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"]) -> list[Signatures]:
+    """Ejection at any time of the coast before the usual one, all equally likely, and after the usual one; a flight
     without a known delay ejects at apogee otherwise."""
     coast = np.exp(values[:, OBSERVED_READOUTS.index("coast_to_apogee")])
     known = delays(model.flights, model.found)
     delay = np.where(np.isnan(known), np.maximum(np.nan_to_num(coast), 0.1), known)
     timed = [flight.with_changes(delay=time) for flight, time in zip(model.flights, delay.tolist(), strict=True)]
-    usual = np.log(delay) + bent(model, at[None], "delay")[0]
-    wanted = np.log(_EJECTED_AT[:, None] * coast)
-    shift = _shift(replace(model, flights=tuple(timed)), at, values, {"delay": wanted - usual})
-    log_prior = np.where(wanted < usual, -np.log(len(_EJECTED_AT)), -np.inf)
-    return _row("early_ejection", (1 - _EJECTED_AT[:, None]) * coast, shift, log_prior)
-
-
-def _readings(usable: Flags) -> list[Signatures]:
-    """The causes that change one readout: a late charge, which comes after the apogee, and a misread readout, any of
-    those that the flight has."""
+    ratio = bent(model, at[None], "delay")[0]
+    usual = delay * np.exp(ratio)
     late = CAUSES["late_ejection"].median * np.exp(LOG_SD * _STEPS)
-    ejection = OBSERVED_READOUTS.index("apogee_to_eject")
-    found = [_row("late_ejection", late[:, None], _one_readout(ejection, late, usable), _normal(_STEPS)[:, None])]
+    times = np.concatenate([_EJECTED_AT[:, None] * coast, usual + late[:, None]])
+    shift = _shift(replace(model, flights=tuple(timed)), at, values, {"delay": np.log(times / delay) - ratio})
+    early = np.where(times[: len(_EJECTED_AT)] < usual, -np.log(len(_EJECTED_AT)), -np.inf)
+    after = np.where(np.isnan(known), -np.inf, _normal(_STEPS)[:, None])
+    return [
+        _row("early_ejection", (1 - _EJECTED_AT[:, None]) * coast, shift[: len(_EJECTED_AT)], early),
+        _row("late_ejection", late[:, None], shift[len(_EJECTED_AT) :], after),
+    ]
+
+
+def _misread(usable: Flags) -> list[Signatures]:
+    """A misread readout, any of those that the flight has."""
+    found = []
     share = -np.log(np.maximum(usable.sum(axis=1), 1))
     for column, logarithmic in enumerate(IS_LOGARITHMIC.tolist()):
         for side in (1, -1):

@@ -163,11 +163,16 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
 def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """Every effect that these flights could show, on all flights and in each group in which it may differ.
 
-    `used_in_fit` marks the flights used in the fit: an effect may start only between them.
+    `used_in_fit` marks the flights used in the fit: an effect may start only between them, and acts on two of them at
+    least. What acts on one is the cause of a single flight (`fieldkit.model.causes`).
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
-    places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
-    beginnings = {name: list(_beginnings(name, effect, model, used_in_fit)) for name, effect in acting.items()}
+
+    def lasting(places: Iterator[Place]) -> list[Place]:
+        return [one for one in places if one.where == EACH_GROUP or _lasts(place_weight(one, model), used_in_fit)]
+
+    places = {name: lasting(_groups(name, effect, model)) for name, effect in acting.items()}
+    beginnings = {name: lasting(_beginnings(name, effect, model, used_in_fit)) for name, effect in acting.items()}
     forms = Counter(spoken(name) for name in acting if places[name] or beginnings[name])
     for name, effect in acting.items():
         prior = effect.prior
@@ -178,6 +183,11 @@ def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
             yield Candidate(place, effect_terms(place, model), starts, np.log((1 - late) / len(places[name]) / form))
         for place in since:
             yield Candidate(place, effect_terms(place, model), starts, np.log(late / len(since) / form))
+
+
+def _lasts(weight: Float[Array, "flight"], used_in_fit: Flags) -> bool:
+    """Whether an effect with these weights acts on two flights or more of those in the fit."""
+    return int(((weight != 0) & used_in_fit).sum()) > 1
 
 
 def _can_act(effect: Effect, model: Model) -> bool:

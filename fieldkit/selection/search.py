@@ -116,7 +116,7 @@ def checked(
     found: dict[int, Hypothesis] = {}
     for number, (one, fine) in enumerate(every):
         on_progress("checking the probable ones", number / len(every))
-        drawn = sampled(fine, np.random.default_rng(SEED))
+        drawn = sampled(fine, np.random.default_rng(SEED), causes=True)
         found[id(one)] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
     lent: dict[Members, float] = {}
     for one, _ in likely or every:

@@ -89,7 +89,7 @@ def test_the_correction_of_a_set_far_from_the_flights_is_not_used_for_others(mon
 
     monkeypatch.setattr(search, "around_mode", lambda fit: fit)
     monkeypatch.setattr(
-        search, "sampled", lambda fit, rng: SimpleNamespace(log_evidence=fit.log_evidence + off[fit.name])
+        search, "sampled", lambda fit, rng, **_: SimpleNamespace(log_evidence=fit.log_evidence + off[fit.name])
     )
     found = checked(SetPosterior(tuple(hypothesis(name) for name in linear)), window=5.2)
     assert [one.correction for one in found.hypotheses] == [15.0, 4.0, 1.0, 1.0, 1.0, 1.0]

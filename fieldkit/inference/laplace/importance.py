@@ -16,9 +16,11 @@ import numpy as np
 from numpy.random import Generator
 
 from fieldkit.inference.laplace.leave_one_out import own_variance
+from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.outlier_flights import readouts_used
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit, bounds_log_mass, flight_evidence, prior_precision
+from fieldkit.model.causes import NORMAL
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import shown
@@ -62,17 +64,21 @@ class Sampled:
     scales: Int[Integers, "scale"]
 
 
-def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
+def sampled(fit: Fit, rng: Generator, draws: int = DRAWS, *, causes: bool = False) -> Sampled:
     """A fit's evidence and leave-one-out forecasts by importance sampling with the simulator; more draws are made if
-    the weights of the first are unreliable. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a
-    recovery figure or rail direction that cannot be read.
+    the weights of the first are unreliable.
+
+    With `causes`, every flight may also be a one-off: its likelihood is a mixture (`OneOffs.log_causes`). Raises
+    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
+    read.
     """
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
-    flown = _flown(fit, scales, rng, draws)
+    log_causes = one_offs(fit).log_causes if causes else None
+    flown = _flown(fit, scales, rng, draws, log_causes)
     first = _weighed(fit, scales, flown)
     if first.pareto_k < RELIABLE_PARETO_K:
         return first
-    more = _flown(fit, scales, rng, (MORE_DRAWS - 1) * draws)
+    more = _flown(fit, scales, rng, (MORE_DRAWS - 1) * draws, log_causes)
     return _weighed(fit, scales, _Flown(*(np.concatenate(pair) for pair in zip(flown, more, strict=True))))
 
 
@@ -85,9 +91,13 @@ class _Flown(NamedTuple):
     target: Float[Array, "draw scale"]
 
 
-def _flown(fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int) -> _Flown:
+def _flown(
+    fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int, log_causes: Float[Array, "flight"] | None
+) -> _Flown:
     terms, log_density = _drawn(fit, scales, rng, draws)
     likelihood, apogee = _log_likelihood(fit, scales, terms)
+    if log_causes is not None:
+        likelihood = np.logaddexp(log(NORMAL) + likelihood, log_causes)
     return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1))
 
 

@@ -47,8 +47,9 @@ class OneOffs:
     the prediction for a usual flight, nan if not recorded [1] or [s]. `normal` is the probability that a flight is a
     usual one, 1 for a flight without readouts, `cause` that of each of `NAMES`, and `strength` its expectation, as in
     `Signatures`. `weight` is the weight of each flight in the next fit: less than `normal` for flights before a
-    lasting change, which has probability `changed` [1]. `log_mixture` is what each flight adds to the log evidence of a
-    fit with these weights. [nat]
+    lasting change, which has probability `changed` [1]. `log_causes` is the log of prior probability times likelihood
+    of all causes together, and `log_mixture` what each flight adds to the log evidence of a fit with these weights.
+    [nat]
     """
 
     miss: Float[Array, "flight readout"]
@@ -57,6 +58,7 @@ class OneOffs:
     cause: Float[Array, "flight cause"]
     strength: Float[Array, "flight cause"]
     weight: Float[Array, "flight"]
+    log_causes: Float[Array, "flight"]
     log_mixture: Float[Array, "flight"]
     changed: float = 0.0
 
@@ -107,7 +109,7 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
         sd[row, own] = np.sqrt(weight @ (np.diagonal(joint, axis1=1, axis2=2) + reading) + between)
         normal[row], cause[row], strength[row], log_causes[row] = _probabilities(likely, known, row, own)
     weight = np.maximum(normal, LEAST_WEIGHT)
-    found = OneOffs(miss, sd, normal, cause, strength, weight, _log_mixture(weight, log_causes))
+    found = OneOffs(miss, sd, normal, cause, strength, weight, log_causes, _log_mixture(weight, log_causes))
     return _with_change(fit, found)
 
 
