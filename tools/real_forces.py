@@ -1,53 +1,49 @@
-"""The force along a climb in the published logs: `python tools/real_forces.py LOGS OUT.md`.
+"""The drag along real coasts: `python -m tools.real_forces LOGS OUT.md`.
 
-LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: the source of its acceleration, what
-is known of rocket and motor, and whether a missing force can be computed. If mass and motor are known: the law from
-this flight alone, with a free drag. For every coast: drag area over mass, which needs neither.
+LOGS is the folder of recordings with their SOURCES.md, and a folder `brakes` of flights with air brakes if it is there.
+For each recording: its drag by all sensors and by the heights alone, and whether it switches. For the flights with
+brakes: the drag that the loop finds, and the errors of the apogee with the state of the brakes known and unknown.
 """
 
 import argparse
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from fieldkit.analysis import Forces, Recorded, measure
+from fieldkit.analysis import columns, measure
+from fieldkit.analysis.force_profile import DragProfile, drag_profile
 from fieldkit.errors import FieldkitError
-from fieldkit.flight import Flight
+from fieldkit.flight import Flight, Series
+from fieldkit.importing import Reading
 from fieldkit.importing.read import read_recordings
-from fieldkit.motors import catalogue
-from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
-from tools.markdown import prose
+from fieldkit.importing.reading import ColumnChoice
+from fieldkit.selection.drag_steps import LoggedDrag, drag_steps
+from fieldkit.selection.logged_forces import DRAG_STEP, FlightLog
+from fieldkit.selection.prior import log_prior_odds
+from tools.drags import FELT
+from tools.markdown import prose, table
+
+SCATTER = 0.03
+"""Standard deviation of the drag of single flights. [1]"""
+MASSES = {"12_23": 0.588, "2_7": 0.594, "2_15": 0.551, "2_26": 0.551}
+"""Dry mass of the contest rocket by the date in a file's name. [kg]"""
+VERTICAL = ColumnChoice({"acceleration": "vertical acceleration (m/s^2)"})
+PARTS = 6
+"""Number of parts of a coast in a row of the table. [1]"""
 
 
 @dataclass(frozen=True)
-class Known:
-    """Information about the rocket of a log from SOURCES.md or the file of conditions, and objections to using it."""
+class Level:
+    """Drag of a coast [1/m], constant along it, with its standard deviation, and the sensors."""
 
-    motor: str = ""
-    dry_mass: float | None = None
-    diameter: float | None = None
-    caveat: str = ""
-
-
-KNOWN = {
-    "raven_fip_variant__ndrt_2020": Known("Cesaroni L1395", 18.998, None, "the mass may include the motor case"),
-    "generic__ncsu_firm_jackpot_launch_1": Known("AeroTech L1390G", 16.848, 0.1524, "air brakes opened in the coast"),
-    "featherweight_gps__adventurer": Known("J510W"),
-    "altos_csv__2012-05-28": Known(caveat="it shows a second boost after the coast"),
-    "entacore_aim_xtra": Known("E190 / H148R", None, None, "two stages"),
-}
-"""By the start of a file's name."""
-CD = 0.5
-"""The starting value of Cd; each flight has a free drag. [1]"""
-GUESSED_DIAMETER = 0.15
-"""Starting value of an unknown diameter. [m]"""
-SLOW, FAST = 0.3, 0.7
-"""Range of Mach numbers for comparing coasts. [1]"""
-SOUND = 335.0
-"""Speed of sound for Mach numbers. [m/s]"""
-NOISY = 0.1
-"""Unexplained residuals above this fraction of the drag could hide a term. [1]"""
+    value: float
+    sd: float
+    source: str
 
 
 def main() -> None:
@@ -56,99 +52,134 @@ def main() -> None:
     parser.add_argument("logs", type=Path)
     parser.add_argument("out", type=Path)
     arguments = parser.parse_args()
-    rows, laws = [], []
-    for path in sorted(arguments.logs.iterdir()):
-        log = recorded(path)
-        if log is None:
-            continue
-        known = next((one for start, one in KNOWN.items() if path.name.startswith(start)), Known())
-        shown = judged(path.stem, log, known)
-        why = shown if isinstance(shown, str) else "usable" + (f", but {known.caveat}" if known.caveat else "")
-        source, area = (log.forces.source, drag_area(log.forces)) if log.forces else ("none", "")
-        mass = f"{known.dry_mass:.3f} kg" if known.dry_mass else "unknown"
-        rows.append(f"| {path.stem} | {source} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
-        if isinstance(shown, FlightForce):
-            laws += ["", *section(shown)]
-    arguments.out.write_text("\n".join([*HEAD, *rows, *laws, ""]), encoding="utf-8")
+    lines = [*HEAD, *table(HEADERS, recordings(arguments.logs))]
+    if (arguments.logs / "brakes").is_dir():
+        lines += brakes(arguments.logs / "brakes")
+    arguments.out.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
 
 
 HEAD = [
-    "# The force along real climbs",
+    "# Drag along real coasts",
     "",
     *prose(
-        "The *missing force* is the measured acceleration along the climb minus that of the model's thrust and drag at",
-        "the measured speed and height ([the loop](loop.md) looks for terms in it that recur from flight to flight).",
-        "This page has what published recordings show of it. It requires the motor and the mass of the rocket, which",
-        "few of them state. The drag area over mass in the coast requires neither; the table has its median and",
-        "central 80% between Mach 0.3 and 0.7, or above 30 m/s for slower coasts.",
+        "The drag of a coast is b = rho Cd A / 2m, which needs neither mass nor size ([the loop](loop.md) compares it",
+        "with the rocket's other flights). The table has b of published recordings as if it were constant, by all",
+        "sensors and by the heights alone, each with its standard deviation, and how far the two are apart in standard",
+        "deviations of their difference. `top_shot` and `juno3` are single flights on two loggers. The last column is",
+        "the probability of a step, if the flight is judged alone.",
     ),
-    *prose(
-        "A law requires two flights of one rocket, and these are all of different rockets; `top_shot` and `juno3` are",
-        "single flights recorded by two loggers, `hedy` is the raw and the filtered file of one logger. If only",
-        "heights were recorded, the acceleration is their second derivative, and the spread is that of the smoothing.",
-        "`python tools/real_forces.py LOGS docs/real-forces.md` writes this page from a folder LOGS of the recordings.",
-    ),
-    "| log | acceleration from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
-    "|---|---|---|---|---|---|",
+    *prose("`python -m tools.real_forces LOGS docs/real-forces.md` writes this page from a folder of the recordings."),
 ]
+HEADERS = ("recording", "sensors", "b [1/km]", "heights alone [1/km]", "apart", "step")
 
 
-def recorded(path: Path) -> Recorded | None:
-    """The flight in a log, or None if the file is not a log of heights over time."""
+def recordings(folder: Path) -> Iterator[Sequence[str]]:
+    """A row for each recording whose coast shows drag."""
+    for path in sorted(folder.iterdir()):
+        reading = recorded(path)
+        if reading is None:
+            continue
+        profile = profile_of(reading)
+        if profile is None:
+            continue
+        heights = profile_of(replace(reading, series=tuple(without_accelerometer(reading))))
+        both, alone = level(profile), level(heights) if heights is not None else None
+        steps = drag_steps([LoggedDrag(path.stem, profile, profile.reference, SCATTER)], log_prior_odds([DRAG_STEP]))
+        assert steps is not None
+        apart = (
+            abs(both.value - alone.value) / np.hypot(both.sd, alone.sd)
+            if alone and alone.source != both.source
+            else None
+        )
+        yield (
+            path.stem,
+            both.source,
+            f"{1e3 * both.value:.2f} ± {1e3 * both.sd:.2f}",
+            f"{1e3 * alone.value:.2f} ± {1e3 * alone.sd:.2f}" if alone else "",
+            f"{apart:.1f}" if apart is not None else "",
+            f"{steps.flights[0].member:.0%}",
+        )
+
+
+def recorded(path: Path, choices: Sequence[ColumnChoice] = ()) -> Reading | None:
+    """The flight in a log; None if the file is no log of heights over time."""
     try:
-        readings = [one for one in read_recordings(path.read_bytes(), path.name) if one.describes == "flight"]
-    except FieldkitError:
+        readings = read_recordings(path.read_bytes(), path.name, None, choices)
+    except (FieldkitError, IsADirectoryError):
         return None
-    return measure(readings[0].clocks, readings[0].events) if readings else None
+    return next((one for one in readings if one.describes == "flight"), None)
 
 
-def judged(name: str, recording: Recorded, known: Known) -> FlightForce | str:
-    """The missing force of a log, or the reason there is none."""
-    if recording.forces is None:
-        return "; ".join(recording.notes) or "no climb from lift-off"
-    lacking = [what for what, there in (("motor", known.motor), ("mass", known.dry_mass)) if not there]
-    if lacking:
-        return f"{' and '.join(lacking)} unknown" + (f"; {known.caveat}" if known.caveat else "")
-    flight = Flight(name, "", "", known.motor, dry_mass=known.dry_mass)
-    area = CD * np.pi / 4 * (known.diameter or GUESSED_DIAMETER) ** 2
-    return flight_force(name, recording, rocket_of(flight, catalogue().resolve(known.motor).motor, area))
+def without_accelerometer(reading: Reading) -> Iterator[Series]:
+    """The channels of a reading that do not come from an accelerometer."""
+    missing: dict[str, Any] = dict.fromkeys(FELT)
+    return (replace(one, **missing) for one in reading.clocks)
 
 
-def drag_area(forces: Forces) -> str:
-    """Drag area over mass in the coast. [cm^2/kg]"""
-    coast = np.isfinite(forces.drag_area)
-    mach = forces.speed / SOUND
-    rows = coast & (mach > SLOW) & (mach < FAST)
-    rows = rows if rows.sum() >= 5 else coast & (forces.speed > 30)
-    if rows.sum() < 5:
-        return "coast too short"
-    low, middle, high = 1e4 * np.quantile(forces.drag_area[rows], (0.1, 0.5, 0.9))
-    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+def profile_of(reading: Reading) -> DragProfile | None:
+    """The drag profile of a reading."""
+    return drag_profile(reading.clocks, measure(reading.clocks, reading.events))
 
 
-def section(one: FlightForce) -> list[str]:
-    """The law from one flight, and its points."""
-    terms = [
-        f"{found.term.name} {found.value:+.3f} ± {found.sd:.3f} {found.term.unit}"
-        + (f" (or {', '.join(found.also)})" if found.also else "")
-        for found in one.law.terms
-    ]
-    result = "; ".join(terms) or nothing(one)
-    lines = [f"## {one.flight_id}", "", f"One flight is not conclusive. Result: {result}."]
-    lines += ["", "| phase | time from lift-off [s] | speed [m/s] | missing [m/s²] | ± |", "|---|---|---|---|---|"]
-    return lines + [
-        f"| {phase} | {p.time_from_liftoff:.2f} | {p.speed:.1f} | {p.force:+.2f} | {p.sd:.2f} |"
-        for p in one.points
-        for phase in ["boost" if p.burning else "coast"]
-    ]
+def level(profile: DragProfile) -> Level:
+    """The drag of a coast as if it were constant: least squares with the covariances of the most probable noise."""
+    likely = profile.likelihoods[0]
+    whole = float(likely.precision.sum())
+    return Level(profile.reference * float(likely.shift.sum()) / whole, profile.reference * whole**-0.5, profile.source)
 
 
-def nothing(one: FlightForce) -> str:
-    """The meaning of a law without terms: nothing is missing, or scatter would hide it."""
-    left, drag = one.law.left, float(one.missing.drag.max())
-    if left > NOISY * drag:
-        return f"none, because the residual, {left:.2g} m/s², is above {NOISY:.0%} of the largest drag, {drag:.2g} m/s²"
-    return f"nothing is missing; the residual is {left:.2g} m/s², the largest drag {drag:.2g} m/s²"
+def brakes(folder: Path) -> Iterator[str]:
+    """The contest rocket's flights: the drag that the logs show, and the errors of the apogee."""
+    flights, logs = [], {}
+    for number, path in enumerate(sorted(folder.glob("contest_*.csv"))):
+        reading = recorded(path, (VERTICAL,))
+        found = re.search(r"contest_(\d+)_(\d+)_(\d+)", path.name)
+        if reading is None or found is None:
+            continue
+        month, day, year = map(int, found.groups())
+        when = datetime(2000 + year, month, day, 9 + number)
+        measured = measure(reading.clocks, reading.events)
+        fields, _ = columns(measured, {})
+        mass = MASSES[f"{month}_{day}"]
+        flight = Flight(path.stem, "contest", "A", "AeroTech F42T-8", dry_mass=mass, diameter=0.0556, date_time=when)
+        flights.append(flight.with_changes(**fields))
+        logs[path.stem] = FlightLog(measured, drag_profile(reading.clocks, measured))
+    yield from ("", "## Flights with air brakes", "")
+    yield from section(flights, logs)
+
+
+def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[str]:
+    """The drag of each flight relative to the rocket's own, and the errors of forecasts."""
+    from fieldkit.model.readout_data import observe
+    from fieldkit.motors import catalogue
+    from fieldkit.selection.diagnose import diagnose
+    from fieldkit.selection.extended_model import rocket_model
+    from fieldkit.selection.logged_forces import logged_forces, step_candidate
+
+    motors = [catalogue().resolve(flight.motor) for flight in flights]
+    model = rocket_model(flights, motors)
+    forces = logged_forces(model, logs)
+    found = diagnose(model, observe(flights, motors, [True] * len(flights)), logged=step_candidate(model, forces))
+    steps = forces.steps
+    assert steps is not None
+    yield from prose(
+        f"One rocket whose brakes the program was not told of. Verdict: `{found.effect}`, probability",
+        f"{found.confidence:.0%}. A step multiplies drag by {1 + steps.size:.2f} ± {steps.size_sd:.2f}; the log",
+        f"evidence of the coasts alone is {steps.log_bayes:+.1f}. Drag relative to the rocket's own, averaged over",
+        "sixths of each coast:",
+    )
+    rows = []
+    for one in steps.flights:
+        parts = np.array_split(np.arange(one.ratio.size), PARTS)
+        likely = [step for step in one.steps if step.probability > 0.5]
+        listed = "; ".join(f"{s.begin:.1f} to {'the end' if s.end is None else f'{s.end:.1f}'} s" for s in likely)
+        rows.append([one.flight_id, *(f"{one.ratio[part].mean():.2f}" for part in parts), listed or "none"])
+    yield from table(("flight", *map(str, range(1, PARTS + 1)), "steps"), rows)
+    before, after = found.before, found.after
+    yield from prose(
+        "Every flight forecast from the others, the brakes' state unknown: mean error",
+        f"{before.mae:.1f} m with the plain model, {after.mae:.1f} m with the verdict.",
+    )
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.physics.state import Force, Setup
 from fieldkit.plugins import plugins
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Float
 
 Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "aging", "device"]
 """The category of an effect: the path through the wind, leaving the rail, the delay and parachute, the air, the mass,
@@ -35,36 +35,6 @@ class Prior:
     high: float = np.inf
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ClimbForces:
-    """A logged climb sample by sample, together with the model's forces per mass at each sample. SI.
-
-    Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3], `drag` the deceleration by
-    drag [m/s^2], `coasting` whether the motor has burned out.
-    """
-
-    time_from_liftoff: Float[Array, "time"]
-    height: Float[Array, "time"]
-    thrust: Float[Array, "time"]
-    steepness: Float[Array, "time"]
-    drag: Float[Array, "time"]
-    coasting: Flags
-    rail_length: float
-
-
-@dataclass(frozen=True, slots=True)
-class LoggedForce:
-    """The force that an effect on the setup adds along a logged climb.
-
-    `name` is the name of the term, `per_mass` the force per mass at a strength of 1 [m/s^2]. `scatter` names the
-    quantity of the hyperprior whose scatter from flight to flight has the same signature; empty if there is none.
-    """
-
-    name: str
-    per_mass: Callable[[ClimbForces], Float[Array, "time"]]
-    scatter: str = ""
-
-
 @dataclass(frozen=True, slots=True)
 class Effect:
     """One change to the flight model.
@@ -81,10 +51,9 @@ class Effect:
     parameter in every model, not an effect to report. `starts` are the initial strengths of a fit, several if the
     effect is strongly nonlinear. `explains` describes it to a flyer; `tell_apart` says what to fly or record to confirm
     it. `measured` is the standard deviation of the fitted value from a measurement on the ground, 0 if there is none.
-    An effect with `needs_delay` acts only on motors with a delay. `logged` is the signature of an effect on the setup
-    in the force that a log measures, None if it has none. `quantity` is the quantity of the model whose logarithm the
-    strength adds to, and `shared_by` the groups of flights of several rockets on which it may do so alike; empty for an
-    effect of one rocket.
+    An effect with `needs_delay` acts only on motors with a delay. `quantity` is the quantity of the model whose logarithm
+    the strength adds to, and `shared_by` the groups of flights of several rockets on which it may do so alike; empty for
+    an effect of one rocket.
     """
 
     title: str
@@ -112,7 +81,6 @@ class Effect:
     squared: bool = False
     measured: float = 0.0
     needs_delay: bool = False
-    logged: LoggedForce | None = None
     quantity: str = ""
     shared_by: tuple[SharedBy, ...] = ()
 
@@ -136,6 +104,34 @@ class Effect:
 def effects() -> Mapping[str, Effect]:
     """Every effect in the plug-in folder, by name."""
     return cast(Mapping[str, Effect], plugins("models.effects", "EFFECT"))
+
+
+def _switched(setup: Setup, strength: Strength) -> Setup:
+    """Drag in the coast is higher by this fraction."""
+    return setup.with_changes(power_off_drag=setup.power_off_drag * np.maximum(1 + strength, LEAST_DRAG))
+
+
+LEAST_DRAG = 0.1
+"""Smallest ratio of switched drag to a rocket's own. [1]"""
+LOGGED_EFFECTS: Mapping[str, Effect] = {
+    "drag_step": Effect(
+        title="drag that switches in the coast",
+        family="drag",
+        explains="drag switches within the coast of some flights: air brakes, a part that moves or is lost, a streamer "
+        "that is out early",
+        unit="fraction of Cd",
+        prior=Prior(mean=0.5, sd=0.5, low=-0.9, high=6.0),
+        source="the logs of the coast (fieldkit.selection.drag_steps)",
+        tell_apart="look for what moved in flight; record its state with each flight in a column drag_step: yes or no",
+        setup=_switched,
+    )
+}
+"""Effects that only logs of the climb show: not plug-ins, because from readouts alone they are ordinary drag."""
+
+
+def effect_named(name: str) -> Effect:
+    """An effect of the plug-in folder, or one that only logs show. Raises KeyError for another name."""
+    return LOGGED_EFFECTS[name] if name in LOGGED_EFFECTS else effects()[name]
 
 
 def spoken(name: str) -> str:

@@ -10,7 +10,8 @@ from fieldkit.presentation.loop_text import in_odds, misses, what_accepting_chan
 from fieldkit.presentation.one_off_text import why
 from fieldkit.scoring.proper_scores import crps, pit
 from fieldkit.selection.diagnose import Ranked
-from fieldkit.selection.force.log_evidence import document as log_evidence_document
+from fieldkit.selection.drag_steps import FlightDrag
+from fieldkit.selection.logged_forces import LoggedForces, ThrustProfile
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import CANDIDATE_EVALUATION, Compared, Findings
@@ -59,8 +60,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
         ],
         "implausible": list(found.excluded),
         "misses": misses(found),
-        "flights": [finite(flight_document(one)) for one in found.flights],
-        "missing_force": finite(log_evidence_document(found.log_evidence)),
+        "flights": [finite(flight_document(one) | _forces(one, found.diagnosis.forces)) for one in found.flights],
     }
 
 
@@ -77,6 +77,24 @@ def flight_document(one: FlightBesideOthers) -> dict[str, Any]:
             "why": why(one),
         },
     }
+
+
+def _forces(one: FlightBesideOthers, forces: LoggedForces | None) -> dict[str, Any]:
+    """Thrust and drag along the log of a flight, and the steps of its drag; empty without a log."""
+    name = one.flight.flight_id
+    if forces is None or name not in forces.drag:
+        return {"no_forces": forces.silent[name]} if forces is not None and name in forces.silent else {}
+    drag, thrust = forces.drag[name], forces.thrust.get(name)
+    steps = [
+        {"from_s": step.begin, "to_s": step.end, "ratio": step.ratio, "sd": step.sd, "probability": step.probability}
+        for step in drag.steps
+    ]
+    return {"drag": _along(drag), "thrust": _along(thrust) if thrust is not None else [], "steps": steps}
+
+
+def _along(profile: FlightDrag | ThrustProfile) -> list[dict[str, float]]:
+    rows = zip(profile.time_from_liftoff, profile.ratio, profile.sd, strict=True)
+    return [{"time_from_liftoff_s": float(t), "ratio": float(r), "sd": float(s)} for t, r, s in rows]
 
 
 def _candidate(item: Ranked) -> dict[str, Any]:

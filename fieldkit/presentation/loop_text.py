@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from fieldkit.physics.effect import spoken
+from fieldkit.presentation.forces_text import forces_in_words
 from fieldkit.presentation.held_out_text import mean_misses
 from fieldkit.presentation.one_off_text import one_off_lines
 from fieldkit.quantities import ShownUnits, counted, in_system, percent, strength_in_words
 from fieldkit.selection.candidates import Place
-from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
 from fieldkit.services.findings import Findings, NextFlight
 
@@ -162,8 +162,8 @@ def beside_verdict(found: Findings, system: str = "SI") -> Iterator[str]:
 
 
 def climbs(found: Findings) -> Iterator[str]:
-    """The missing force that the logs of the climbs show."""
-    yield from climbs_in_words(found.log_evidence)
+    """What the logs of the flights show of drag and thrust."""
+    yield from forces_in_words(found.diagnosis.forces)
 
 
 def in_next_flight(one: NextFlight, system: str = "SI") -> str:

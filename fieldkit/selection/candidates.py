@@ -10,7 +10,7 @@ import numpy as np
 from fieldkit.flight.short_name import flight_label
 from fieldkit.model.rocket_model import Model, Term, strength_term
 from fieldkit.model.term_names import TermName
-from fieldkit.physics.effect import Effect, effects, spoken
+from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, effect_named, effects, spoken
 from fieldkit.physics.setups import delays
 from fieldkit.shapes import Array, Flags, Float
 
@@ -62,14 +62,29 @@ class Pattern:
 
 
 @dataclass(frozen=True, slots=True)
+class Switched:
+    """How long an effect acted in each flight, as logs show it: the fraction of the coast, weighted by what drag takes.
+
+    `amounts` are those of past flights, by flight id, `usual` that of a flight on which it acts. It acts on a flight
+    ahead with the probability `chance`, and does so in this place if it is `ahead`.
+    """
+
+    amounts: tuple[tuple[str, float], ...]
+    usual: float
+    chance: float
+    ahead: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Place:
     """The flights on which an effect acts: one group (empty for all, `EACH_GROUP` for every group with a separate
-    strength), and from which flight on (empty for the first). A pattern has no effect."""
+    strength), and from which flight on (empty for the first); or those whose logs show it. A pattern has no effect."""
 
     effect: str = ""
     where: str = ""
     since: str = ""
     pattern: Pattern | None = None
+    switched: Switched | None = None
 
     def __str__(self) -> str:
         if self.pattern:
@@ -82,7 +97,8 @@ class Place:
         """For a flyer: an effect by its title, and its flights, `a weak or strong motor (F24)`; a pattern in words."""
         if self.pattern:
             return self.pattern.in_words
-        title = effects()[self.effect].title if self.effect in effects() else self.effect
+        known = self.effect in effects() or self.effect in LOGGED_EFFECTS
+        title = effect_named(self.effect).title if known else self.effect
         return f"{title}{f' ({self._group})' if self.where else ''}{self._since}"
 
     @property
@@ -149,7 +165,7 @@ SINCE_FRACTION = 0.4
 
 def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     """The strength or strengths of an effect in a place, as terms of a model."""
-    effect = effects()[place.effect]
+    effect = effect_named(place.effect)
     named = [(place, place.term_name())]
     if place.where == EACH_GROUP:
         kinds = dict.fromkeys(model.groups(effect.per))
@@ -238,8 +254,35 @@ def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> 
             yield Place(name, kind if several else "", model.flights[row].flight_id)
 
 
+DECLARED_STATES = {
+    "yes": True,
+    "on": True,
+    "open": True,
+    "1": True,
+    "no": False,
+    "off": False,
+    "shut": False,
+    "0": False,
+}
+"""Values of the column `drag_step` of a flight, and whether its drag switches."""
+
+
+def _switched_weight(switched: Switched, model: Model) -> Float[Array, "flight"]:
+    """What logs show for past flights; for the others what the flyer declared, or else whether it acts ahead."""
+    known = dict(switched.amounts)
+    declared = [DECLARED_STATES.get(one.extra.get("drag_step", "").strip().lower()) for one in model.flights]
+    return np.array(
+        [
+            known.get(flight.flight_id, switched.usual * (switched.ahead if state is None else state))
+            for flight, state in zip(model.flights, declared, strict=True)
+        ]
+    )
+
+
 def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     """The weight of an effect on each flight: zero outside its place, and increasing for an effect that grows. [1]"""
+    if place.switched is not None:
+        return _switched_weight(place.switched, model)
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
     first = names.index(place.since) if place.since and place.since in names else 0  # a plan may have no name

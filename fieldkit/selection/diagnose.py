@@ -16,8 +16,9 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.averaged import left_out
-from fieldkit.selection.candidates import Averaged, Place, effect_candidates
+from fieldkit.selection.candidates import Averaged, Candidate, Place, effect_candidates
 from fieldkit.selection.hypotheses import SetPosterior
+from fieldkit.selection.logged_forces import LoggedForces
 from fieldkit.selection.model_check import ModelCheck, model_check
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
@@ -83,6 +84,8 @@ class Diagnosis:
     forecasts_before: Forecasts
     forecasts_after: Forecasts
     fits: ModelCheck
+    forces: LoggedForces | None = None
+    """Forces along the flights' logs, if they were read."""
 
     @property
     def effect(self) -> str:
@@ -123,17 +126,19 @@ def diagnose(
     on_progress: ReportProgress = no_op,
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
+    logged: Sequence[Candidate] = (),
 ) -> Diagnosis:
     """Evaluate everything that could be missing from a model, using the flights in the fit.
 
-    `given` are effects that are present whatever the evidence, and `declined` those that are absent. Raises
+    `given` are effects that are present whatever the evidence, and `declined` those that are absent; `logged` are
+    candidates that logs show (`fieldkit.selection.logged_forces`). Raises
     UnknownEffect for an unknown effect, or one that these flights cannot show, ImpossibleFlight for a flight without a
     dry mass, BadValue for a recovery figure or rail direction that cannot be read. Flights are simulated with the
     coarse settings of forecasts.
     """
     model = replace(model, coarse=True)
     truth, seen = data.values[:, 0], data.seen[:, 0]
-    families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
+    families = by_effect([*effect_candidates(model, seen), *logged, *pattern_candidates(model)])
     _check([*given, *declined], families)
     families = {name: family for name, family in families.items() if (name or UNEXPLAINED) not in declined}
     posterior = explore(model, data, families, part(on_progress, 0.0, 0.85), pairs=not given)
@@ -171,7 +176,17 @@ def averaged(posterior: SetPosterior) -> Averaged:
     order = sorted(pairs, key=lambda pair: -pair[0])
     kept = [pair for pair in order if pair[0] > MIN_AVERAGED][:MAX_AVERAGED] or order[:1]
     total = sum(chance for chance, _ in kept)
-    return tuple((chance / total, one.places) for chance, one in kept)
+    return tuple((chance / total * part, places) for chance, one in kept for part, places in by_state(one.places))
+
+
+def by_state(places: tuple[Place, ...]) -> Averaged:
+    """Effects in their places, with each probability of whether one that logs show acts on a flight ahead."""
+    switched = next((place for place in places if place.switched is not None), None)
+    if switched is None or switched.switched is None:
+        return ((1.0, places),)
+    chance = switched.switched.chance
+    acting = replace(switched, switched=replace(switched.switched, ahead=True))
+    return ((1 - chance, places), (chance, tuple(acting if place is switched else place for place in places)))
 
 
 def _check(names: Sequence[str], families: Families) -> None:

@@ -31,7 +31,7 @@ def rocket_model(
     """
     model = base_model(flights, found, hyperprior, flown, flight_index, shared)
     model = model.with_terms(*usual_terms(model))
-    known = [place for place in accepted if place.effect in effects()]
+    known = [place for place in accepted if place.effect in effects() or place.switched]
     patterns = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown
     terms = [

@@ -16,7 +16,7 @@ from fieldkit.inference.laplace.posterior import Fit, residual_variance
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, reading_sd
 from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Found
-from fieldkit.physics.effect import effects
+from fieldkit.physics.effect import effect_named
 from fieldkit.physics.setups import delays, recorded
 from fieldkit.quantities import ShownUnits
 from fieldkit.selection.candidates import EACH_GROUP, Place
@@ -132,7 +132,7 @@ def _measurements(side: Explanation) -> Iterator[Advice]:
     """Possible measurements on the ground, for effects with a known measurement error."""
     mean, sd = side.fit.moments()
     for place in side.places:
-        effect = effects()[place.effect]
+        effect = effect_named(place.effect)
         if not effect.measured or place.where == EACH_GROUP:
             continue
         row = side.fit.model.names.index(place.term_name())

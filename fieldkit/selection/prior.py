@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from math import log, log1p
 from typing import get_args
 
-from fieldkit.physics.effect import Effect, Family, effects
+from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, Family, effects
 
 NO_EFFECT_PROBABILITY = 0.5
 """Prior probability that nothing is missing from a rocket's model. [1]"""
@@ -37,5 +37,5 @@ def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> di
 
 def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None = None) -> float:
     """Log prior odds of a set against no effect, independent of other families. [nat]"""
-    known = inclusion_probabilities(catalogue)
+    known = inclusion_probabilities(catalogue) | dict.fromkeys(LOGGED_EFFECTS, FAMILY_PROBABILITY)
     return sum(log(known[name]) - log1p(-known[name]) for name in names)

@@ -15,6 +15,7 @@ from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.logged_forces import logged_forces, step_candidate
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
@@ -52,7 +53,12 @@ def close_loop(
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history])
-    diagnosis = diagnose(model, observe(model.flights, model.found, used_in_fit), on_progress, given, declined)
+    clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
+    forces = logged_forces(model, recorded_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
+    data = observe(model.flights, model.found, used_in_fit)
+    logged = step_candidate(model, forces)
+    diagnosis = diagnose(model, data, part(on_progress, 0.2, 0.8), given, declined, logged)
+    diagnosis = replace(diagnosis, forces=forces)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
@@ -68,7 +74,7 @@ def look(
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
 ) -> Findings:
-    """Diagnose a rocket and collect everything for a report, including the evidence of its flights' logs.
+    """Diagnose a rocket and collect everything for a report.
 
     Nothing changes unless `accept`. Raises the errors of `close_loop`.
     """
@@ -77,12 +83,11 @@ def look(
         motors,
         rocket,
         accept=accept,
-        on_progress=part(on_progress, 0.0, 0.6),
+        on_progress=part(on_progress, 0.0, 0.7),
         given=given,
         declined=declined,
     )
-    logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
-    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
+    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3))
     flights = flights_beside_others(ledger, motors, rocket, diagnosis.averaged)
     return replace(found, flights=flights, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
 

@@ -1,10 +1,8 @@
 """The findings of a closed loop, computed once, so that terminal, JSON and page show the same figures."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import log
 
-from fieldkit.analysis import Recorded
 from fieldkit.flight import Flight
 from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.forecast.predict import predict
@@ -13,7 +11,6 @@ from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.averaged import Ahead, ahead
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
-from fieldkit.selection.force.log_evidence import LogEvidence, compare_with_logs
 from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
@@ -74,7 +71,7 @@ class Findings:
     `left_out` are leave-one-out errors, `forward` are errors of forecasts from earlier flights. `fingerprints` are
     those of the accepted effects, or else of the most likely. `tests` would distinguish the most probable explanation
     from the next. `next_flight` has the forecasts of the flight after the last. `unexplained` is set if the verdict is
-    "unexplained". `log_evidence` is the evidence of logs of the climb, which the verdict does not use.
+    "unexplained".
     """
 
     rocket: str
@@ -89,7 +86,6 @@ class Findings:
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
     next_flight: NextFlight
-    log_evidence: LogEvidence
     excluded: tuple[str, ...] = ()
     """Notes on the clean flights that the fit did not use."""
     flights: tuple[FlightBesideOthers, ...] = ()
@@ -100,11 +96,8 @@ def findings(
     rocket: str,
     diagnosis: Diagnosis,
     on_progress: ReportProgress = no_op,
-    logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """The findings for a diagnosis; `logs` are as returned by `fieldkit.services.flight_logs.recorded_logs`. Raises
-    BadValue for a recovery figure or rail direction that cannot be read.
-    """
+    """The findings for a diagnosis. Raises BadValue for a recovery figure or rail direction that cannot be read."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
@@ -128,7 +121,6 @@ def findings(
         tests=_tests(diagnosis),
         unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
         next_flight=next_flight(diagnosis),
-        log_evidence=compare_with_logs(diagnosis, logs or {}),
     )
 
 

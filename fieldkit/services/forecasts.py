@@ -21,7 +21,7 @@ from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
 from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_plans, forecasts
 from fieldkit.progress import ReportProgress, no_op
-from fieldkit.selection.candidates import Averaged, Pattern, Place
+from fieldkit.selection.candidates import Averaged, Pattern, Place, Switched
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.kits import kit_of_rocket
@@ -118,7 +118,7 @@ def _place(entry: Mapping[str, Any]) -> Place:
     """A saved place; one of an older version has its pattern as text."""
     where = entry.get("where", "")
     if entry["effect"]:
-        return Place(entry["effect"], where, entry.get("since", ""))
+        return Place(entry["effect"], where, entry.get("since", ""), switched=_switched(entry.get("switched")))
     return Place(pattern=Pattern(**entry["pattern"]) if entry.get("pattern") else _older_pattern(where))
 
 
@@ -134,6 +134,11 @@ def _older_pattern(text: str) -> Pattern:
         return Pattern("repeated", found[2], every=int(found[1]))
     header, _, value = what.partition(" ")
     return Pattern("text", header, value) if value else Pattern("number", header, smooth=smooth)
+
+
+def _switched(entry: Mapping[str, Any] | None) -> Switched | None:
+    amounts = tuple((str(name), float(amount)) for name, amount in entry["amounts"]) if entry else ()
+    return Switched(amounts, entry["usual"], entry["chance"], entry["ahead"]) if entry else None
 
 
 def version_adds(payload: Mapping[str, Any]) -> str:

@@ -3,9 +3,7 @@
 Every rocket has some of it: the base accounts for an eighth to a fifth of Cd, and the plume fills a tenth to all of it.
 """
 
-import numpy as np
-
-from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
+from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -13,11 +11,6 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases the drag in the coast by this fraction."""
     return setup.with_changes(power_off_drag=setup.power_off_drag * (1 + strength))
-
-
-def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The acceleration by drag in the coast, 0 under thrust. [m/s^2]"""
-    return np.where(climb.coasting, -climb.drag, 0.0)
 
 
 EFFECT = Effect(
@@ -30,5 +23,4 @@ EFFECT = Effect(
     tell_apart="record top speed and coast time on a long-burning and a short-burning motor",
     setup=setup,
     background=Prior(mean=0.08, sd=0.05),
-    logged=LoggedForce("base drag", force),
 )

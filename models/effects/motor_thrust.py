@@ -1,6 +1,6 @@
 """Motor thrust: a motor type or a whole lot has more or less thrust than its certificate."""
 
-from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
+from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -8,11 +8,6 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Increases thrust and impulse by this fraction."""
     return setup.with_changes(thrust_factor=setup.thrust_factor * (1 + strength))
-
-
-def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The acceleration by thrust. [m/s^2]"""
-    return climb.thrust
 
 
 EFFECT = Effect(
@@ -26,7 +21,6 @@ EFFECT = Effect(
     setup=setup,
     per="motor",
     starts_anywhere=True,
-    logged=LoggedForce("thrust", force, scatter="thrust"),
     quantity="thrust",
     shared_by=("motor_type", "lot"),
 )

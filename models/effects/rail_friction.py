@@ -1,8 +1,6 @@
 """Rail friction: buttons or lugs bind and slow the rocket on the rail."""
 
-import numpy as np
-
-from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
+from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -10,11 +8,6 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Slows the rocket by this acceleration until it leaves the rail. [m/s^2]"""
     return setup.with_changes(rail_friction=setup.rail_friction + strength)
-
-
-def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The acceleration for a strength of 1 m/s^2: -1 while the rocket is on the rail, then 0. [m/s^2]"""
-    return np.where(climb.height < climb.rail_length, -1.0, 0.0)
 
 
 EFFECT = Effect(
@@ -26,5 +19,4 @@ EFFECT = Effect(
     source="Coulomb friction of a side load, an acceleration of the order of g",
     tell_apart="polish or replace the rail and fly the same motor again",
     setup=setup,
-    logged=LoggedForce("rail", force),
 )

@@ -1,6 +1,6 @@
 """Thrust curve: the motor delivers the same impulse over a longer or shorter burn than its certificate."""
 
-from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
+from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -8,12 +8,6 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"]) -> Setup:
     """Lengthens the burn by this fraction at the same impulse."""
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
-
-
-def force(climb: ClimbForces) -> Float[Array, "time"]:
-    """The change in acceleration from stretching the burn at constant impulse, to first order in the stretch.
-    [m/s^2]"""
-    return -(climb.thrust + climb.time_from_liftoff * climb.steepness)
 
 
 EFFECT = Effect(
@@ -26,7 +20,6 @@ EFFECT = Effect(
     tell_apart="record burn time and peak acceleration",
     setup=setup,
     per="motor",
-    logged=LoggedForce("longer burn", force, scatter="stretch"),
     quantity="stretch",
     shared_by=("motor_type", "lot"),
 )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import BY_NAME
-from fieldkit.physics.effect import effects
+from fieldkit.physics.effect import effect_named
 from fieldkit.presentation.condition_axis import in_units
 from fieldkit.selection.residual import columns_of
 from fieldkit.services.findings import Findings
@@ -30,7 +30,7 @@ def axis(found: Findings, system: str = "SI") -> Axis:
     """
     diagnosis = found.diagnosis
     for trial in diagnosis.accepted[:1]:
-        effect = effects()[trial.candidate.place.effect]
+        effect = effect_named(trial.candidate.place.effect)
         if effect.needs:
             column = BY_NAME[effect.needs]
             return Axis(*in_units(column.header, diagnosis.model.recorded(column.name), system))

@@ -11,14 +11,14 @@ from fieldkit import __version__
 from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import BY_NAME
-from fieldkit.physics.effect import effects
+from fieldkit.physics.effect import effect_named
+from fieldkit.presentation.forces_text import forces_in_words
 from fieldkit.presentation.loop_text import how_sure, in_next_flight, what_accepting_changes
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
 from fieldkit.quantities import ShownUnits, in_system, strength_in_words
 from fieldkit.scoring.bootstrap import Interval
 from fieldkit.selection.diagnose import Diagnosis
-from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.selection.recorded_columns import column_in_words, misses_of
 from fieldkit.services.close_loop import version_payload
 from fieldkit.services.findings import Compared, Findings
@@ -65,7 +65,7 @@ def content(found: Findings, system: str = "SI") -> dict[str, Any]:
             if row.p < 0.1
         ],
         "pictures": {name: embedded(svg(name, found, system)) for name in pictures(found)},
-        "climbs": [f"{_capitalized(line)}." for line in climbs_in_words(found.log_evidence)],
+        "climbs": [f"{_capitalized(line)}." for line in forces_in_words(found.diagnosis.forces)],
         "implausible": [f"{_capitalized(line)}." for line in found.excluded],
         "errors": [
             row
@@ -85,7 +85,7 @@ def content(found: Findings, system: str = "SI") -> dict[str, Any]:
 def _verdict(found: Findings, system: str) -> dict[str, Any]:
     diagnosis = found.diagnosis
     titles = {"none": "No missing effect found", "unexplained": "Unexplained residual"}
-    named = [effects()[name].title for name in diagnosis.effect.split("+") if name in effects()]
+    named = [effect_named(trial.candidate.place.effect).title for trial in diagnosis.accepted]
     return {
         "effect": diagnosis.effect,
         "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
@@ -142,7 +142,7 @@ def _parameters(diagnosis: Diagnosis, system: str) -> list[dict[str, str]]:
     rows = []
     for trial in diagnosis.accepted:
         mean, sd = trial.strength()
-        effect = effects()[trial.candidate.place.effect]
+        effect = effect_named(trial.candidate.place.effect)
         rows.append(
             {
                 "place": str(trial.candidate.place),

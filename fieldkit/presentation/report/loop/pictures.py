@@ -18,11 +18,12 @@ from fieldkit.presentation.report.style import (
 )
 from fieldkit.quantities import ShownUnits
 from fieldkit.scoring.score import Forecasts
+from fieldkit.selection.drag_steps import FlightDrag
 from fieldkit.selection.fingerprint import FingerprintMark
+from fieldkit.selection.logged_forces import ThrustProfile
 from fieldkit.selection.verdict import NAMING_PROBABILITY
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
-from fieldkit.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -173,27 +174,25 @@ def ladder(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None
     panel.grid(axis="y", visible=False)
 
 
-def missing_force(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
-    """Draw the missing force along each climb: measured minus modeled force against time and against speed."""
-    panels = figure.subplots(1, 2, sharey=True)
-    for number, one in enumerate(found.log_evidence.flights):
-        for burning, mark, colour in ((True, "^", BEFORE_COLOR), (False, "o", AFTER_COLOR)):
-            points = [point for point in one.points if point.burning is burning]
-            phase = "motor burning" if burning else "coasting"
-            for panel, name in zip(panels, ("time_from_liftoff", "speed"), strict=True):
-                scale = shown.speed_factor if name == "speed" else 1.0
-                panel.errorbar(
-                    [getattr(point, name) / scale for point in points],
-                    [point.force / STANDARD_GRAVITY for point in points],
-                    yerr=[NINE_OF_TEN * point.sd / STANDARD_GRAVITY for point in points],
-                    fmt=f"{mark}-", color=colour, markersize=4, linewidth=0.8, alpha=0.75,
-                    label=phase if number == 0 else None,
-                )  # fmt: skip
-    for panel, title in zip(panels, ("time from lift-off [s]", f"speed [{shown.speed_unit}]"), strict=True):
-        panel.axhline(0, color=INK_COLOR, linewidth=1)
-        panel.set_xlabel(title)
-    panels[0].set_ylabel("missing force per mass [g]")
-    panels[1].legend(loc="best", fontsize=8)
+def forces(figure: "Figure | SubFigure", found: Findings, _: ShownUnits) -> None:
+    """Draw drag along the coast and thrust along the burn of each log, relative to the rocket's own drag and the
+    certified thrust, with 90% bands."""
+    assert found.diagnosis.forces is not None
+    panels = figure.subplots(1, 2)
+    drag = found.diagnosis.forces.drag
+    sides: tuple[Mapping[str, FlightDrag | ThrustProfile], ...] = (drag, found.diagnosis.forces.thrust)
+    titles = ("drag / the rocket's own", "thrust / certified")
+    for panel, title, along in zip(panels, titles, sides, strict=True):
+        for name, one in along.items():
+            steps = drag[name].steps
+            colour = BEFORE_COLOR if any(step.probability > 0.5 for step in steps) else AFTER_COLOR
+            low, high = one.ratio - NINE_OF_TEN * one.sd, one.ratio + NINE_OF_TEN * one.sd
+            panel.fill_between(one.time_from_liftoff, low, high, color=colour, alpha=0.12, linewidth=0)
+            panel.plot(one.time_from_liftoff, one.ratio, color=colour, linewidth=1.0)
+        panel.axhline(1, color=INK_COLOR, linewidth=1)
+        panel.set_xlabel("time from lift-off [s]")
+        panel.set_ylabel(title)
+        panel.set_ylim(0, max(2.0, *(1.1 * float(one.ratio.max()) for one in along.values())) if along else 2.0)
 
 
 PICTURES: Mapping[str, tuple[DrawFindings, tuple[float, float]]] = {
@@ -201,14 +200,15 @@ PICTURES: Mapping[str, tuple[DrawFindings, tuple[float, float]]] = {
     "forward": (forward, (7.6, 2.9)),
     "fingerprints": (fingerprints, (7.6, 3.6)),
     "ladder": (ladder, (7.6, 3.7)),
-    "missing_force": (missing_force, (7.6, 2.9)),
+    "forces": (forces, (7.6, 2.9)),
 }
 """Each picture and its size. [inch]"""
 
 
 def pictures(found: Findings) -> list[str]:
     """Names of the pictures with any content."""
-    return [name for name in PICTURES if name != "missing_force" or found.log_evidence.flights]
+    measured = found.diagnosis.forces
+    return [name for name in PICTURES if name != "forces" or (measured is not None and measured.drag)]
 
 
 def svg(name: str, found: Findings, system: str = "SI") -> bytes:

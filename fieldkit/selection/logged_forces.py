@@ -1,0 +1,157 @@
+"""Forces along the logged flights of a rocket: thrust and drag beside the model's, and drag that switches.
+
+Drag comes from `fieldkit.analysis.force_profile`, thrust from Newton's second law: the measured thrust less drag over
+mass, plus the drag of the rocket at the measured speed, over the certified thrust over mass of that moment.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.analysis import Recorded
+from fieldkit.analysis.force_profile import DragProfile
+from fieldkit.flight import Flight
+from fieldkit.model.rocket_model import Model, strength_term
+from fieldkit.motors import Motor
+from fieldkit.physics.atmosphere import pad_air
+from fieldkit.physics.effect import LOGGED_EFFECTS
+from fieldkit.physics.setups import RAIL_LENGTH, recorded
+from fieldkit.selection.candidates import Candidate, Place, Switched, place_weight
+from fieldkit.selection.climb import RocketInputs, beside_model, track_of
+from fieldkit.selection.drag_steps import WHOLE_PROBABILITY, DragSteps, FlightDrag, LoggedDrag, drag_steps
+from fieldkit.selection.prior import log_prior_odds
+from fieldkit.shapes import Array, Float
+
+DRAG_STEP = "drag_step"
+"""Name of the effect of drag that switches in the coast."""
+_THRUST_POINTS = 12
+"""Number of points along a burn. [1]"""
+_LARGEST_THRUST_SD = 0.5
+"""Largest standard deviation of a ratio of thrusts that is shown. [1]"""
+_LEAST_THRUST = 0.3
+"""Least certified thrust, as a fraction of its mean, beside which measured thrust is shown. [1]"""
+_GAIN_SD, _DRAG_SD = 0.02, 0.1
+"""Relative errors of an accelerometer's gain and of the drag during a burn. [1]"""
+_EARLIEST, _LATEST = 0.05, 0.1
+"""Time after lift-off and before the end of the certified thrust that is left out: rail and fading thrust. [s]"""
+NO_DRAG = "its log does not show the drag of the coast"
+_LEAST_EXPOSURE = 0.02
+"""Fraction of a coast below which a step has no effect on the readouts. [1]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightLog:
+    """What the log of a flight shows: measurements, and drag along its coast if it shows that."""
+
+    recorded: Recorded
+    drag: DragProfile | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ThrustProfile:
+    """Measured over certified thrust along a burn, with standard deviations. Times are from lift-off [s]."""
+
+    time_from_liftoff: Float[Array, "point"]
+    ratio: Float[Array, "point"]
+    sd: Float[Array, "point"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoggedForces:
+    """Thrust and drag along the logged flights by flight id, and what they show of drag that switches."""
+
+    drag: Mapping[str, FlightDrag]
+    thrust: Mapping[str, ThrustProfile]
+    steps: DragSteps | None
+    silent: Mapping[str, str]
+    """Flights whose logs do not show drag, and why."""
+
+
+def logged_forces(model: Model, logs: Mapping[str, FlightLog | str]) -> LoggedForces:
+    """The forces along the logs of a model's flights, by flight id; instead of a log the reason that it cannot be
+    read."""
+    shown, setups, silent = [], {}, {}
+    for flight, found in zip(model.flights, model.found, strict=True):
+        log = logs.get(flight.flight_id)
+        if log is None or flight.dry_mass is None:
+            continue
+        if isinstance(log, str) or log.drag is None:
+            silent[flight.flight_id] = log if isinstance(log, str) else NO_DRAG
+            continue
+        rocket = rocket_of(flight, found.motor, 0.0)
+        mass = flight.dry_mass + found.motor.casing_mass
+        unit = 2 * mass * log.drag.reference / float(rocket.air.density)
+        shown.append(LoggedDrag(flight.flight_id, log.drag, unit, model.hyperprior.sd("drag", "flight")))
+        setups[flight.flight_id] = rocket, log.recorded
+    steps = drag_steps(shown, log_prior_odds([DRAG_STEP]))
+    if steps is None:
+        return LoggedForces({}, {}, None, silent)
+    thrust = {
+        name: profile
+        for name, (rocket, measured) in setups.items()
+        if (profile := thrust_profile(measured, replace(rocket, drag_area=steps.own))) is not None
+    }
+    return LoggedForces({one.flight_id: one for one in steps.flights}, thrust, steps, silent)
+
+
+def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
+    """The model of a flight: certified motor, weighed mass, the air of the day; area [m^2]."""
+    conditions = ("site_elevation", "temperature", "pressure", "humidity")
+    air = pad_air(*(np.asarray(recorded([flight], name)[0]) for name in conditions))
+    assert flight.dry_mass is not None
+    rail = RAIL_LENGTH if flight.rail_length is None else flight.rail_length
+    return RocketInputs(motor, flight.dry_mass, drag_area, air, rail)
+
+
+def thrust_profile(measured: Recorded, rocket: RocketInputs) -> ThrustProfile | None:
+    """Thrust along a burn relative to the certified curve; None if the log does not resolve it.
+
+    An uncertain time of lift-off moves the curve: its slope times that is part of the error.
+    """
+    if measured.forces is None or "liftoff" not in measured.events:
+        return None
+    beside = beside_model(track_of(measured.forces), rocket)
+    track, motor = beside.track, rocket.motor
+    full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass
+    least = _LEAST_THRUST * motor.total_impulse / motor.thrust_end / full
+    last = motor.thrust_end - _LATEST
+    used = (beside.thrust > least) & (track.time_from_liftoff > _EARLIEST) & (track.time_from_liftoff < last)
+    rows = np.flatnonzero(used)
+    if rows.size < _THRUST_POINTS:
+        return None
+    points = []
+    for part in np.array_split(rows, _THRUST_POINTS):
+        thrust, drag = beside.thrust[part].mean(), beside.drag[part].mean()
+        net = track.push[part].mean()
+        late = measured.events["liftoff"].sd * np.abs(beside.steepness[part]).mean()
+        sd = np.linalg.norm([track.push_sd[part].mean(), _GAIN_SD * net, _DRAG_SD * drag, late])
+        points.append((track.time_from_liftoff[part].mean(), (net + drag) / thrust, sd / thrust))
+    kept = [point for point in points if point[2] < _LARGEST_THRUST_SD]
+    return ThrustProfile(*np.array(kept).T) if len(kept) > 2 else None
+
+
+def step_candidate(model: Model, forces: LoggedForces) -> tuple[Candidate, ...]:
+    """Drag that switches in the coast as a candidate for the model of a rocket, with the evidence of the logs' coasts
+    as part of its prior; empty if no log shows it.
+
+    The level of each flight's drag is left out of that evidence, because the readouts contain it. The step of a flight
+    whose drag is switched during all of the coast shows in nothing else, and costs its prior probability.
+    """
+    steps = forces.steps
+    if steps is None or not any(one.steps and one.member > 0.5 for one in steps.flights):
+        return ()
+    size = max(abs(steps.size), 1e-9) * np.sign(steps.size)
+    members = {one.flight_id: (one.mean - 1) / size for one in steps.flights if one.member > 0.5}
+    members = {name: amount for name, amount in members.items() if abs(amount) > _LEAST_EXPOSURE}
+    if not members:
+        return ()
+    whole = sum(one.flight_id in members and one.whole for one in steps.flights)
+    cost = whole * float(np.log(WHOLE_PROBABILITY * steps.fraction))
+    amounts = tuple((flight.flight_id, float(members.get(flight.flight_id, 0.0))) for flight in model.flights)
+    usual = float(np.mean(list(members.values())))
+    place = Place(DRAG_STEP, switched=Switched(amounts, usual, steps.fraction))
+    effect = LOGGED_EFFECTS[DRAG_STEP]
+    prior = replace(effect.prior, mean=steps.size, sd=steps.size_sd)
+    term = strength_term(place.term_name(), effect, place_weight(place, model), prior)
+    return (Candidate(place, (term,), (steps.size,), steps.log_bayes + cost),)
