@@ -5,7 +5,7 @@ no choice has to be repeated without each flight. Only the set of hypotheses was
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import gammaincinv
@@ -16,6 +16,7 @@ from fieldkit.inference.laplace.leave_one_out import leave_one_out, own_variance
 from fieldkit.inference.laplace.posterior import growing
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
+from fieldkit.selection.candidates import declared_state
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.shapes import Array, Flags, Float
 
@@ -80,7 +81,30 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
             forecasts[number] = _linear(one, own, rows[MAX_REFITS:])
         if rows:
             forecasts[number] = _refitted(one, forecasts[number], rows[:MAX_REFITS])
-    return _mixed(forecasts, posterior.hypotheses[0].fit.model.hyperprior.tail)
+    states = [state for one, own in zip(some, forecasts, strict=True) for state in _by_state(one, own)]
+    return _mixed(states, posterior.hypotheses[0].fit.model.hyperprior.tail)
+
+
+def _by_state(one: Hypothesis, forecasts: _ByHypothesis) -> list[_ByHypothesis]:
+    """The forecasts of a hypothesis for each state of an effect that only a flight's own log shows.
+
+    A forecast cannot know it, unless the flyer recorded it. Readouts are linear in the effect's strength.
+    """
+    switched = next((place for place in one.places if place.switched is not None), None)
+    if switched is None or switched.switched is None:
+        return [forecasts]
+    model, about = one.fit.model, switched.switched
+    row = model.names.index(switched.term_name())
+    weight, slope = model.terms[row].weight, one.fit.tangent.slope[:, 0, row]
+    acts = weight != 0
+    per_unit = float(np.mean(slope[acts] / weight[acts])) * float(one.fit.moments()[0][row]) if acts.any() else 0.0
+    known = np.array([declared_state(flight) is not None for flight in model.flights])
+    found = []
+    for amount, chance in ((0.0, 1 - about.chance), (about.usual, about.chance)):
+        moved = np.where(known, 0.0, (amount - weight) * per_unit)
+        log_weight = forecasts.log_weight + np.log(chance)
+        found.append(replace(forecasts, mean=forecasts.mean + moved, log_weight=log_weight))
+    return found
 
 
 def _sampled(one: Hypothesis) -> _ByHypothesis:
@@ -157,8 +181,9 @@ def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead
     used = fit.data.seen[:, 0]
     judged = used & (np.concatenate([[0], np.cumsum(used)[:-1]]) >= MIN_EARLIER_FLIGHTS)
     tail = fit.model.hyperprior.tail
+    states = [state for one, own in zip(some, forecasts, strict=True) for state in _by_state(one, own)]
     chosen = tuple(name if there else "" for name, there in zip(_most_probable(some, forecasts), judged, strict=True))
-    return Ahead(_mixed([forecasts[plain]], tail), _mixed(forecasts, tail), judged, chosen)
+    return Ahead(_mixed([forecasts[plain]], tail), _mixed(states, tail), judged, chosen)
 
 
 def _followed(posterior: SetPosterior) -> list[Hypothesis]:

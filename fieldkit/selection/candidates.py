@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.model.rocket_model import Model, Term, strength_term
 from fieldkit.model.term_names import TermName
@@ -254,29 +255,22 @@ def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> 
             yield Place(name, kind if several else "", model.flights[row].flight_id)
 
 
-DECLARED_STATES = {
-    "yes": True,
-    "on": True,
-    "open": True,
-    "1": True,
-    "no": False,
-    "off": False,
-    "shut": False,
-    "0": False,
-}
-"""Values of the column `drag_step` of a flight, and whether its drag switches."""
+STATE_COLUMN, STATES = "drag_step", {"yes": True, "open": True, "no": False, "shut": False}
+"""Column in which a flyer records whether the drag of a flight switched, and its values."""
+
+
+def declared_state(flight: Flight) -> bool | None:
+    """Whether the drag of a flight switches, as the flyer recorded it; None if not."""
+    return STATES.get(flight.extra.get(STATE_COLUMN, "").strip().lower())
 
 
 def _switched_weight(switched: Switched, model: Model) -> Float[Array, "flight"]:
-    """What logs show for past flights; for the others what the flyer declared, or else whether it acts ahead."""
+    """What logs show for past flights; for the others what the flyer recorded, or else whether it acts ahead."""
     known = dict(switched.amounts)
-    declared = [DECLARED_STATES.get(one.extra.get("drag_step", "").strip().lower()) for one in model.flights]
-    return np.array(
-        [
-            known.get(flight.flight_id, switched.usual * (switched.ahead if state is None else state))
-            for flight, state in zip(model.flights, declared, strict=True)
-        ]
-    )
+    usual = [
+        switched.usual * bool(switched.ahead if (own := declared_state(one)) is None else own) for one in model.flights
+    ]
+    return np.array([known.get(flight.flight_id, one) for flight, one in zip(model.flights, usual, strict=True)])
 
 
 def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
