@@ -49,6 +49,9 @@ class Batch:
     power_off: Float[Array, "flight"]
     mach_rise: Float[Array, "flight"]
     reynolds: Float[Array, "flight"]
+    step: Float[Array, "flight"]
+    step_from: Float[Array, "flight"]
+    step_to: Float[Array, "flight"]
     ground: Float[Array, "flight"]
     station: Float[Array, "flight"]
     wind: Float[Array, "flight"]
@@ -111,6 +114,9 @@ def stack(launches: Sequence[Launch]) -> Batch:
         power_off=each("power_off", "drag"),
         mach_rise=each("mach_rise", "drag"),
         reynolds=each("reynolds", "drag"),
+        step=each("step", "drag"),
+        step_from=each("step_from", "drag"),
+        step_to=each("step_to", "drag"),
         ground=each("temperature", "air"),
         station=np.array([station_pressure(x.air.qnh, x.air.elevation) for x in launches]),
         wind=each("wind", "air"),
@@ -161,6 +167,7 @@ def _slope(
     fast = np.sqrt((flow**2).sum(axis=0)) + 1e-9
     cd = b.cd * np.where(burning, 1.0, b.power_off) * mach_factor(fast / np.sqrt(1.4 * GAS * kelvin), b.mach_rise)
     cd = cd * (np.maximum(fast, 5.0) / 50) ** -b.reynolds
+    cd = cd * np.where((time >= b.step_from) & (time < b.step_to), b.step, 1.0)
     dynamic = rho / 2 * b.area * fast
     along = (flow * axis).sum(axis=0)
     force = (thrust - dynamic * cd * along) * axis

@@ -69,6 +69,11 @@ class Drag:
     """Maximum relative rise, just above Mach 1. [1]"""
     reynolds: float = 0.0
     """Exponent e of (speed / 50 m/s)^-e. [1]"""
+    step: float = 1.0
+    """Factor on the drag while it is switched. [1]"""
+    step_from: float = 0.0
+    step_to: float = 0.0
+    """When drag is switched, from ignition. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +123,8 @@ class Launch:
     @property
     def beyond_rocketpy(self) -> bool:
         """Whether it has something that is not supported with RocketPy: rail friction, an updraft, Reynolds-number
-        effects on drag."""
-        return bool(self.friction or self.air.updraft or self.drag.reynolds)
+        effects on drag, drag that switches."""
+        return bool(self.friction or self.air.updraft or self.drag.reynolds or self.drag.step != 1)
 
 
 @dataclass(frozen=True, slots=True)

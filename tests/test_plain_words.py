@@ -83,7 +83,6 @@ QUOTED = re.compile(r"`[^`]*`|\{[^}]*\}|“[^”]*”")
 """Not checked: names in code, fields of a message and quoted rules."""
 
 QUOTES = {
-    "cannot tell": "a value of `beside_verdict` in the JSON of a loop, which programs may compare with",
     "masses not on record": "a key in the shipped catalog of motors",
     "Me,X1,colour,,red,sure,a letter": "a row of corrections with an unknown column",
     "meter meters metre metres mtr metro metros mètre mètres metri м": "names of a unit in the headers of tables",

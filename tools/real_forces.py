@@ -163,7 +163,7 @@ def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[s
     steps = forces.steps
     assert steps is not None
     yield from prose(
-        f"One rocket whose brakes the program was not told of. Verdict: `{found.effect}`, probability",
+        f"One rocket with undeclared brakes. Verdict: `{found.effect}`, probability",
         f"{found.confidence:.0%}. A step multiplies drag by {1 + steps.size:.2f} ± {steps.size_sd:.2f}; the log",
         f"evidence of the coasts alone is {steps.log_bayes:+.1f}. Drag relative to the rocket's own, averaged over",
         "sixths of each coast:",

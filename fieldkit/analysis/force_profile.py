@@ -534,7 +534,7 @@ def step_sums(
     precision: Float[Array, "interval interval"], shift: Float[Array, "interval"]
 ) -> tuple[Float[Array, "edge edge"], Float[Array, "edge edge"], Float[Array, "edge edge"]]:
     """Of a likelihood, the products with every step from one edge to a later one: of the precision with the step on
-    both sides, and with the step and a constant; and of the shift with the step."""
+    both sides, and with the step and a constant; and of the shift with the step. [1]"""
     whole = np.zeros((shift.size + 1, shift.size + 1))
     whole[1:, 1:] = precision.cumsum(axis=0).cumsum(axis=1)
     diagonal = np.diagonal(whole)
@@ -544,7 +544,7 @@ def step_sums(
 
 
 def ramp_matrix(count: int, width: float) -> Float[Array, "interval interval"]:
-    """The matrix that averages values of intervals over a width, in intervals."""
+    """The matrix that averages values of intervals over a width, in intervals. [1]"""
     apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
     weight = np.clip((max(width, 1.0) + 1) / 2 - apart, 0.0, 1.0)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
