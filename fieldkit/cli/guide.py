@@ -266,25 +266,26 @@ def _ejections(choice: "MotorChoice", most: int) -> str:
 
 
 def _table(choices: "list[MotorChoice]", names: MotorNames, most: int) -> None:
-    from fieldkit.planning.quantiles import three
+    from fieldkit.forecast.prediction import median
+    from fieldkit.planning.quantiles import three_of_all
 
     shown = ShownUnits(system())
     headers = ("motor", "shown", "90%", "true", "rail", "T:W", "avg", "top", "✗", "eject")
     rows = []
     for choice in choices:
         prediction = choice.prediction
-        low, middle, high = three(prediction.apogee)
+        low, middle, high = three_of_all(prediction.apogee)
         failed = len(choice.failed)
         rows.append(
             (
                 f"{names[choice.motor]}{'' if choice.flown else ' *'}",
                 shown.length(middle).split()[0],
                 "-".join(shown.length(end).split()[0] for end in (low, high)),
-                shown.length(three(prediction.true_apogee)[1]).split()[0],
-                shown.speed(three(prediction.rail_speed)[1], 0).split()[0],
+                shown.length(three_of_all(prediction.true_apogee)[1]).split()[0],
+                shown.speed(median(prediction.rail_speed) or 0.0, 0).split()[0],
                 f"{choice.first_thrust:.1f}",
                 f"{choice.average_thrust:.1f}",
-                shown.speed(three(prediction.top_speed)[1], 0).split()[0],
+                shown.speed(median(prediction.top_speed) or 0.0, 0).split()[0],
                 str(failed or ""),
                 _ejections(choice, most),
             )

@@ -21,6 +21,9 @@ SOURCES: Mapping[str, str] = MappingProxyType(
     }
 )
 """Allowed sources of a readout."""
+MIN_SD, MAX_SD = 1e-6, 1e6
+"""Smallest and largest possible standard deviation of a readout in its column's own unit: micrometers and microseconds
+are below what any altimeter resolves, and squares and reciprocals of numbers between them are finite."""
 SENSORS = ("baro", "accel", "gps")
 """Sources that are sensors whose samples gave the readout."""
 
@@ -73,13 +76,16 @@ def beside(header: str) -> ReadoutColumn | None:
 def read_sd(name: str, text: str, unit: str = "") -> float:
     """Parse the standard deviation of a readout; a number without a unit is in `unit`, or in the column's own. [SI]
 
-    Raises BadValue if it is not a positive number.
+    Raises BadValue if it is not a positive number between `MIN_SD` and `MAX_SD`.
     """
     column = BY_NAME[name]
     value = units.parse_difference(text, column.quantity, unit or column.unit)
-    if not (math.isfinite(value) and value > 0):
+    own = units.unit(column.quantity, column.unit)
+    number = own.from_si(value) - own.from_si(0.0)
+    if not (math.isfinite(value) and MIN_SD * (1 - 1e-9) <= number <= MAX_SD):
         raise BadValue(
-            f"found {text.strip()!r}, expected a standard deviation above 0 {unit or column.unit}, or nothing"
+            f"found {text.strip()[:40]!r}, expected a standard deviation above 0 {unit or column.unit} "
+            f"(at least {MIN_SD:g} {column.unit}), or nothing"
         )
     return value
 

@@ -16,7 +16,7 @@ from fieldkit.planning.descent_rate import fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.gain import gain_json, gain_of, is_clear
-from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.planning.quantiles import Three, named, three_of_all
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
@@ -117,7 +117,7 @@ class Ballast:
     @property
     def apogee(self) -> Three:
         """Apogee as the altimeter will read it, at 5, 50 and 95%. [m]"""
-        return three(self.forecast.apogee)
+        return three_of_all(self.forecast.apogee)
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
@@ -125,7 +125,7 @@ class Ballast:
             "dry_mass_g": self.mass * 1e3,
             "add_g": self.add * 1e3,
             "apogee_m": named(self.apogee),
-            "true_apogee_m": named(three(self.forecast.true_apogee)),
+            "true_apogee_m": named(three_of_all(self.forecast.true_apogee)),
             "slope_m_per_g": self.slope / 1e3,
             **self.there.json(),
             "today": self.today.json(),

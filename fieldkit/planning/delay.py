@@ -19,7 +19,7 @@ from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import MIN_DELAY_TOLERANCE
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.planning.forecasts import RocketData, forecasts
-from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.planning.quantiles import Three, named, three, three_of_all
 from fieldkit.planning.toml_values import number, problem_in
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
@@ -58,12 +58,13 @@ class Drill:
 class Delay:
     """One delay: its time from apogee [s], the speed when it fires [m/s], its probability of being too fast [1].
 
-    `lands_first` is the probability that the rocket hits the ground first, which counts as too fast. [1]
+    `lands_first` is the probability that the rocket hits the ground first, which counts as too fast [1]; if it always
+    does, time and speed are None.
     """
 
     delay: float
-    after_apogee: Three
-    speed: Three
+    after_apogee: Three | None
+    speed: Three | None
     too_fast: float
     lands_first: float
     on_sale: bool
@@ -192,7 +193,8 @@ def delays(
     order = sorted(range(len(rated)), key=lambda i: (round(rated[i][1].too_fast, 2), rated[i][0]))
     ranked = tuple(rated[i][1] for i in order)
     words = tuple(_words(coast, found, ranked))
-    return Delays(three(coast), ranked, words, coast, predictions[order[0] + 1] if order else predictions[0])
+    coasts = three_of_all(coast[np.isfinite(coast)])
+    return Delays(coasts, ranked, words, coast, predictions[order[0] + 1] if order else predictions[0])
 
 
 def _rated(

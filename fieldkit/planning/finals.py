@@ -15,7 +15,7 @@ from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import RocketData, forecasts
-from fieldkit.planning.quantiles import Three, three
+from fieldkit.planning.quantiles import Three, three, three_of_all
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
@@ -48,7 +48,7 @@ class FinalsRow:
     mass: float
     area: float
     apogee: Three
-    duration: Three
+    duration: Three | None
     points: float
     at_edge: bool = False
     """Whether the optimum is at the edge of the masses or areas evaluated."""
@@ -80,7 +80,7 @@ class TrialFlights:
             rule.window,
             float(self.masses[row]),
             float(AREAS[area]),
-            three(self.apogee[row]),
+            three_of_all(self.apogee[row]),
             three(self.duration[area, row]),
             float(points[area, row]),
             bool(area in (0, len(AREAS) - 1) or row == 0),

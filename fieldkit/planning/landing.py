@@ -21,7 +21,7 @@ from fieldkit.planning.descent import descents
 from fieldkit.planning.descent_rate import Fall, fall_of
 from fieldkit.planning.flown_descent import landing_mass
 from fieldkit.planning.forecasts import RocketData, forecasts
-from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.planning.quantiles import Three, named, three, three_of_all
 from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Bool, Flags, Float
 from fieldkit.units import DEGREE
@@ -73,8 +73,8 @@ class Landing:
         return np.hypot(self.along, self.across)
 
     @property
-    def landing_speed(self) -> Three:
-        """Landing speed of the draws with an open device, of all if none opens. [m/s]"""
+    def landing_speed(self) -> Three | None:
+        """Landing speed of the draws with an open device, of all if none opens; None if none lifts off. [m/s]"""
         opened = self.down.ballistic < 1
         return three(self.down.landing_speed[opened] if opened.any() else self.down.landing_speed)
 
@@ -206,7 +206,7 @@ def rail_choices(rocket: RocketData, plan: Flight, found: Found, most: float) ->
     predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
     fall = fall_of(rocket.history, plan, found)
     choices = [
-        RailChoice(name, angle, three(landing(one, fall).away), one)
+        RailChoice(name, angle, three_of_all(landing(one, fall).away), one)
         for (name, angle), one in zip(ways, predictions, strict=True)
     ]
     return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
@@ -223,7 +223,7 @@ def wind_that_holds(rocket: RocketData, plan: Flight, found: Found, size: float)
     plans = [plan.with_changes(wind=wind) for wind in TRIED_WINDS.tolist()]
     predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
     fall = fall_of(rocket.history, plan, found)
-    beyond = np.array([three(landing(one, fall).away)[2] for one in predictions]) - size / 2
+    beyond = np.array([three_of_all(landing(one, fall).away)[2] for one in predictions]) - size / 2
     off = np.flatnonzero(~(beyond <= 0))
     if not off.size:
         return math.inf

@@ -45,7 +45,7 @@ from fieldkit.planning.governed import governed
 from fieldkit.planning.landing import Landing, landing
 from fieldkit.planning.landing_speed import landing_speed_line, two_device_lines
 from fieldkit.planning.limits import Limit, Limits
-from fieldkit.planning.quantiles import three
+from fieldkit.planning.quantiles import three_of_all
 from fieldkit.planning.rules import RuleSet, known_rules
 from fieldkit.quantities import percent
 from fieldkit.settings import Settings, read_settings
@@ -110,7 +110,7 @@ def safety_lines(
     day = plan.date_time.date() if plan.date_time else None
     sets, own = known_rules() if rules is None else rules, own or read_settings()
     site = replace(site, rules=site.rules or own.rules)
-    governed_by = governed(build, three(prediction.true_apogee)[2], site, sets, day)
+    governed_by = governed(build, three_of_all(prediction.true_apogee)[2], site, sets, day)
     down = landing(prediction, fall)
     recovery, mass = recovery_of(plan), landing_mass(plan, prediction.found)
     density = float(air_at_pads([plan]).density[0])
@@ -189,7 +189,7 @@ def rail_line(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> Saf
     speeds = np.nan_to_num(speeds)
     wind = plan.wind or 0.0
     needed = max(fixed.value, times.value * wind)
-    middle, windy = three(speeds)[1], needed > fixed.value
+    middle, windy = three_of_all(speeds)[1], needed > fixed.value
     chance = float(np.mean(speeds < needed))
     slow = float(np.mean(speeds < fraction.value * needed)) >= UNSAFE_RISK
     verdict: Verdict = "ok" if chance < SAFE_RISK else "unsafe" if slow else "caution"
@@ -221,7 +221,7 @@ def _thrust_line(found: Mapping[str, float], limits: Limits) -> SafetyCheck:
 
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     source = f"ceiling of {site.name}" if site.name else "ceiling entered"
-    high = three(heights)[2]
+    high = three_of_all(heights)[2]
     text = f"95% chance of staying below {length(high)} above the pad"
     if site.ceiling is None:
         return SafetyCheck("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
@@ -233,9 +233,9 @@ def _field(down: Landing, site: Site, code: SafetyCheck) -> SafetyCheck:
     """The code's requirement for the field, and whether the landing stays on it, with the pad in its center."""
     if down.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
-        drifts = f"drifts {per_wind(three(down.drift)[1])} on the way down"
+        drifts = f"drifts {per_wind(three_of_all(down.drift)[1])} on the way down"
         return replace(code, verdict=verdict, finding=f"{code.finding}; wind not given; {drifts}")
-    _, usual, reach = three(down.away)
+    _, usual, reach = three_of_all(down.away)
     text = f"{code.finding}; lands {length(usual)} from the pad, 95% within {length(reach)}"
     if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
         return SafetyCheck(code.name, "caution", f"{text}: off the field", "half the field's shorter side")
@@ -260,7 +260,7 @@ def _ejection(prediction: Prediction, limits: Limits) -> SafetyCheck:
     fired = np.isfinite(prediction.eject_speed)
     crashed = prediction.grounded
     chance = float(np.mean(np.nan_to_num(prediction.eject_speed) > limit.value)) + crashed
-    text = f"{speed(three(prediction.eject_speed)[1], 0)}; " if fired.any() else ""
+    text = f"{speed(three_of_all(prediction.eject_speed[fired])[1], 0)}; " if fired.any() else ""
     text += f"{percent(chance)} chance of more than {speed(limit.value, 0)}"
     text += f", {percent(crashed)} chance of hitting the ground first" if crashed >= 0.01 else ""
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
@@ -270,7 +270,7 @@ def _altimeter_ejection(prediction: Prediction, limit: Limit) -> SafetyCheck:
     """The speed at which an altimeter opens a drogue at apogee: the horizontal speed."""
     sideways = np.hypot(np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     chance = float(np.mean(sideways > limit.value))
-    text = f"an altimeter opens the drogue at apogee, at {speed(three(sideways)[1], 0)}"
+    text = f"an altimeter opens the drogue at apogee, at {speed(three_of_all(sideways)[1], 0)}"
     text += f"; {percent(chance)} chance of more than {speed(limit.value, 0)}"
     return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 

@@ -49,7 +49,11 @@ def finals_rows(
             shown.mass(one.mass + found.motor.loaded_mass).split()[0],
             *(() if fall.assumed else (f"{one.area:.0%}{'*' if one.at_edge else ''}",)),
             f"{one.apogee[0] / FOOT:.0f}-{one.apogee[2] / FOOT:.0f}",
-            *(() if fall.assumed else (f"{one.duration[0]:.0f}-{one.duration[2]:.0f}",)),
+            *(
+                ()
+                if fall.assumed
+                else ("" if one.duration is None else f"{one.duration[0]:.0f}-{one.duration[2]:.0f}",)
+            ),
             f"{one.points:.0f}{'*' if fall.assumed and one.at_edge else ''}",
         )
         for one in table
@@ -72,7 +76,7 @@ def finals_document(table: Sequence[FinalsRow], plan: Flight, found: Found, fall
             "parachute_area": None if fall.assumed else one.area,
             "apogee_ft": one.apogee[1] / FOOT,
             "apogee_m": named(one.apogee),
-            "duration_s": one.duration[1],
+            "duration_s": named(one.duration)["p50"],
             "duration": named(one.duration),
             "points": one.points,
             "at_edge": one.at_edge,

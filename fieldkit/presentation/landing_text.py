@@ -13,7 +13,7 @@ from fieldkit.physics.setups import wind_profile
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
-from fieldkit.planning.quantiles import three
+from fieldkit.planning.quantiles import Three, three, three_of_all
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.quantities import ShownUnits, counted, percent
 from fieldkit.units import DEGREE
@@ -43,10 +43,9 @@ def landing_in_words(
     plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
     yield build_in_words(prediction)
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
-    low, middle, high = three(down.duration)
-    yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
-    falls = shown.speed(down.landing_speed[1])
-    yield f"  landing   at {falls}; {_device(prediction, fall, recovery, shown)}"
+    yield f"  duration  {seconds_in_words(three(down.duration))}"
+    falls = "" if down.landing_speed is None else f"at {shown.speed(down.landing_speed[1])}; "
+    yield f"  landing   {falls}{_device(prediction, fall, recovery, shown)}"
     if (above := _main_above_apogee(prediction, recovery)) >= LEAST_CHANCE:
         yield f"            {percent(above)} chance of an apogee below that: the main opens at apogee"
     if (ballistic := float(down.down.ballistic.mean())) >= LEAST_CHANCE:
@@ -64,6 +63,14 @@ def landing_in_words(
     yield f"  recommended rail: {rail_in_words(rail[0], shown)}; {others}"
 
 
+def seconds_in_words(duration: Three | None) -> str:
+    """The duration of a flight: `24.1 s, 90% interval 20.0 to 30.2`. `duration` is in [s]."""
+    if duration is None:
+        return "none: the motor does not lift the rocket"
+    low, middle, high = duration
+    return f"{middle:.1f} s, 90% interval {low:.1f} to {high:.1f}"
+
+
 def rail_in_words(choice: RailChoice, shown: ShownUnits) -> str:
     """`7.5° into the wind, lands 87 m away`."""
     of_it = {"away": " from the wind"}.get(choice.direction, " the wind") if choice.angle else ""
@@ -76,7 +83,7 @@ def _rail(choice: RailChoice) -> str:
 
 def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
     """The landing of a plan in the given wind."""
-    low, middle, high = three(down.away)
+    low, middle, high = three_of_all(down.away)
     yield f"  lands     {shown.length(middle)} from the pad, 90% interval {shown.lengths(low, high)}"
     ellipse = down.ellipse()
     way = "downwind" if ellipse.along >= 0 else "upwind"
@@ -93,7 +100,7 @@ def _place(down: Landing, site: Site, shown: ShownUnits) -> Iterator[str]:
 
 def _unknown_place(down: Landing, site: Site, shown: ShownUnits, holds: float | None) -> Iterator[str]:
     """The drift of a plan per unit of wind if none was given, and the highest wind with landings on the field."""
-    low, middle, high = three(down.drift)
+    low, middle, high = three_of_all(down.drift)
     yield f"  lands     unknown without the wind: drifts {shown.per_wind(middle)} at the pad"
     ends = shown.lengths(low * shown.speed_factor, high * shown.speed_factor)
     yield f"            on the way down, 90% interval {ends}"

@@ -1,7 +1,6 @@
 """Delays, ballast and contest outlooks as lines for a flyer: the result, its uncertainty, and its basis."""
 
 from collections.abc import Iterator
-from math import isfinite
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.recovery import rail_direction
@@ -13,9 +12,9 @@ from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.gain import LEAST_GAIN
 from fieldkit.planning.motor_advice import MotorAdvice
 from fieldkit.planning.outlook import Outlook
-from fieldkit.planning.quantiles import three
+from fieldkit.planning.quantiles import three, three_of_all
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
-from fieldkit.presentation.landing_text import descent_in_words
+from fieldkit.presentation.landing_text import descent_in_words, seconds_in_words
 from fieldkit.quantities import ShownUnits, measure, percent
 from fieldkit.rocket import Rocket
 from fieldkit.units import DEGREE, FOOT, parse
@@ -75,7 +74,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
-    if any(one.lands_first >= LEAST_LISTED and isfinite(one.after_apogee[1]) for one in judged.delays):
+    if any(one.lands_first >= LEAST_LISTED and one.after_apogee for one in judged.delays):
         yield "  Some flights hit the ground before the charge: time and speed are of the others."
     yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
 
@@ -100,7 +99,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
     yield f"  {'dry mass' if best.clear else 'change to':9} {shown.mass(best.mass)}: {change}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
-    yield f"  true      {shown.length(three(prediction.true_apogee)[1])} above the pad"
+    yield f"  true      {shown.length(three_of_all(prediction.true_apogee)[1])} above the pad"
     chances = [percent(one.chance) for one in (best.there, best.today)]
     yield f"  within    {shown.length(goal.within)}: {chances[0]} ({chances[1]} without change)"
     errors = [shown.length(one.error) for one in (best.there, best.today)]
@@ -123,9 +122,9 @@ def outlook_in_words(
     """Expected points and score, the duration, and the parachute with the fewest expected points; heights in feet, as
     in contests, the true one in the units of a system."""
     prediction = ahead.forecast
-    low, middle, high = three(ahead.points.ravel())
+    low, middle, high = three_of_all(ahead.points.ravel())
     sums = rule.sums(ahead.points)
-    least, _, most = three(sums)
+    least, _, most = three_of_all(sums)
     mass = ShownUnits(system).mass(prediction.plan.dry_mass or 0.0)
     yield f"{build_in_words(prediction)}, {mass} without the motor, season {rule.year}"
     if rule.caveat:
@@ -137,13 +136,12 @@ def outlook_in_words(
         f"  score     {sums.mean():.0f} for the best {rule.best} of {rule.declared}, "
         f"90% interval {least:.0f} to {most:.0f}"
     )
-    low, middle, high = (height / FOOT for height in three(prediction.apogee))
+    low, middle, high = (height / FOOT for height in three_of_all(prediction.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
     yield f"  apogee    {middle:.0f} ft on the altimeter, 90% interval {low:.0f} to {high:.0f}, {aimed}"
-    yield f"  true      {ShownUnits(system).length(three(prediction.true_apogee)[1])} above the pad"
-    low, middle, high = three(ahead.duration.ravel())
+    yield f"  true      {ShownUnits(system).length(three_of_all(prediction.true_apogee)[1])} above the pad"
     opens, closes = rule.window
-    yield f"  duration  {middle:.1f} s, 90% interval {low:.1f} to {high:.1f}, window {opens:g} to {closes:g} s"
+    yield f"  duration  {seconds_in_words(three(ahead.duration.ravel()))}, window {opens:g} to {closes:g} s"
     yield f"  descent   {descent_in_words(ahead.fall, prediction.plan)}"
     yield f"  parachute {area:.0%} of the area flown"
     yield from _better_parachute(ahead, ShownUnits(system))
@@ -197,10 +195,10 @@ def advice_in_words(advice: MotorAdvice, rule: Season, *, listed: bool) -> Itera
 
 
 def _delay(one: Delay, shown: ShownUnits) -> str:
-    low, middle, high = one.after_apogee
     name = f"{one.delay:g} s" + ("" if one.on_sale else "*")
-    if not isfinite(middle):
+    if one.after_apogee is None or one.speed is None:
         return f"{name:<7}  the rocket hits the ground first"
+    low, middle, high = one.after_apogee
     grounded = f"  {one.lands_first:.0%} hit the ground" if one.lands_first >= LEAST_LISTED else ""
     return (
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"

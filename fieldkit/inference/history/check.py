@@ -100,9 +100,12 @@ def _check(answer: QuickAnswer, linear: LinearFit, rng: Generator, draws: int) -
 
 
 def _normalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
-    """Weights normalized to sum to one; zeros if all are zero."""
-    total = np.logaddexp.reduce(log_weight)
-    return np.exp(log_weight - total) if np.isfinite(total) else np.zeros(len(log_weight))
+    """Weights normalized to sum to one; zeros if all are zero, or one is not a number."""
+    largest = log_weight.max(initial=-np.inf)
+    if not np.isfinite(largest):  # also if one is nan
+        return np.zeros(len(log_weight))
+    weights = np.exp(log_weight - largest)
+    return weights / weights.sum()
 
 
 def _effective(weights: Float[Array, "draw"]) -> float:

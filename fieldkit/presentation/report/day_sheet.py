@@ -21,7 +21,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
 from fieldkit.planning.landing import profile_in_words
 from fieldkit.planning.planned_flight import PlannedFlight
-from fieldkit.planning.quantiles import three
+from fieldkit.planning.quantiles import three, three_of_all
 from fieldkit.presentation.landing_text import rail_in_words
 from fieldkit.presentation.report.style import bound, drawn, shortened, styled
 from fieldkit.quantities import ShownUnits, counted
@@ -172,9 +172,9 @@ def _site(site: Site, shown: ShownUnits) -> str:
 
 def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
     prediction, plan = one.prediction, one.prediction.plan
-    low, middle, high = three(prediction.apogee)
+    low, middle, high = three_of_all(prediction.apogee)
     mass = None if plan.dry_mass is None else plan.dry_mass + prediction.found.motor.loaded_mass
-    early, usual, late = three(one.down.duration)
+    duration = three(one.down.duration)
     motor = plan.motor or prediction.found.motor.designation
     return (
         _both_ends(one.name, 10),
@@ -184,8 +184,8 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
         shown.speed(median(prediction.rail_speed) or 0.0),
         f"{shown.length(middle).split()[0]} ({shown.length(low).split()[0]}-{shown.length(high)})",
         _charge(prediction),
-        f"{usual:.0f} s ({early:.0f}-{late:.0f})",
-        "no wind" if one.down.wind is None else f"{shown.length(three(one.down.away)[1])} away",
+        "does not lift" if duration is None else f"{duration[1]:.0f} s ({duration[0]:.0f}-{duration[2]:.0f})",
+        "no wind" if one.down.wind is None else f"{shown.length(three_of_all(one.down.away)[1])} away",
         _verdicts(one.lines),
         "",
     )

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.planning.delay import Delays
-from fieldkit.planning.quantiles import three
+from fieldkit.planning.quantiles import three_of_all
 from fieldkit.quantities import measure
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast
 from fieldkit.shapes import Array, Float
@@ -23,6 +23,7 @@ def of_delays(answer: Answer, judged: Delays) -> Answer:
     rows = tuple(
         IntervalBar(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
         for one in sorted(judged.delays, key=lambda one: one.delay)
+        if one.after_apogee is not None
     )
     if not rows:
         return answer
@@ -40,7 +41,7 @@ def of_delays(answer: Answer, judged: Delays) -> Answer:
 def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None, system: str) -> Answer:
     """The density of the apogee at that mass, with the target; without one, at the mass of the plan."""
     marks = [(target, "◎")] if target is not None else []
-    marks += [(value, "") for value in three(apogee)]
+    marks += [(value, "") for value in three_of_all(apogee)]
     at = " at that mass; ◎ is the target" if target is not None else ""
     title = f"Apogee on the altimeter{at}; lines are 5%, median and 95%"
     return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
@@ -48,7 +49,7 @@ def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None
 
 def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
     """The density of the points of a flight."""
-    low, middle, high = three(points)
+    low, middle, high = three_of_all(points)
     draw = draw_density(points, [(middle, ""), (low, ""), (high, "")], lambda value: f"{value:.0f}")
     return replace(answer, title="Points of a flight, fewer are better; lines are 5%, median and 95%", draw=draw)
 

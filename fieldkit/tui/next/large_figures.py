@@ -1,11 +1,10 @@
 """The main figure of a decision in large digits, with up to three lines about it."""
 
 from dataclasses import replace
-from math import isfinite
 
 from fieldkit.planning.ballast import Ballast
 from fieldkit.planning.delay import Delays
-from fieldkit.planning.quantiles import three
+from fieldkit.planning.quantiles import three_of_all
 from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Float
 from fieldkit.tui.next.answer import Answer
@@ -13,9 +12,9 @@ from fieldkit.tui.next.answer import Answer
 
 def of_delay(answer: Answer, judged: Delays) -> Answer:
     """The best delay; the answer is unchanged if there is none or it is not known when it fires."""
-    if not judged.delays or not isfinite(judged.delays[0].after_apogee[1]):
+    best = judged.delays[0] if judged.delays else None
+    if best is None or best.after_apogee is None:
         return answer
-    best = judged.delays[0]
     after = best.after_apogee[1]
     fires = f"fires {abs(after):.1f} s {'after' if after >= 0 else 'before'} apogee"
     about = (
@@ -37,6 +36,6 @@ def of_ballast(answer: Answer, best: Ballast, system: str) -> Answer:
 
 def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
     """The expected points of a flight."""
-    low, _, high = three(points)
+    low, _, high = three_of_all(points)
     about = ("points expected per flight", f"90% {low:.0f}-{high:.0f}", "fewer are better")
     return replace(answer, large=f"{points.mean():.0f}", about=about)
