@@ -18,6 +18,7 @@ from fieldkit.forecast.predict import fly_ahead, learn
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.simulated_readouts import bent
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.shapes import Array, Float
 from studies.generated_ledgers import SUBSETS, GeneratedHistory, ledger, random_recipe
 
@@ -51,7 +52,9 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Tr
     histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
     asked = histories[-1]
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
-    fitted = learn(asked.flown, [asked.plan], shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number)
+    fitted = learn(
+        flown_and_planned(asked.flown, [asked.plan]), shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number
+    )
     (prediction,) = fly_ahead(fitted)
     log_cd = bent(fitted.model, fitted.values, "drag")[:, 0]
     flown = {found.motor.designation for _, found in asked.flown}

@@ -15,11 +15,12 @@ from fieldkit.flight import Flight
 from fieldkit.flight.tags import CHECKED_TAG
 from fieldkit.model.hyperprior import READOUTS, Hyperprior
 from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
-from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, groups, shared_names
+from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, shared_names
 from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, Motor, catalogue
+from fieldkit.physics.history import groups, history_of
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
@@ -166,7 +167,7 @@ def _flown(
 ) -> GeneratedHistory | None:
     """Simulated flights from the model; None for a rocket that does not leave the pad or barely does."""
     flights, found = zip(*both, strict=True)
-    model = base_model(flights, found, hyperprior, flown=len(both) - 1)
+    model = base_model(history_of(flights, found, flown=len(both) - 1), hyperprior)
     drawn = dict(common)
     scatter_scale, reading_scale = _scale(rng, hyperprior.scatter), _scale(rng, hyperprior.reading)
     motor_scale = _scale(rng, hyperprior.motors) if hyperprior.motors else scatter_scale

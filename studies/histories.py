@@ -16,6 +16,7 @@ from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.predict import predict
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found
+from fieldkit.physics.history import history_of
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
 from fieldkit.scoring.bootstrap import LEVELS, resampled
@@ -82,7 +83,8 @@ def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
     """The loop on these flights."""
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     used_in_fit = [flight.clean and flight.apogee is not None for flight in flights]
-    return diagnose(rocket_model(flights, found), observe(flights, found, used_in_fit))
+    history = history_of(flights, found, used_in_fit=used_in_fit)
+    return diagnose(rocket_model(history), observe(history))
 
 
 def _forecast(

@@ -15,7 +15,6 @@ from textwrap import fill
 import numpy as np
 
 from fieldkit.errors import NoFlights
-from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, forward
 from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, simulate
 from fieldkit.inference.laplace.fit import fit_robustly
@@ -27,6 +26,7 @@ from fieldkit.model.rocket_model import FlownFlight, base_model
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.simulated_readouts import REFERENCE_LAUNCH_ANGLE
 from fieldkit.model.term_names import TermName, fleet_term
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.quantities import counted
 from fieldkit.safe_text import as_markdown
@@ -171,9 +171,9 @@ def _apogee_slopes(
 
     A rocket whose speeds were measured in logs has no terms for the bias of devices in them.
     """
-    flights: list[Flight] = [flight for flight, _ in flown]
-    model = replace(base_model(flights, [motor for _, motor in flown], hyperprior), coarse=True)
-    fit = fit_robustly(model, observe(model.flights, model.found, [one.clean for one in flights], hyperprior))
+    history = flown_and_planned(flown)
+    model = replace(base_model(history, hyperprior), coarse=True)
+    fit = fit_robustly(model, observe(history, hyperprior))
     rows = fit.data.seen[:, 0] & np.isfinite(fit.tangent.values[:, 0])
     slopes = np.zeros((np.count_nonzero(rows), len(names)))
     for place, name in enumerate(names):

@@ -6,6 +6,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import forecast_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 
 MOTORS = ("F24", "F39", "E35")
 
@@ -26,7 +27,7 @@ def season(
         for i in range(count)
     ]
     found = [catalogue().resolve(plan.motor) for plan in plans]
-    model = forecast_model(plans, found)
+    model = forecast_model(history_of(plans, found))
     truth = np.array([[term.mean + 0.7 * term.sd * (term.bends == "drag") for term in model.terms]])
     single = {"drag": 0.03 * rng.normal(size=(1, count)), "thrust": 0.025 * rng.normal(size=(1, count))}
     readings = shown(model, truth, single)

@@ -26,6 +26,7 @@ from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.scoring.proper_scores import crps
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
@@ -98,17 +99,16 @@ def simulated(count: int, network: Ensemble) -> None:
     while sum(map(len, rows.values())) < count:
         for one in simulated_histories(rng, choice, quick_candidates, inclusion_probabilities(), 10, 1):
             world = "selection" if one.selects else "forecast"
+            known = one.history
             past = [
                 (flight if used else flight.with_changes(tags=("weak_launch",)), motor)
-                for flight, motor, used in zip(
-                    one.history.flights, one.history.found, one.history.used_in_fit, strict=False
-                )
+                for flight, motor, used in zip(known.flights, known.found, known.used_in_fit, strict=False)
             ]
-            plan = one.history.flights[-1], one.history.found[-1]
+            plan = known.flights[-1], known.found[-1]
             began = time.process_time()
-            (made,) = predict(past, [plan], shared=one.history.shared, draws=DRAWS)
+            (made,) = predict(past, [plan], shared=one.shared, draws=DRAWS)
             middle = time.process_time()
-            answer = quick_answer(one.history, quick_candidates, network)
+            answer = quick_answer(known, quick_candidates, one.shared, network)
             ended = time.process_time()
             if one.selects:
                 judged.append((opinions(answer, network), one.effects))
@@ -180,8 +180,8 @@ def bench(folder: Path, loops: int, first: int | None, network: Ensemble) -> Non
         }
         if number < loops:
             began = time.process_time()
-            model = rocket_model([flight for flight, _ in history], [motor for _, motor in history])
-            found = diagnose(model, observe(model.flights, model.found, used))
+            model = rocket_model(history_of([flight for flight, _ in history], [motor for _, motor in history]))
+            found = diagnose(model, observe(model.history.using(used)))
             entry |= {
                 "fit": {**found.posterior.inclusion, "none": found.posterior.nothing},
                 "fit_verdict": found.effect,

@@ -3,20 +3,15 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fieldkit.flight import Flight
 from fieldkit.flight.plan import repeated
 from fieldkit.inference.history.features import PreparedHistory, modeled, summarized
-from fieldkit.inference.history.records import History
 from fieldkit.inference.history.response import respond
-from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared, response_of
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
-from fieldkit.model.hyperprior import learned
-from fieldkit.model.rocket_model import FlownFlights, groups
+from fieldkit.inference.network.history import QuickAnswer, answers, load_history, prepared
+from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
-from fieldkit.physics.setups import reference_area
+from fieldkit.physics.history import History, flown_and_planned, together
 from fieldkit.selection.quick_candidates import quick_candidates
 
 if TYPE_CHECKING:
@@ -39,20 +34,14 @@ def prepare_at_once(
     `shared` is the information from the flyer's other rockets. Raises ImpossibleFlight for a flight without a dry mass,
     DamagedModel if the hyperprior cannot be read, BadValue for a recovery figure or rail direction that cannot be read.
     """
-    return prepared(_history(flown, plans, used_in_fit, shared), quick_candidates)
+    return prepared(_history(flown, plans).using(used_in_fit), quick_candidates, shared)
 
 
-def _history(
-    flown: FlownFlights,
-    plans: FlownFlights,
-    used_in_fit: Sequence[bool],
-    shared: SharedPrior | None,
-) -> History:
+def _history(flown: FlownFlights, plans: FlownFlights) -> History:
     named = [  # a place without a start has an empty id, which a plan must not share
         (flight if flight.flight_id else flight.with_changes(flight_id="planned"), motor) for flight, motor in plans
     ]
-    flights, found = zip(*flown, *named, strict=True)
-    return History(flights, found, tuple(used_in_fit), CERTIFIED_PRIOR, learned(), shared)
+    return flown_and_planned(flown, named)
 
 
 def answer_at_once(
@@ -77,8 +66,7 @@ def forecast_at_once(
 
     Flights with an anomaly tag count as flown and are not used. Other arguments and errors as in `prepare_at_once`.
     """
-    used = [flight.clean for flight, _ in flown]
-    ready = prepare_at_once(flown, [plan], used, shared=shared)
+    ready = prepared(_history(flown, [plan]), quick_candidates, shared)
     return answer_at_once(ready, ready.flown, ensemble)[0]
 
 
@@ -94,17 +82,15 @@ def forecasts_at_once(
     All are simulated in one batch; motors flown before and new ones are summarized separately. Other arguments and
     errors as in `forecast_at_once`.
     """
-    known = set(groups([flight for flight, _ in flown], [motor for _, motor in flown], "motor"))
-    kinds = groups([flight for flight, _ in plans], [motor for _, motor in plans], "motor")
-    used, before = [flight.clean for flight, _ in flown], list(range(len(flown)))
-    flown_or_new = [[row for row, kind in enumerate(kinds) if (kind in known) is old] for old in (True, False)]
+    whole, before = _history(flown, plans), list(range(len(flown)))
+    kinds = whole.groups("motor")
+    known, new = set(kinds[: len(flown)]), kinds[len(flown) :]
+    flown_or_new = [[row for row, kind in enumerate(new) if (kind in known) is old] for old in (True, False)]
     groups_of_rows = [rows for rows in flown_or_new if rows]
     models = [
-        modeled(_history(flown, [plans[row] for row in rows], used, shared), quick_candidates)
-        for rows in groups_of_rows
+        modeled(_history(flown, [plans[row] for row in rows]), quick_candidates, shared) for rows in groups_of_rows
     ]
-    acting = {name for own in models for name in own.acting}
-    response = response_of(_history(flown, plans, used, shared), acting)
+    response = respond(whole, {name for own in models for name in own.acting})
     found: dict[int, QuickAnswer] = {}
     for rows, own in zip(groups_of_rows, models, strict=True):
         ready = PreparedHistory(own, response.part([*before, *(len(flown) + row for row in rows)]))
@@ -122,17 +108,10 @@ def each_at_once(flown: FlownFlights, shared: Sequence[SharedPrior | None]) -> l
     for first in range(0, len(flown), BATCH):
         batch = flown[first : first + BATCH]
         theirs = shared[first : first + BATCH]
-        pairs = [
-            _history([one], [(repeated(one[0]), one[1])], (True,), own) for one, own in zip(batch, theirs, strict=True)
-        ]
-        models = [modeled(pair, quick_candidates) for pair in pairs]
-        response = respond(
-            [pair.flights[row] for row in (0, 1) for pair in pairs],
-            [pair.found[row] for row in (0, 1) for pair in pairs],
-            np.array([reference_area(pair.flights, 1)[row] for row in (0, 1) for pair in pairs]),
-            {name for own in models for name in own.acting},
-        )
+        pairs = [_history([one], [(repeated(one[0]), one[1])]).using([True]) for one in batch]
+        models = [modeled(pair, quick_candidates, own) for pair, own in zip(pairs, theirs, strict=True)]
+        response = respond(together(pairs), {name for own in models for name in own.acting})
         for number, own in enumerate(models):
-            ready = PreparedHistory(own, response.part([number, len(pairs) + number]))
+            ready = PreparedHistory(own, response.part(slice(2 * number, 2 * number + 2)))
             found += answer_at_once(ready, ready.flown)
     return found

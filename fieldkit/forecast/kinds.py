@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from fieldkit.flight import Flight
-from fieldkit.model.rocket_model import GROUP_LEVELS, groups
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import GROUP_LEVELS, groups
 
 T = TypeVar("T")
 

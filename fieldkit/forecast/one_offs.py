@@ -18,6 +18,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import fleet_term
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.selection.candidates import Averaged
 
 SINGLED_OUT = 0.5
@@ -78,20 +79,19 @@ def beside_others(
 ) -> tuple[FlightBesideOthers, ...]:
     """The flights of one rocket in the order flown, each compared with the others; tagged ones are compared but not
     used. Arguments and errors as in `fieldkit.forecast.predict.predict`."""
-    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
+    history = flown_and_planned(flown)
+    flights = history.flights
     designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
     if designs and shared:  # a design replaces the information from other rockets about drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
     parts = []
     for chance, places in averaged or ((1.0, ()),):
         acting = (*places, *declared_places(flights, places))
-        model = forecast_model(flights, found, acting, shared=shared, hyperprior=hyperprior)
+        model = forecast_model(history, acting, shared, hyperprior)
         model = replace(designed(model, designs) if designs else model, coarse=True)
-        used, every = (
-            observe(flights, found, rows, model.hyperprior)
-            for rows in ([flight.clean for flight in flights], [True] * len(flights))
-        )
-        parts.append((chance, one_offs(fit_robustly(model, used, causes=True), every)))
+        every = observe(history.using([True] * len(flights)), model.hyperprior)
+        used = fit_robustly(model, observe(history, model.hyperprior), causes=True)
+        parts.append((chance, one_offs(used, every)))
     whole = _mixed(parts)
     return tuple(_beside(flight, whole, row) for row, flight in enumerate(flights))
 

@@ -27,7 +27,8 @@ from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import log_delay_ratio
 from fieldkit.physics.effect import effects, spoken
-from fieldkit.physics.setups import delays, differs_from_zero
+from fieldkit.physics.history import History, flown_and_planned
+from fieldkit.physics.setups import differs_from_zero
 from fieldkit.selection.candidates import Averaged, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
@@ -40,17 +41,14 @@ bound. [1]"""
 
 
 def forecast_model(
-    flights: Sequence[Flight],
-    found: Sequence[Found],
+    history: History,
     accepted: Sequence[Place] = (),
-    flown: int | None = None,
-    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
     hyperprior: Hyperprior | None = None,
 ) -> Model:
     """The model for forecasting a rocket's next flight, by default with the learned hyperprior; arguments as in
     `rocket_model`. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel for a damaged card."""
-    return rocket_model(flights, found, accepted, hyperprior or learned(), flown, flight_index, shared)
+    return rocket_model(history, accepted, hyperprior or learned(), shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -102,12 +100,10 @@ def predict(
     """
 
     def predict_rows(rows: Sequence[int]) -> list[Prediction]:
-        own, flight_index = [planned[row] for row in rows], [len(flown) + row for row in rows]
+        history = flown_and_planned(flown, [planned[row] for row in rows], [len(flown) + row for row in rows])
         fitted = learn(
-            flown,
-            own,
+            history,
             accepted,
-            flight_index,
             averaged=averaged,
             declared=declared,
             cds=cds,
@@ -122,10 +118,8 @@ def predict(
 
 
 def learn(
-    flown: Sequence[tuple[Flight, Found]],
-    planned: Sequence[tuple[Flight, Found]],
+    history: History,
     accepted: Sequence[Place] = (),
-    flight_index: Sequence[int] | None = None,
     *,
     averaged: Averaged = (),
     declared: bool = True,
@@ -135,35 +129,27 @@ def learn(
     draws: int = DRAWS,
     seed: int = 0,
 ) -> FittedForecast:
-    """Fit the flown flights for plans of one kind (see `fieldkit.forecast.kinds`). Each plan has its flight index, by
-    default the next for all. Other arguments and errors as in `predict`."""
-    both = [*flown, *planned]
-    flights, found = [flight for flight, _ in both], [motor for _, motor in both]
-    used_in_fit = [flight.clean for flight, _ in flown] + [False] * len(planned)
+    """Fit the flown flights of a history for its plans, which are of one kind (see `fieldkit.forecast.kinds`). Other
+    arguments and errors as in `predict`."""
+    flights, flown = history.flights, history.flown
     sets = averaged or ((1.0, tuple(accepted)),)
     acting = [(*own, *declared_places(flights, own)) if declared else own for _, own in sets]
     every = tuple(dict.fromkeys(place for own in acting for place in own))
-    order = [*range(len(flown)), *(flight_index or [len(flown)] * len(planned))]
     designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
     if designs and shared:  # a design replaces the information from other rockets about drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
-    model = forecast_model(flights, found, every, len(flown), order, shared, hyperprior)
+    model = forecast_model(history, every, shared, hyperprior)
     model = designed(model, designs) if designs else model
-    past = slice(
-        0, max(len(flown), 1)
-    )  # without flown flights, the first plan is a placeholder that is not used in the fit
-    data = observe(flights[past], found[past], used_in_fit[past], model.hyperprior)
+    data = observe(history, model.hyperprior)
     rng = np.random.default_rng(seed)
     parts = []
     for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):
         if count:
-            parts.append(_drawn_with(model, _terms_without(model, set(every) - set(own)), data, len(flown), count, rng))
+            parts.append(_drawn_with(model, _terms_without(model, set(every) - set(own)), data, flown, count, rng))
     values, scales = (np.concatenate(column) for column in zip(*((v, s) for _, v, s, _ in parts), strict=True))
     rests_on = int(np.sum(data.seen.any(axis=1)))
     name = model_name(sets[0][1])
-    return FittedForecast(
-        model.part(slice(len(flown), None)), parts[0][0], values, scales, rests_on, name, rng, parts[0][3]
-    )
+    return FittedForecast(model.part(slice(flown, None)), parts[0][0], values, scales, rests_on, name, rng, parts[0][3])
 
 
 def _allotted(chances: Sequence[float], draws: int) -> list[int]:
@@ -246,7 +232,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     scatter: dict[str, Array] = {
         name: normal[name] * sd * scale[part.hyperprior.scale_of(name)] for name, sd in kinds.items()
     }
-    scatter["delay"] = log_delay_ratio(delays(part.flights, part.found), normal["delay"])
+    scatter["delay"] = log_delay_ratio(part.history.delays, normal["delay"])
     readings = shown(part, values, scatter)
     # for an apogee of about a meter the relative reading error is unbounded
     own = np.clip(tailed() * apogee_scatter(part) * scale["scatter"], -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)

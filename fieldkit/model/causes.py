@@ -17,7 +17,6 @@ import numpy as np
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import bent, shown
-from fieldkit.physics.setups import delays
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 LOG_SD = 0.7
@@ -149,14 +148,14 @@ def _ejections(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
     """Ejection at any time of the coast before the usual one, all equally likely, and after the usual one; a flight
     without a known delay ejects at apogee otherwise."""
     coast = np.exp(values[:, OBSERVED_READOUTS.index("coast_to_apogee")])
-    known = delays(model.flights, model.found)
+    known = model.history.delays
     delay = np.where(np.isnan(known), np.maximum(np.nan_to_num(coast), 0.1), known)
-    timed = [flight.with_changes(delay=time) for flight, time in zip(model.flights, delay.tolist(), strict=True)]
+    timed = replace(model, history=model.history.with_delays(delay.tolist()))
     ratio = bent(model, at[None], "delay")[0]
     usual = delay * np.exp(ratio)
     late = CAUSES["late_ejection"].median * np.exp(LOG_SD * _STEPS)
     times = np.concatenate([_EJECTED_AT[:, None] * coast, usual + late[:, None]])
-    shift = _shift(replace(model, flights=tuple(timed)), at, values, {"delay": np.log(times / delay) - ratio})
+    shift = _shift(timed, at, values, {"delay": np.log(times / delay) - ratio})
     early = np.where(times[: len(_EJECTED_AT)] < usual, -np.log(len(_EJECTED_AT)), -np.inf)
     after = np.where(np.isnan(known), -np.inf, _normal(_STEPS)[:, None])
     return [

@@ -14,6 +14,7 @@ from fieldkit.flight.plausibility import not_measured
 from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.hyperprior import READOUTS, Hyperprior
 from fieldkit.motors import Found
+from fieldkit.physics.history import History
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
 
@@ -42,15 +43,12 @@ class Data:
     normal: Float[Array, "flight"] | None = None
 
 
-def observe(
-    flights: Sequence[Flight],
-    found: Sequence[Found],
-    used_in_fit: Sequence[bool],
-    hyperprior: Hyperprior = SEARCH_PRIOR,
-) -> Data:
-    """The observed readouts of flights on their motors; those of flights marked in `used_in_fit` are seen, except those
-    that cannot be measurements (`not_measured`)."""
-    return as_compared(readings(flights, found), used_in_fit, hyperprior)
+def observe(history: History, hyperprior: Hyperprior = SEARCH_PRIOR) -> Data:
+    """The observed readouts of the flown flights; those of flights used in the fit are seen, except those that cannot
+    be measurements (`not_measured`). Without flown flights, the first plan is a placeholder that is not seen."""
+    count = max(history.flown, 1)
+    used = history.used_in_fit or (False,)
+    return as_compared(readings(history.flights[:count], history.found[:count]), used, hyperprior)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ from flight to flight is scatter, drawn for each flight.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -20,18 +19,14 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
 from fieldkit.model.term_names import SHARED_LEVELS, TermName, fleet_term
 from fieldkit.motors import Found
-from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.effect import Effect, Prior
-from fieldkit.physics.setups import diameter_known, recorded, reference_area
+from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
 
 OPENING = TermName("opening")
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
 T = TypeVar("T")
-GROUP_LEVELS = ("motor", "config", "site", "day")
-"""Properties that group flights."""
-
 FlownFlight = tuple[Flight, Found]
 FlownFlights = Sequence[FlownFlight]
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
@@ -77,20 +72,26 @@ class Model:
 
     `hyperprior` has the standard deviations, and `shared` the information from other rockets in the ledger about the
     terms they have in common with this one. A `coarse` model simulates with the curves and steps of `COARSE_SETTINGS`,
-    to fit flights or to try hundreds of motors at once. `flight_index` is the position of each flight in the order
-    flown, from 0; alternative plans share one. `area` is the reference area of each flight. [m^2]
+    to fit flights or to try hundreds of motors at once.
     """
 
-    flights: tuple[Flight, ...]
-    found: tuple[Found, ...]
-    area: Float[Array, "flight"]
+    history: History
     terms: tuple[Term, ...]
-    flight_index: tuple[int, ...]
     hyperprior: Hyperprior = SEARCH_PRIOR
     shared: SharedPrior | None = None
     coarse: bool = False
     departure: tuple[float, ...] = ()
     _known: dict[str, Any] = field(init=False, repr=False, compare=False, default_factory=dict)
+
+    @property
+    def flights(self) -> tuple[Flight, ...]:
+        """The flights in the order flown."""
+        return self.history.flights
+
+    @property
+    def found(self) -> tuple[Found, ...]:
+        """The motor of each flight."""
+        return self.history.found
 
     @property
     def names(self) -> list[TermName]:
@@ -109,11 +110,11 @@ class Model:
 
     def recorded(self, name: str) -> Float[Array, "flight"]:
         """One number of every flight in SI, nan if it was not recorded."""
-        return recorded(self.flights, name)
+        return self.history.column(name)
 
     def groups(self, per: str) -> list[str]:
-        """The group each flight belongs to, as in `groups`."""
-        return self.once(per, lambda: groups(self.flights, self.found, per))
+        """The group each flight belongs to, as in `History.groups`."""
+        return self.history.groups(per)
 
     def once(self, name: str, compute: Callable[[], T]) -> T:
         """The result of a computation that depends only on this model, saved under a name, because candidates and steps
@@ -139,49 +140,28 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """A copy with only some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "flight_index", "departure")}
-        return replace(self, **kept, terms=terms)
-
-
-def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
-    """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
-    if per in ("motor", "lot"):
-        motors = [f"{item.motor.maker} {item.motor.designation}" for item in found]
-        return motors if per == "motor" else lots(motors, [recorded_lot(flight) for flight in flights])
-    if per == "day":
-        return [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
-    return [str(getattr(flight, per)) for flight in flights]
+        return replace(self, history=self.history.part(rows), departure=self.departure[rows], terms=terms)
 
 
 def base_model(
-    flights: Sequence[Flight],
-    found: Sequence[Found],
+    history: History,
     hyperprior: Hyperprior = SEARCH_PRIOR,
-    flown: int | None = None,
-    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
     period: Period | None = None,
 ) -> Model:
     """The model of a rocket without effects: every random effect of the hyperprior for which there is a group.
 
-    `flown` is as in `reference_area`, `flight_index` and `shared` as in `Model`; by default the flight index counts
-    from 0. `period` is the fleet's, by default that of `shared` or else of these flights. Raises ImpossibleFlight for a
-    flight without a dry mass.
+    `shared` is as in `Model`. `period` is the fleet's, by default that of `shared` or else of these flights. Raises
+    ImpossibleFlight for a flight without a dry mass.
     """
-    area = reference_area(flights, flown)
-    past = len(flights) if flown is None else flown
-    times = [flight.date_time for flight in flights]
-    passed = years_passed(years(times, past, period or (shared.period if shared else None)))
-    kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
-    grouped = cache(lambda per: groups(flights, found, per))
-    terms = [
-        term for quantity in kinds for term in _quantity_terms(quantity, flights, grouped, hyperprior, past, passed)
-    ]
-    if not diameter_known(flights, flown):
+    times = [flight.date_time for flight in history.flights]
+    passed = years_passed(years(times, history.flown, period or (shared.period if shared else None)))
+    kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(history.flights)]
+    terms = [term for quantity in kinds for term in _quantity_terms(quantity, history, hyperprior, passed)]
+    if not history.diameter_known:
         terms = [_with_unknown_area(term, hyperprior) if term.name == TermName("drag") else term for term in terms]
-    terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
-    order = tuple(flight_index or range(len(flights)))
-    return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
+    terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(history.flights)), low=0.0))
+    return with_shared(Model(history, tuple(terms), hyperprior), shared)
 
 
 def with_shared(model: Model, shared: SharedPrior | None) -> Model:
@@ -199,15 +179,10 @@ def _with_unknown_area(term: Term, hyperprior: Hyperprior) -> Term:
 
 
 def _quantity_terms(
-    quantity: str,
-    flights: Sequence[Flight],
-    grouped: Callable[[str], list[str]],
-    hyperprior: Hyperprior,
-    flown: int,
-    passed: Float[Array, "year flight"],
+    quantity: str, history: History, hyperprior: Hyperprior, passed: Float[Array, "year flight"]
 ) -> Iterator[Term]:
-    """The random effects of one quantity, widest group first; the widest holds the mean. `grouped` returns the group of
-    each flight, as `groups`."""
+    """The random effects of one quantity, widest group first; the widest holds the mean."""
+    flights = history.flights
     every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
         logged = measured_in_samples(flights, quantity)
@@ -231,8 +206,8 @@ def _quantity_terms(
     for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):
             continue
-        group = grouped("motor" if level == "rocket_motor" else level)
-        kinds = _shared_days(group, flown) if level == "day" else list(dict.fromkeys(group))
+        group = history.groups("motor" if level == "rocket_motor" else level)
+        kinds = _shared_days(group, history.flown) if level == "day" else list(dict.fromkeys(group))
         for kind in _named(kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
             scaled = "scatter" if level in ("rocket_motor", "day") else ""

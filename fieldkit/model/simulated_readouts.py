@@ -15,7 +15,6 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.model.sources import has_logs
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.logged import burn_impulse, coast_drag
-from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import Setup
 from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
@@ -70,9 +69,10 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
     def bend(what: str) -> Array:
         return np.asarray(bent(model, values, what) + scatter.get(what, 0.0))
 
-    drag, thrust = model.area * np.exp(bend("drag")), np.exp(bend("thrust"))
-    setup = field_setup(model.flights, model.found, drag, thrust, **(COARSE_SETTINGS if model.coarse else {}))
+    setup = model.history.setup(**(COARSE_SETTINGS if model.coarse else {}))
     setup = setup.with_changes(
+        drag_area=setup.drag_area * np.exp(bend("drag")),
+        thrust_factor=np.exp(bend("thrust")),
         dry_mass=setup.dry_mass * np.exp(bend("mass")),
         burn_stretch=np.exp(bend("stretch")),
         delay=setup.delay * np.exp(bend("delay")),
@@ -90,14 +90,12 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
 
 def _strengths(model: Model, values: Array) -> list[tuple[Effect, Array]]:
     """The strength of each effect on each flight, summed over its terms; effects that act on no flight are left out."""
-    places: dict[int, list[int]] = {}
+    places: dict[Effect, list[int]] = {}
     for index, term in enumerate(model.terms):
         if isinstance(term.bends, Effect):
-            places.setdefault(id(term.bends), []).append(index)
+            places.setdefault(term.bends, []).append(index)
     found = []
-    for indices in places.values():
-        effect = model.terms[indices[0]].bends
-        assert isinstance(effect, Effect)
+    for effect, indices in places.items():
         weight = np.stack([model.terms[i].weight for i in indices])
         strength = np.asarray(effect.strength(values[:, indices]) @ weight)
         if strength.any():

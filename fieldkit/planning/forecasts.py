@@ -10,6 +10,7 @@ from fieldkit.forecast.predict import DRAWS, FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.rocket import Rocket
 from fieldkit.selection.candidates import Averaged
 
@@ -82,9 +83,7 @@ def fitted_forecast(
     direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     return learn(
-        rocket.history,
-        planned,
-        flight_index=flight_index,
+        flown_and_planned(rocket.history, planned, flight_index),
         averaged=rocket.averaged,
         declared=rocket.declared,
         cds=rocket.known.cds(flight.config for flight, _ in (*rocket.history, *planned)),

@@ -267,9 +267,7 @@ def _flown(rocket: RocketData, fitted: FittedForecast) -> list[ForecastWithDelay
 
 
 def _with_delays(fitted: FittedForecast, delays: Sequence[float | None]) -> FittedForecast:
-    planned = zip(fitted.model.flights, delays, strict=True)
-    flights = tuple(flight.with_changes(delay=delay) for flight, delay in planned)
-    return replace(fitted, model=replace(fitted.model, flights=flights))
+    return replace(fitted, model=replace(fitted.model, history=fitted.model.history.with_delays(delays)))
 
 
 def _nearest(motor: Motor, coast: float) -> float | None:

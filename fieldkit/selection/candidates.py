@@ -12,7 +12,6 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.model.rocket_model import Model, Term, strength_term
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, effect_named, effects, spoken
-from fieldkit.physics.setups import delays
 from fieldkit.shapes import Array, Flags, Float
 
 EACH_GROUP = "each"
@@ -208,7 +207,7 @@ def _lasts(weight: Float[Array, "flight"], used_in_fit: Flags) -> bool:
 
 
 def _can_act(effect: Effect, model: Model) -> bool:
-    if effect.needs_delay and not np.isfinite(delays(model.flights, model.found)).any():
+    if effect.needs_delay and not np.isfinite(model.history.delays).any():
         return False
     if effect.lacks and np.isfinite(model.recorded(effect.lacks)).all():
         return False
@@ -280,7 +279,7 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
     first = names.index(place.since) if place.since and place.since in names else 0  # a plan may have no name
-    since = np.array(model.flight_index) - first
+    since = np.array(model.history.flight_index) - first
     weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
     if effect.lacks:
         weight = weight * np.isnan(model.recorded(effect.lacks))

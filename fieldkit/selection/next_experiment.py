@@ -17,6 +17,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, reading_sd
 from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effect_named
+from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import delays, recorded
 from fieldkit.quantities import ShownUnits
 from fieldkit.selection.candidates import EACH_GROUP, Place
@@ -195,11 +196,11 @@ def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout 
 def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model:
     """The fitted model for planned flights, each as the next one: the same terms with their weights on those
     flights."""
-    flown = len(model.flights)
-    flights = [*model.flights, *(flight for _, flight, _ in plans)]
-    found = [*model.found, *(motor for *_, motor in plans)]
-    order = [*model.flight_index, *[flown] * len(plans)]
-    wide = rocket_model(flights, found, side.places, flown=flown, flight_index=order)
-    area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
-    own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
-    return replace(wide, area=own).part(slice(flown, None))
+    known, flown = model.history, len(model.flights)
+    flights = [*known.flights, *(flight for _, flight, _ in plans)]
+    found = [*known.found, *(motor for *_, motor in plans)]
+    order = [*known.flight_index, *[flown] * len(plans)]
+    area = {flight.config: own for flight, own in zip(known.flights, known.area, strict=True)}
+    own = np.array([*known.area, *(area[flight.config] for _, flight, _ in plans)])
+    history = replace(history_of(flights, found, flown, order), own_area=own)
+    return rocket_model(history, side.places).part(slice(flown, None))

@@ -14,6 +14,7 @@ from fieldkit.flight import Flight
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.term_names import TermName
 from fieldkit.motors.lots import names_a_lot
+from fieldkit.physics.history import History
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import Candidate, Pattern, Place
 from fieldkit.selection.covariates import known_before, own_numbers
@@ -52,18 +53,19 @@ def pattern_candidates(model: Model) -> list[Candidate]:
     ]
 
 
-def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
-    """A pattern found in a model's first `flown` flights, as terms of all its flights; none if they do not show it."""
-    for kind in known_patterns(model.flights[:flown]):
+def pattern_terms(place: Place, model: Model) -> tuple[Term, ...]:
+    """A pattern found in a model's flown flights, as terms of all its flights; none if they do not show it."""
+    for kind in known_patterns(model.flights[: model.history.flown]):
         if place.pattern and place.pattern in kind:
-            return _pattern_terms(place.pattern, _weighed(kind[place.pattern], model, flown))
+            return _pattern_terms(place.pattern, _weighed(kind[place.pattern], model.history))
     return ()
 
 
-def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
+def _weighed(weigh: Weigh, history: History) -> Array:
     """The weight of a pattern on the flown flights, and on each plan at its place, as if the earlier plans were like
     it."""
-    past, planned = model.flights[:flown], zip(model.flights[flown:], model.flight_index[flown:], strict=True)
+    flights, flown = history.flights, history.flown
+    past, planned = flights[:flown], zip(flights[flown:], history.flight_index[flown:], strict=True)
     ahead = [weigh([*past[:turn], *[plan] * (max(turn - flown, 0) + 1)])[-1] for plan, turn in planned]
     return np.concatenate([weigh(past), np.array(ahead)]) if ahead else weigh(past)
 

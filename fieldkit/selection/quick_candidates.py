@@ -1,7 +1,5 @@
 """Candidates of the quick search: every effect in every place, and patterns in drag or in mass."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from fieldkit.model.rocket_model import Model, Term
@@ -13,17 +11,17 @@ PATTERN_SDS = {"drag": 0.2, "mass": 0.1}
 """Prior standard deviations of a pattern's shift of log drag and of relative mass. [1]"""
 
 
-def quick_candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
-    """Candidates for a model whose first flights, those in `used_in_fit`, have flown; the rest are plans.
+def quick_candidates(model: Model) -> list[Candidate]:
+    """Candidates for a model of flown flights and plans.
 
     Each acts on plans as if they flew next. Only the full search tries patterns with several components.
     """
-    flown = len(used_in_fit)
-    past = np.array([*used_in_fit, *[False] * (len(model.flights) - flown)], bool)
+    history, flown = model.history, model.history.flown
+    past = np.array([*history.used_in_fit, *[False] * (len(history.flights) - flown)], bool)
     found = list(effect_candidates(model, past))
     weighed = [
-        {pattern: weigh(model.flights) for pattern, weigh in kind.items()}
-        for kind in known_patterns(model.flights[:flown])
+        {pattern: weigh(history.flights) for pattern, weigh in kind.items()}
+        for kind in known_patterns(history.flights[:flown])
     ]
     simple = [{pattern: weight for pattern, weight in kind.items() if weight.ndim == 1} for kind in weighed]
     kinds = [kind for kind in simple if kind]

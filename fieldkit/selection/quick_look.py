@@ -17,14 +17,12 @@ from fieldkit.inference.history.columns import families
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.evidence import Trials
 from fieldkit.inference.history.features import HistorySummary
-from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
 from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
-from fieldkit.model.hyperprior import learned
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.quantities import with_sd
 from fieldkit.scoring.score import Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
@@ -97,14 +95,8 @@ def quick_look(
     """
     network = ensemble or load_history()
     last, motor = flown[-1]
-    history = History(
-        (*(flight for flight, _ in flown), repeated(last)),
-        (*(found for _, found in flown), motor),
-        tuple(bool(used) for used in used_in_fit),
-        CERTIFIED_PRIOR,
-        learned(),
-    )
-    estimate = quick_answer(history, quick_candidates, network)
+    history = flown_and_planned(flown, [(repeated(last), motor)]).using(used_in_fit)
+    estimate = quick_answer(history, quick_candidates, ensemble=network)
     truth, seen = estimate.summary.data.values[:, 0], estimate.summary.data.seen[:, 0]
     before = score(forecasts_of(estimate.summary.left_out), truth, seen)
     candidates = _candidates(estimate)

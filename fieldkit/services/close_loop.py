@@ -10,6 +10,7 @@ from fieldkit.errors import NoFlights
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
@@ -44,20 +45,19 @@ def close_loop(
     flights with an apogee, UnknownEffect for a given effect that these flights cannot show, BadValue for a recovery
     figure or rail direction that cannot be read.
     """
-    history = flown(ledger, motors, rocket)
-    used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
+    history = flown_and_planned(flown(ledger, motors, rocket))
+    used_in_fit = [flight.clean and flight.apogee is not None for flight in history.flights]
     if sum(used_in_fit) < 4:
         raise NoFlights(
             f"{rocket}: found {counted(sum(used_in_fit), 'clean flight')} with an apogee, "
             "expected at least 4 to close the loop"
         )
-    flights = [flight for flight, _ in history]
-    model = rocket_model(flights, [motor for _, motor in history])
+    history = history.using(used_in_fit)
+    model = rocket_model(history)
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
     forces = logged_forces(model, recorded_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
-    data = observe(model.flights, model.found, used_in_fit)
     logged = step_candidate(model, forces)
-    diagnosis = diagnose(model, data, part(on_progress, 0.2, 0.8), given, declined, logged)
+    diagnosis = diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, logged)
     diagnosis = replace(diagnosis, forces=forces)
     if accept:
         adopt(ledger, rocket, diagnosis)

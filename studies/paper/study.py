@@ -9,6 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import apogees, fly
+from fieldkit.physics.history import history_of
 from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resampled
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
@@ -95,8 +96,8 @@ def parts_of(flights: Reference, steps: tuple[AssumptionStep, ...]) -> tuple[Bia
 def _loop(flights: tuple[Flight, ...]) -> Diagnosis:
     """The verdict of `fieldkit loop` on these flights."""
     found = [catalogue().resolve(flight.motor) for flight in flights]
-    model = rocket_model(flights, found)
-    return diagnose(model, observe(model.flights, model.found, [flight.clean for flight in flights]))
+    history = history_of(flights, found)
+    return diagnose(rocket_model(history), observe(history))
 
 
 def _ejection(flights: Reference) -> Ejection:

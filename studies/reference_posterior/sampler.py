@@ -15,6 +15,7 @@ from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import bent
 from fieldkit.motors import Found
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.shapes import Array, Float
 from studies.reference_posterior import hamiltonian
 from studies.reference_posterior.readouts import Readouts
@@ -45,9 +46,7 @@ class Case:
 
     def model(self) -> Model:
         """The model of all flights, including the next one at the end."""
-        both = [*self.flown, self.plan]
-        flights, found = [flight for flight, _ in both], [motor for _, motor in both]
-        return base_model(flights, found, self.hyperprior, len(self.flown), shared=self.shared)
+        return base_model(flown_and_planned(self.flown, [self.plan]), self.hyperprior, self.shared)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +66,7 @@ class SampledPosterior:
 def fitted(case: Case) -> Fit:
     """The fit used in forecasts."""
     model = replace(case.model().part(slice(0, len(case.flown))), coarse=True)
-    used_in_fit = [flight.clean for flight, _ in case.flown]
-    return fit_robustly(model, observe(model.flights, model.found, used_in_fit, case.hyperprior))
+    return fit_robustly(model, observe(model.history, case.hyperprior))
 
 
 def target_of(case: Case, result: Fit, readouts: Readouts | None = None) -> Target:
@@ -128,7 +126,13 @@ def next_flight(
 def summary_of_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:
     """`FIGURES` of the next flight from the fit's forecast."""
     return _figures(
-        learn(case.flown, [case.plan], shared=case.shared, hyperprior=case.hyperprior, draws=draws, seed=seed)
+        learn(
+            flown_and_planned(case.flown, [case.plan]),
+            shared=case.shared,
+            hyperprior=case.hyperprior,
+            draws=draws,
+            seed=seed,
+        )
     )
 
 

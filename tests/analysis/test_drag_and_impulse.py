@@ -23,6 +23,7 @@ from fieldkit.model.sources import has_logs
 from fieldkit.motors import Motor, catalogue
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.flight import fly as simulate
+from fieldkit.physics.history import history_of
 from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.setups import field_setup
 from fieldkit.presentation.export import csv_table, document
@@ -150,8 +151,8 @@ def flown_on(cd: float, thrust_factor: float, logger: Logger, seed: int) -> Flig
 
 
 def fitted(flight: Flight) -> Fit:
-    model = base_model([flight], [catalogue().resolve(F24)], learned())
-    return fit_robustly(model, observe([flight], model.found, [True], learned()))
+    model = base_model(history_of([flight], [catalogue().resolve(F24)]), learned())
+    return fit_robustly(model, observe(history_of([flight], model.found, used_in_fit=[True]), learned()))
 
 
 def per_mass(result: Fit, *bends: str) -> tuple[float, float]:
@@ -212,7 +213,7 @@ def test_a_force_during_the_coast_is_included_in_its_drag() -> None:
 
 def test_flights_without_a_log_have_no_terms_for_it() -> None:
     typed = Flight("1", "Astra", "A", F24, dry_mass=0.3, diameter=0.066, apogee=250.0)
-    model = base_model([typed], [catalogue().resolve(F24)], learned())
+    model = base_model(history_of([typed], [catalogue().resolve(F24)]), learned())
     assert not has_logs([typed])
     assert not {"coast_drag", "burn_impulse"} & set(model.names)
     values = np.array([[term.mean for term in model.terms]])

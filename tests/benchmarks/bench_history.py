@@ -18,6 +18,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.inference.network.history import load_history
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.planning.motor_guide import SLANTED_PATH_DRAWS, lifts
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
@@ -39,9 +40,9 @@ def flown() -> list[tuple[Flight, Found]]:
 def test_the_quick_search(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     used = [True] * FLIGHTS
     seconds = measured(benchmark, lambda: quick_look("Test", flown, used))
-    model = rocket_model([flight for flight, _ in flown], [found for _, found in flown])
+    model = rocket_model(history_of([flight for flight, _ in flown], [found for _, found in flown]))
     began = time.process_time()
-    diagnose(model, observe(model.flights, model.found, used))
+    diagnose(model, observe(model.history.using(used)))
     beside(benchmark, seconds, time.process_time() - began, "the search of the loop")
 
 

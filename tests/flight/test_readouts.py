@@ -20,6 +20,7 @@ from fieldkit.inference.network.field_ensemble import FieldPosterior, infer_fiel
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, observe, own_sd, reading_sd
 from fieldkit.motors import catalogue, own
+from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import recorded
 from fieldkit.presentation.export import csv_table, document
 from fieldkit.services.manual_entry import enter
@@ -222,7 +223,7 @@ def test_a_fit_uses_the_standard_deviation_of_a_readout_if_there_is_one() -> Non
     assert own[0, coast] == pytest.approx(0.1 / 5.2)
     assert np.isnan(own[1]).all()
     assert np.isnan(own[0, speed])
-    data = observe([FLIGHT, bare], [catalogue().resolve("F24-4W")] * 2, [True, True])
+    data = observe(history_of([FLIGHT, bare], [catalogue().resolve("F24-4W")] * 2, used_in_fit=[True, True]))
     assert data.sd[0, apogee] == own[0, apogee]
     assert data.sd[1, apogee] == pytest.approx(reading_sd(np.exp(data.values))[1, apogee])
     late = Flight(apogee=100.0, apogee_to_eject=-1.0, sd={"apogee_to_eject": 0.3})

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from fieldkit.forecast import at_once
 from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.inference.history import features
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
@@ -25,7 +25,7 @@ def test_quick_answers_follow_a_fleet_that_gets_heavier(monkeypatch: pytest.Monk
     quick = forecast_at_once(earlier, plan, shared=shared)
     assert quick.apogee_at(0.05) < last.apogee < quick.apogee_at(0.95)
     without = replace(learned(), sds={key: sd for key, sd in learned().sds.items() if key != "mass.drift"})
-    monkeypatch.setattr(at_once, "learned", lambda: without)
+    monkeypatch.setattr(features, "learned", lambda: without)
     constant = forecast_at_once(earlier, plan, shared=shared)
     assert last.apogee < constant.apogee_at(0.05)
     assert abs(quick.apogee_at(0.5) - last.apogee) < 0.5 * abs(constant.apogee_at(0.5) - last.apogee)

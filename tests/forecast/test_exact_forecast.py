@@ -11,6 +11,7 @@ from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared, observe
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import shown
+from fieldkit.physics.history import history_of
 from fieldkit.shapes import Array
 from tests.seasons import season
 
@@ -66,8 +67,8 @@ def test_a_forecast_agrees_with_exactly_weighted_draws(recorded: tuple[str, ...]
     ridge."""
     rng = np.random.default_rng(5)
     flights, found = map(list, zip(*season(rng, recorded), strict=True))
-    model = replace(forecast_model(flights, found), coarse=True)
-    result = fit_robustly(model, observe(model.flights, model.found, [True] * len(flights), model.hyperprior))
+    model = replace(forecast_model(history_of(flights, found)), coarse=True)
+    result = fit_robustly(model, observe(model.history.using([True] * len(flights)), model.hyperprior))
     drawn = weighed(result, rng)
     assert 1 / (drawn.weight**2).sum() > effective
     apogees = np.log(next_apogees(model, drawn.terms))

@@ -18,6 +18,7 @@ from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import USUAL_WIND
 from fieldkit.selection.candidates import EACH_GROUP, Place
 from tests import seasons
@@ -34,7 +35,7 @@ def season(off: dict[str, float], count: int = 3) -> Flown:
     motor."""
     plans = [replace(PLAN, flight_id=str(i), motor=motor) for i, motor in enumerate(MOTORS * count)]
     found = [catalogue().resolve(plan.motor) for plan in plans]
-    model = base_model(plans, found)
+    model = base_model(history_of(plans, found))
     readings = shown(model, np.array([[term.mean for term in model.terms]]), {})
     rng = np.random.default_rng(4)
     flown = []
@@ -92,7 +93,7 @@ def test_a_device_that_misreads_speed_and_coast_does_not_bias_apogees() -> None:
 
 def test_the_forecast_spread_scales_with_the_noise_of_rocket_and_device() -> None:
     found = [catalogue().resolve("F24")]
-    certain, doubtful = base_model([PLAN], found), base_model([PLAN], found, learned())
+    certain, doubtful = base_model(history_of([PLAN], found)), base_model(history_of([PLAN], found), learned())
     assert {term.scaled_by for term in certain.terms} == {""}
     assert {str(term.bends) for term in doubtful.terms if term.scaled_by == "reading"} == set(OBSERVED_READOUTS) - {
         "apogee",

@@ -12,6 +12,7 @@ from fieldkit.forecast.term_draws import term_draws
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import history_of
 
 pytestmark = pytest.mark.fast
 
@@ -27,7 +28,7 @@ def model() -> Model:
         Term(TermName("drag"), "drag", 0.0, 1.0, np.ones(1)),
         Term(TermName("wind", "effect"), WIND, prior.mean, prior.sd, np.ones(1), prior.low, prior.high),
     )
-    return Model((Flight(),), (), np.ones(1), terms, (0,))
+    return Model(history_of([Flight()], []), terms)
 
 
 def fitted(terms: list[int], mean: np.ndarray, covariance: np.ndarray) -> Any:

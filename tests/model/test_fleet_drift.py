@@ -17,6 +17,7 @@ from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 
 CHECK_SHAPES = False
 START = datetime(2015, 6, 1)
@@ -37,7 +38,7 @@ def times(flights: list[Flight]) -> list[datetime | None]:
 def flown(rocket: str, at: list[float], rate: float) -> list[tuple[Flight, Found]]:
     """Flights of a rocket at some times [year] whose mass grows at a rate [1/year] and is recorded once."""
     plans = [flight(f"{rocket}-{number}", year, rocket) for number, year in enumerate(at)]
-    model = base_model(plans, [MOTOR] * len(plans), learned(), period=(START.date(), START.date()))
+    model = base_model(history_of(plans, [MOTOR] * len(plans)), learned(), period=(START.date(), START.date()))
     truth = np.array([[term.mean for term in model.terms]])
     truth[0, [name.level == "drift" for name in model.names]] = rate
     figures = shown(model, truth, {})
@@ -69,12 +70,12 @@ def test_a_flight_without_a_date_was_flown_with_the_one_before_it() -> None:
 
 def test_a_wrong_date_adds_no_thousand_terms() -> None:
     wrong = flight("0", None).with_changes(date_time=datetime(1, 1, 1))
-    model = base_model([wrong, flight("1", 0), flight("2", 1)], [MOTOR] * 3, learned())
+    model = base_model(history_of([wrong, flight("1", 0), flight("2", 1)], [MOTOR] * 3), learned())
     assert sum(name.level == "drift" for name in model.names) == MAX_YEARS
 
 
 def test_flights_without_dates_have_no_drift() -> None:
-    model = base_model([flight("1", None), flight("2", None)], [MOTOR, MOTOR], learned())
+    model = base_model(history_of([flight("1", None), flight("2", None)], [MOTOR, MOTOR]), learned())
     assert not any(name.level == "drift" for name in model.names)
 
 

@@ -10,6 +10,7 @@ from fieldkit.model.high_power import HIGH_POWER_IMPULSE, closer_to_designs, is_
 from fieldkit.model.hyperprior import START
 from fieldkit.model.rocket_model import apogee_scatter, base_model
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.planning.rules import rule_sets
 
 pytestmark = pytest.mark.fast
@@ -21,7 +22,7 @@ FOUND = [catalogue().resolve(flight.motor) for flight in FLIGHTS]
 
 
 def test_mass_thrust_and_apogee_of_designed_high_power_flights_are_scaled_and_drag_is_not() -> None:
-    plain = base_model(FLIGHTS, FOUND, HALF)
+    plain = base_model(history_of(FLIGHTS, FOUND), HALF)
     closer = closer_to_designs(plain, {"A": 0.5})
     for before, after in zip(plain.terms, closer.terms, strict=True):
         scaled = before.bends in ("mass", "thrust", "apogee")

@@ -13,6 +13,7 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.sources import measured_in_samples
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import flown_and_planned, history_of
 
 CHECK_SHAPES = False
 PLAN = Flight("next", "Law", "A", "F24-4W", dry_mass=0.322, diameter=0.066)
@@ -22,7 +23,7 @@ SHOWN = ("apogee", *FROM_DEVICES)
 def flown(source: str, count: int = 2) -> list[tuple[Flight, Found]]:
     """Simulated flights of a rocket with high drag, measured exactly by a source."""
     motor = catalogue().resolve(PLAN.motor)
-    model = base_model([PLAN] * count, [motor] * count, START)
+    model = base_model(history_of([PLAN] * count, [motor] * count), START)
     truth = np.array([[term.mean for term in model.terms]])
     truth[0, model.names.index(TermName("drag"))] += 0.3
     readings = shown(model, truth, {})
@@ -49,13 +50,12 @@ def test_a_flight_without_the_readout_has_the_source_of_the_previous_one() -> No
 
 def test_readouts_from_samples_share_no_term_with_those_of_a_device() -> None:
     typed, logged = flown("typed", 1), flown("accel", 1)
-    flights, motors = zip(*typed, *logged, strict=True)
-    model = base_model(flights, motors, learned())
+    model = base_model(flown_and_planned([*typed, *logged]), learned())
     weight = {term.name: term.weight.tolist() for term in model.terms}
     for readout in FROM_DEVICES:
         assert weight[TermName(readout, "fleet")] == weight[TermName(readout)] == [1.0, 0.0]
         assert weight[TermName(readout, "logged")] == [0.0, 1.0]
-    only_logs = base_model(*zip(*logged, strict=True), learned())
+    only_logs = base_model(flown_and_planned(logged), learned())
     assert not [name for name in only_logs.names if name.quantity in FROM_DEVICES and name.level != "logged"]
 
 

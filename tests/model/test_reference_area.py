@@ -11,6 +11,7 @@ from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import reference_area
 
 MOTOR = catalogue().resolve("C6-5")
@@ -49,7 +50,7 @@ def test_a_missing_diameter_is_that_of_the_configuration() -> None:
 
 def test_only_a_rocket_without_any_diameter_has_an_unknown_area() -> None:
     def drag_sd(widths: Sequence[float | None]) -> float:
-        terms = base_model(flights(widths), [MOTOR] * 4, learned()).terms
+        terms = base_model(history_of(flights(widths), [MOTOR] * 4), learned()).terms
         (drag,) = (term for term in terms if term.name == TermName("drag"))
         return drag.sd
 

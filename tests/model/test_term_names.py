@@ -11,6 +11,7 @@ from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 
 MOTOR = catalogue().resolve("C6-5")
 ONE = Flight("1", "Law", "A", "C6-5", dry_mass=0.08, diameter=0.034, apogee=150.0)
@@ -35,5 +36,5 @@ def test_no_configuration_is_mistaken_for_a_motor_or_the_fleet(name: str) -> Non
 
 def test_every_term_of_a_model_has_its_own_name() -> None:
     flights = [replace(ONE, config=config) for config in ("", "the fleet", "Estes C6", "A")]
-    names = base_model(flights, [MOTOR] * 4, learned()).names
+    names = base_model(history_of(flights, [MOTOR] * 4), learned()).names
     assert len(names) == len(set(names))

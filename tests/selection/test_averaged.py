@@ -8,6 +8,7 @@ import pytest
 from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import observe
+from fieldkit.physics.history import history_of
 from fieldkit.selection import averaged
 from fieldkit.selection.averaged import MAX_REFITS, left_out
 from fieldkit.selection.extended_model import rocket_model
@@ -24,8 +25,8 @@ def unreliable(flights: int) -> Hypothesis:
     """The plain model of a season, whose importance weights count as unreliable."""
     pairs = season(np.random.default_rng(1), ("apogee",), flights, None)
     some, found = [flight for flight, _ in pairs], [motor for _, motor in pairs]
-    model = rocket_model(some, found)
-    plain = fit(model, observe(some, found, [True] * flights), outlier_flights=True)
+    model = rocket_model(history_of(some, found))
+    plain = fit(model, observe(history_of(some, found, used_in_fit=[True] * flights)), outlier_flights=True)
     (one,) = checked(SetPosterior((Hypothesis((), plain),))).hypotheses
     assert one.sampled is not None
     return replace(one, sampled=replace(one.sampled, pareto_k_without=np.linspace(1, 2, flights)))

@@ -11,6 +11,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.selection.covariates import known_before
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import known_patterns
@@ -37,7 +38,7 @@ def season(count: int = 16, **columns: Sequence[str]) -> list[Flight]:
         )
         for row in range(count)
     ]
-    model = base_model(plans, [catalogue().resolve(plan.motor) for plan in plans])
+    model = base_model(history_of(plans, [catalogue().resolve(plan.motor) for plan in plans]))
     start = np.array([[term.mean for term in model.terms]])
     readings = shown(model, start, {})
     noise = np.exp(0.02 * np.random.default_rng(7).normal(size=count))
@@ -110,8 +111,8 @@ def test_a_pattern_in_a_users_own_column_is_found() -> None:
         )
         for flight, own in zip(flights, spread, strict=True)
     ]
-    model = base_model(low, [catalogue().resolve(flight.motor) for flight in low])
-    found = diagnose(model, observe(low, model.found, [True] * len(low)))
+    model = base_model(history_of(low, [catalogue().resolve(flight.motor) for flight in low]))
+    found = diagnose(model, observe(history_of(low, model.found, used_in_fit=[True] * len(low))))
     assert found.effect == "unexplained"
     assert any("fin_spread_mm" in str(place) for place in found.pattern)
     assert not any("sim_m" in str(place) for one in found.posterior.hypotheses for place in one.places)

@@ -14,6 +14,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.residual import fingerprint, patterns, readout_residuals, spreads
@@ -37,8 +38,8 @@ class Diagnoses(dict):
         make(folder, (scenario,), 1, SEED, "fast", first=2)
         (label,) = json.loads((folder / "labels.json").read_text())
         flights = _flights(folder / f"{label['set']}.csv")
-        model = rocket_model([f for f, _ in flights], [m for _, m in flights])
-        diagnosis = diagnose(model, observe(model.flights, model.found, [True] * len(flights)))
+        model = rocket_model(history_of([f for f, _ in flights], [m for _, m in flights]))
+        diagnosis = diagnose(model, observe(model.history.using([True] * len(flights))))
         later = [f for f, _ in _flights(folder / f"{label['set']}_future.csv")]
         self[scenario] = diagnosis, label, later
         return self[scenario]
@@ -128,7 +129,7 @@ def test_an_early_ejection_has_its_fingerprint(diagnoses: Diagnoses) -> None:
 def test_a_diagnosis_is_reproducible_and_does_not_depend_on_the_order_of_candidates(diagnoses: Diagnoses) -> None:
     diagnosis, label, _ = diagnoses["wind"]
     flights = _flights(diagnoses.folder / "wind" / f"{label['set']}.csv")
-    model = rocket_model([f for f, _ in flights], [m for _, m in flights])
+    model = rocket_model(history_of([f for f, _ in flights], [m for _, m in flights]))
     again = diagnose(model, diagnosis.data)
     assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]
 
@@ -142,8 +143,8 @@ def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setitem(SCENARIOS, "three", three)  # type: ignore[misc]
     make(tmp_path, ["three"], 1, SEED, "fast")
     flights = _flights(tmp_path / "set_001.csv")
-    model = rocket_model([f for f, _ in flights], [m for _, m in flights])
-    diagnosis = diagnose(model, observe(model.flights, model.found, [True] * len(flights)))
+    model = rocket_model(history_of([f for f, _ in flights], [m for _, m in flights]))
+    diagnosis = diagnose(model, observe(model.history.using([True] * len(flights))))
     assert set(diagnosis.effect.split("+")) == {part.effect for part in parts}
     assert diagnosis.confidence > 0.5
     assert diagnosis.after.mae < 0.5 * diagnosis.before.mae
@@ -154,7 +155,7 @@ def test_an_effect_not_confirmed_by_left_out_flights_is_reported_as_such(effect:
     table = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.csv"
     flown = [pair for pair in _flights(table) if pair[0].clean]
     flights = [flight for flight, _ in flown]
-    model = rocket_model(flights, [found for _, found in flown])
-    diagnosis = diagnose(model, observe(model.flights, model.found, [True] * len(flights)), given=[effect])
+    model = rocket_model(history_of(flights, [found for _, found in flown]))
+    diagnosis = diagnose(model, observe(model.history.using([True] * len(flights))), given=[effect])
     assert (diagnosis.after.mae < diagnosis.before.mae) is shown
     assert ("held-out flights do not show it yet" in diagnosis.why) is not shown

@@ -14,6 +14,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
@@ -72,7 +73,7 @@ def history(strong: Strong, count: int = 16) -> tuple[Diagnosis, list[Flight]]:
         when = datetime(2026, 5, 1, 10) + timedelta(days=7 * (row // 4), minutes=30 * (row % 4))
         flights.append(Flight(str(row + 1), rocket="Found", date_time=when, **{**plain, **columns}))
     found = [catalogue().resolve(flight.motor) for flight in flights]
-    model = rocket_model(flights, found)
+    model = rocket_model(history_of(flights, found))
     terms = effect_terms(strong.place, model)
     wide = model.with_terms(*terms)
     usual = [strong.strength if term in terms else term.mean for term in wide.terms]
@@ -83,7 +84,8 @@ def history(strong: Strong, count: int = 16) -> tuple[Diagnosis, list[Flight]]:
             name: float(readings[name][0, row] * (1 + sd * rng.standard_normal())) for name, sd in READ_TO.items()
         }
         noisy.append(flight.with_changes(**{name: value for name, value in readouts.items() if np.isfinite(value)}))
-    return diagnose(rocket_model(noisy, found), observe(noisy, found, [True] * count)), noisy
+    known = history_of(noisy, found, used_in_fit=[True] * count)
+    return diagnose(rocket_model(known), observe(known)), noisy
 
 
 @pytest.mark.slow
@@ -98,7 +100,7 @@ def test_a_strong_effect_is_found(name: str) -> None:
 
 def test_effects_that_begin_later_are_never_tried_from_the_first_flight_on() -> None:
     flights = [Flight(str(row), dry_mass=0.3, diameter=0.06, motor="F24-7W", apogee=300.0) for row in range(8)]
-    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
+    model = rocket_model(history_of(flights, [catalogue().resolve(flight.motor) for flight in flights]))
     places = [one.place for one in effect_candidates(model, np.ones(8, bool))]
     for name in ("heavier_recovery", "slow_lot"):
         assert {place.since for place in places if place.effect == name} == {"2", "3", "4", "5", "6"}
@@ -110,7 +112,7 @@ def test_a_missing_elevation_is_tried_at_the_sites_without_one() -> None:
         Flight(str(row), dry_mass=0.3, diameter=0.06, motor="F24-7W", apogee=300.0, site=site, site_elevation=elevation)
         for row, (site, elevation) in enumerate(sites * 3)
     ]
-    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
+    model = rocket_model(history_of(flights, [catalogue().resolve(flight.motor) for flight in flights]))
     places = [one.place for one in effect_candidates(model, np.ones(6, bool))]
     assert [place.where for place in places if place.effect == "blank_elevation"] == ["high"]
     assert {place.where for place in places if place.effect == "site_elevation"} == {"low", "high"}
@@ -119,5 +121,5 @@ def test_a_missing_elevation_is_tried_at_the_sites_without_one() -> None:
 def test_common_departures_are_in_the_plain_model_but_not_in_addition_to_a_learned_one() -> None:
     flights = [Flight("1", dry_mass=0.3, diameter=0.06, motor="F24-7W")]
     found = [catalogue().resolve("F24-7W")]
-    assert TermName("base_drag", "usual") in rocket_model(flights, found).names
-    assert TermName("base_drag", "usual") not in rocket_model(flights, found, hyperprior=learned()).names
+    assert TermName("base_drag", "usual") in rocket_model(history_of(flights, found)).names
+    assert TermName("base_drag", "usual") not in rocket_model(history_of(flights, found), hyperprior=learned()).names

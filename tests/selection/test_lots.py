@@ -11,6 +11,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, base_model, shared_names
 from fieldkit.model.term_names import TermName
 from fieldkit.motors.lots import lots, names_a_lot, recorded_lot
+from fieldkit.physics.history import history_of
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms, place_weight
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import known_patterns
@@ -36,7 +37,7 @@ def with_lots(header: str = "motor_lot") -> Model:
         flight.with_changes(extra={header: "2" if flight.motor == "F24" and row >= 8 else "1"})
         for row, flight in enumerate(model.flights)
     ]
-    return base_model(flights, model.found)
+    return base_model(history_of(flights, model.found))
 
 
 @pytest.mark.parametrize(("header", "does"), HEADERS.items())
@@ -74,7 +75,8 @@ def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
     truth = with_lots()
     (term,) = effect_terms(WEAK_LOT, truth)
     flights = measured(truth.with_terms(replace(term, mean=-0.12))).flights
-    diagnosis = diagnose(base_model(flights, truth.found), observe(flights, truth.found, [True] * 16))
+    history = history_of(flights, truth.found)
+    diagnosis = diagnose(base_model(history), observe(history))
     assert diagnosis.effect == "motor_thrust"
     assert diagnosis.posterior.inclusion["motor_thrust"] > 0.9
     lot = next(trial for one in diagnosis.ranking for trial in one.trials if trial.candidate.place == WEAK_LOT)
@@ -83,8 +85,8 @@ def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
 
 
 def test_flights_that_record_lots_share_their_thrust_and_others_are_as_before() -> None:
-    plain, several = base_model(with_lots("box").flights, with_lots().found, learned()), with_lots()
-    known = base_model(several.flights, several.found, learned())
+    plain, several = base_model(history_of(with_lots("box").flights, with_lots().found), learned()), with_lots()
+    known = base_model(several.history, learned())
     lots_of_f24 = [TermName("thrust", "lot", f"AeroTech F24W lot {n}") for n in (1, 2)]
     assert set(lots_of_f24) <= set(known.names) - set(plain.names)
     assert set(plain.names) <= set(known.names)

@@ -5,6 +5,7 @@ import pytest
 
 from fieldkit.inference.laplace.fit import fit
 from fieldkit.model.readout_data import observe
+from fieldkit.physics.history import history_of
 from fieldkit.selection import next_experiment
 from fieldkit.selection.candidates import Place
 from fieldkit.selection.extended_model import rocket_model
@@ -19,9 +20,9 @@ def test_an_option_has_the_same_evidence_at_every_position(monkeypatch: pytest.M
     flights = [
         flight.with_changes(apogee=250.0 * float(np.exp(-0.03 * row))) for row, flight in enumerate(model.flights)
     ]
-    model = rocket_model(flights, model.found)
-    data = observe(model.flights, model.found, [True] * len(flights))
-    worn = Explanation((Place("wear"),), fit(rocket_model(flights, model.found, (Place("wear"),)), data))
+    model = rocket_model(history_of(flights, model.found))
+    data = observe(model.history.using([True] * len(flights)))
+    worn = Explanation((Place("wear"),), fit(rocket_model(history_of(flights, model.found), (Place("wear"),)), data))
     plain = Explanation((), fit(model, data))
     one = next(options(model))
     monkeypatch.setattr(next_experiment, "options", lambda model: [one] * 3)

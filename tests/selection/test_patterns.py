@@ -8,6 +8,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import model_name, predict
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.selection.candidates import Pattern, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.patterns import known_patterns, pattern_terms
@@ -72,10 +73,10 @@ def test_a_date_without_a_time_has_no_hour() -> None:
 
 def test_a_pattern_that_the_flights_do_not_show_is_left_out() -> None:
     flights = flown(4)
-    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
-    assert pattern_terms(Place(pattern=Pattern("lasting", "F9")), model, 4) == ()
+    model = rocket_model(history_of(flights, [catalogue().resolve(flight.motor) for flight in flights]))
+    assert pattern_terms(Place(pattern=Pattern("lasting", "F9")), model) == ()
     day = Place(pattern=Pattern("day", "2026-05-02"))
-    assert len(rocket_model(flights, model.found, [day]).terms) == len(model.terms)
+    assert len(rocket_model(history_of(flights, model.found), [day]).terms) == len(model.terms)
 
 
 def test_a_pattern_of_a_rocket_whose_flights_were_removed_is_left_out() -> None:

@@ -15,6 +15,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term, scatter_of
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.selection.residual import associations, holm, spread_of, standardised
 from fieldkit.shapes import Array, Float
 
@@ -46,14 +47,7 @@ def null_residuals() -> Float[Array, "set flight readout"]:
     reading = CERTIFIED_PRIOR.scales()[1][SCALE]
     terms = tuple(Term(TermName(str(i)), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
     model, tangent = (
-        Model(
-            (Flight(),) * FLIGHTS,
-            (catalogue().resolve("F24"),) * FLIGHTS,
-            np.zeros(FLIGHTS),
-            terms,
-            tuple(range(FLIGHTS)),
-            CERTIFIED_PRIOR,
-        ),
+        Model(history_of([Flight()] * FLIGHTS, [catalogue().resolve("F24")] * FLIGHTS), terms, CERTIFIED_PRIOR),
         near(),
     )
     sd = np.full(tangent.values.shape, 0.3)

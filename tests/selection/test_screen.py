@@ -12,6 +12,7 @@ from fieldkit.inference.laplace.linearization import tangents
 from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.readout_data import observe
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import history_of
 from fieldkit.selection import screen
 from fieldkit.selection.candidates import Candidate, effect_candidates
 from fieldkit.selection.extended_model import rocket_model
@@ -29,7 +30,7 @@ LINEAR = ("altimeter_scale", "mass_offset", "motor_thrust", "wear", "base_drag")
 
 def families() -> tuple[object, dict[str, list[Candidate]]]:
     model = measured(season())
-    plain = fit(model, observe(model.flights, model.found, [True] * 16), outlier_flights=True)
+    plain = fit(model, observe(model.history.using([True] * 16)), outlier_flights=True)
     every = by_effect(list(effect_candidates(model, np.ones(16, bool))))
     return plain, {name: every[name] for name in LINEAR}
 
@@ -116,8 +117,8 @@ def test_every_place_of_an_effect_that_needs_a_blank_column_is_screened_on_its_o
         flight.with_changes(date_time=datetime(2026, 5, 1 + 7 * (row // 6)), site="AB"[row % 2])
         for row, flight in enumerate(base.flights)
     ]
-    model = measured(rocket_model(flights, base.found))
-    plain = fit(model, observe(model.flights, model.found, [True] * 16), outlier_flights=True)
+    model = measured(rocket_model(history_of(flights, base.found)))
+    plain = fit(model, observe(model.history.using([True] * 16)), outlier_flights=True)
     air = [one for one in effect_candidates(model, np.ones(16, bool)) if one.effect == "air_density"]
     assert {str(one.place) for one in air} >= {"blank_elevation of A", "blank_elevation of B", "weather of each day"}
     steps = screened({"air_density": air}, plain).steps

@@ -15,6 +15,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Term, strength_term
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import history_of
 from fieldkit.selection import search
 from fieldkit.selection.candidates import Candidate, Place, effect_candidates, effect_terms
 from fieldkit.selection.extended_model import rocket_model
@@ -65,8 +66,8 @@ def test_the_evidence_of_a_probable_set_does_not_depend_on_the_grid_of_its_fit()
     """Two grids of the scatter with values at and between those of the other, and the same ends."""
     pairs = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
     flights, motors = [flight for flight, _ in pairs], [motor for _, motor in pairs]
-    data = observe(flights, motors, [True] * len(flights))
-    usual = rocket_model(flights, motors)
+    data = observe(history_of(flights, motors, used_in_fit=[True] * len(flights)))
+    usual = rocket_model(history_of(flights, motors))
     linear, found = [], []
     for grid in ((0.5, 1.0, 2.0, 6.5), (0.5, 0.7, 1.4, 6.5)):
         own = replace(CERTIFIED_PRIOR, scatter=replace(CERTIFIED_PRIOR.scatter, grid=grid))
@@ -111,10 +112,10 @@ def test_two_effects_that_hide_each_other_are_found_without_all_places_of_long_h
     true = (("wear", 0.02), ("wind", 0.5))
     terms = (replace(effect_terms(Place(name), calmer)[0], mean=strength) for name, strength in true)
     flown = measured(calmer.with_terms(*terms), seed=4)
-    model, every = replace(rocket_model(flown.flights, flown.found), coarse=True), np.ones(16, bool)
+    model, every = replace(rocket_model(flown.history), coarse=True), np.ones(16, bool)
     known = by_effect(list(effect_candidates(model, every)))
     tried = {name: known[name] for name in ("wear", "wind", "motor_thrust")}
-    found = explore(model, observe(flown.flights, flown.found, every), tried)
+    found = explore(model, observe(flown.history.using(every)), tried)
     assert found.sets[frozenset({"wear"})] < found.nothing > found.sets[frozenset({"wind"})]
     assert found.sets[frozenset({"wear", "wind"})] > 0.8
     assert max(places) <= MAX_PLACES < max(len(family) for family in tried.values())

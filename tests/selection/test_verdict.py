@@ -16,6 +16,7 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import history_of
 from fieldkit.selection import verdict as verdicts
 from fieldkit.selection.candidates import EACH_GROUP, Candidate, Pattern, Place, effect_candidates, effect_terms
 from fieldkit.selection.diagnose import diagnose
@@ -116,7 +117,7 @@ def season(**columns: list[Any]) -> Model:
         ).with_changes(**{name: values[number] for name, values in columns.items()})
         for number in range(16)
     ]
-    return base_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
+    return base_model(history_of(flights, [catalogue().resolve(flight.motor) for flight in flights]))
 
 
 def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
@@ -131,15 +132,15 @@ def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
         flight.with_changes(**{name: float(read[name][row]) for name in OBSERVED_READOUTS})
         for row, flight in enumerate(model.flights)
     ]
-    return replace(model, flights=tuple(flights))
+    return replace(model, history=replace(model.history, flights=tuple(flights)))
 
 
 def test_hot_and_cold_days_change_the_air_density_and_the_altimeter_together() -> None:
     kelvin = [288.15 + (-10.0, 14.0, 2.0, 22.0)[number // 4] for number in range(16)]
     flown = measured(season(temperature=kelvin))
     forgotten = [flight.with_changes(temperature=None) for flight in flown.flights]
-    model = base_model(forgotten, flown.found)
-    diagnosis = diagnose(model, observe(forgotten, flown.found, [True] * 16))
+    model = base_model(history_of(forgotten, flown.found))
+    diagnosis = diagnose(model, observe(history_of(forgotten, flown.found, used_in_fit=[True] * 16)))
     assert diagnosis.effect == "air_density"
     (trial,) = diagnosis.accepted
     assert trial.candidate.place == Place("weather", EACH_GROUP)
@@ -150,7 +151,7 @@ def test_hot_and_cold_days_change_the_air_density_and_the_altimeter_together() -
 
 def test_an_effect_given_by_the_flyer_is_accepted_whatever_the_evidence() -> None:
     model = measured(season())
-    data = observe(model.flights, model.found, [True] * 16)
+    data = observe(model.history.using([True] * 16))
     taken = diagnose(model, data, given=("wear", "mass_offset"))
     assert taken.effect == "wear+mass_offset"
     assert [trial.candidate.effect for trial in taken.accepted] == ["wear", "mass_offset"]
@@ -160,7 +161,7 @@ def test_an_effect_given_by_the_flyer_is_accepted_whatever_the_evidence() -> Non
 
 def test_the_probability_of_a_given_effect_is_counted_once() -> None:
     model = measured(season())
-    taken = diagnose(model, observe(model.flights, model.found, [True] * 16), given=("mass_offset",))
+    taken = diagnose(model, observe(model.history.using([True] * 16)), given=("mass_offset",))
     assert taken.confidence == pytest.approx(taken.posterior.inclusion["mass_offset"], rel=0.3)
 
 
@@ -168,7 +169,7 @@ def test_the_probability_of_a_given_effect_is_counted_once() -> None:
 def test_an_unknown_effect_or_one_that_no_flight_could_show_is_an_error(name: str) -> None:
     model = measured(season())
     with pytest.raises(UnknownEffect, match="mass_offset"):
-        diagnose(model, observe(model.flights, model.found, [True] * 16), given=(name,))
+        diagnose(model, observe(model.history.using([True] * 16)), given=(name,))
 
 
 def test_an_effect_of_each_day_has_a_strength_for_every_day_without_a_temperature() -> None:

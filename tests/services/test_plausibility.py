@@ -22,6 +22,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.motors.motor import Motor
+from fieldkit.physics.history import history_of
 from fieldkit.services.plausible_flights import followed, incomplete_flights, outlying, without_delay
 from fieldkit.units import STANDARD_GRAVITY
 from tests.commands import Output, Run
@@ -467,8 +468,8 @@ def test_readouts_that_cannot_be_measurements_are_excluded(changes: dict[str, fl
     flight = flight.with_changes(**changes)
     assert set(not_measured(flight, F24)) == excluded
     motors = [catalogue().resolve("F24-4W")]
-    seen = observe([flight], motors, [True]).seen[0]
-    expected = observe([flight.with_changes(**dict.fromkeys(excluded))], motors, [True]).seen[0]
+    seen = observe(history_of([flight], motors, used_in_fit=[True])).seen[0]
+    expected = observe(history_of([flight.with_changes(**dict.fromkeys(excluded))], motors, used_in_fit=[True])).seen[0]
     assert (seen == expected).all()
     assert seen[0]
 

@@ -10,6 +10,7 @@ from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model
 from fieldkit.model.scale import Scale
+from fieldkit.physics.history import history_of
 from fieldkit.shapes import Array
 from studies.generated_ledgers import LedgerRecipe, ledger
 from studies.reference_posterior.hamiltonian import effective_size, sample, split_r_hat
@@ -53,8 +54,8 @@ def plain(motors: Scale | None = None) -> Hyperprior:
 def linear_target(student: bool, motors: Scale | None = None) -> tuple[Model, Data, Target]:
     (history,) = ledger(np.random.default_rng(4), [LedgerRecipe(4, 2)], learned())
     flights, found = zip(*history.flown, strict=True)
-    model = base_model(flights, found, plain(motors))
-    data = observe(model.flights, model.found, [True] * len(flights), model.hyperprior)
+    model = base_model(history_of(flights, found), plain(motors))
+    data = observe(model.history.using([True] * len(flights)), model.hyperprior)
     at = np.array([term.mean for term in model.terms])
     (near,) = tangents(model, [(tuple(range(len(at))), at)], launch_angle_slope(model, at))
     return model, data, target(model, data, at, linear(model, near), student=student)

@@ -17,11 +17,9 @@ import numpy as np
 from fieldkit.inference.history.evidence import Trials, conditional
 from fieldkit.inference.history.joint_evidence import log_odds
 from fieldkit.inference.history.linear_fit import LinearFit
-from fieldkit.inference.history.records import History
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
-from fieldkit.model.rocket_model import groups
-from fieldkit.physics.setups import recorded
+from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
 
 MAX_LOG_BAYES = 60.0
@@ -101,11 +99,10 @@ def of_history(
 ) -> dict[str, float | Array]:
     """Columns of the flights, and for the number of earlier flights with an apogee on each plan's motor and in its
     configuration."""
-    count = len(history.used_in_fit)
-    flown = history.flights[:count]
+    count = history.flown
     used = max(int(data.seen.any(axis=1).sum()), 1)
-    kinds = {per: groups(history.flights, history.found, per) for per in ("motor", "config", "site", "day")}
-    wind, temperature, diameter = (recorded(flown, name) for name in ("wind", "temperature", "diameter"))
+    kinds = {per: history.groups(per) for per in ("motor", "config", "site", "day")}
+    wind, temperature, diameter = (history.column(name)[:count] for name in ("wind", "temperature", "diameter"))
     residual = _residuals(left_out, data)
     apogee = residual[data.seen[:, 0], 0] if data.seen[:, 0].any() else np.zeros(1)
     centered = apogee - apogee.mean()

@@ -32,12 +32,15 @@ from fieldkit.inference.history.linear_fit import (
     robust,
 )
 from fieldkit.inference.history.moments import Moments, moments
-from fieldkit.inference.history.placed_effects import Placed, PlacedEffect, directions
-from fieldkit.inference.history.records import Candidates, History
+from fieldkit.inference.history.placed_effects import Candidates, Placed, PlacedEffect, directions
 from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, readings
-from fieldkit.physics.effect import effects, spoken
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.physics.effect import Effect, effects, spoken
+from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
 
 
@@ -80,15 +83,14 @@ class ModeledHistory:
     @property
     def flown(self) -> tuple[Flight, ...]:
         """The flown flights, as they were when this was made."""
-        return self.history.flights[: len(self.history.used_in_fit)]
+        return self.history.flights[: self.history.flown]
 
     @property
     def acting(self) -> frozenset[str]:
         """The effects whose response it needs."""
         every = [term for fit in (self.selection, self.forecast) for term in (*fit.model.terms, *fit.fresh)]
         every += [term for candidate in self.candidates for term in candidate.terms]
-        effects_of_terms = {id(term.bends) for term in every}
-        return frozenset(name for name, effect in effects().items() if id(effect) in effects_of_terms)
+        return frozenset(term.name.quantity for term in every if isinstance(term.bends, Effect))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,17 +107,24 @@ class PreparedHistory:
         return self.modeled.flown
 
 
-def modeled(history: History, candidates_of: Candidates) -> ModeledHistory:
-    """The models of a history. Raises ImpossibleFlight for a flight without a dry mass."""
-    count = len(history.used_in_fit)
-    both = history.flights, history.found, count
-    model = history_model(*both, history.selection, declared=False)
-    forecast = history_model(*both, history.forecast, history.shared, declared=True)
+def modeled(
+    history: History,
+    candidates_of: Candidates,
+    shared: SharedPrior | None = None,
+    forecast: Hyperprior | None = None,
+) -> ModeledHistory:
+    """The models of a rocket's history and one planned flight, or several alternative plans that differ only in their
+    motors; either all or none of the plans use motors flown before. `shared` is the information from the flyer's other
+    rockets, and `forecast` the hyperprior for forecasts, by default the learned one.
+    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the hyperprior cannot be read.
+    """
+    count = history.flown
+    model = history_model(history, CERTIFIED_PRIOR, declared=False)
+    ahead = history_model(history, forecast or learned(), shared, declared=True)
     # an effect of a motor is equally probable for each new one
-    one_motor = replace(model, found=on_one_new_motor(model.found, count))
-    candidates = tuple(candidates_of(one_motor, history.used_in_fit))
+    candidates = tuple(candidates_of(replace(model, history=on_one_new_motor(history))))
     return ModeledHistory(
-        history, prepared_fit(model, count), prepared_fit(forecast, count), candidates, directions(candidates)
+        history, prepared_fit(model, count), prepared_fit(ahead, count), candidates, directions(candidates)
     )
 
 
@@ -124,10 +133,10 @@ def summarized(ready: PreparedHistory, flown: Sequence[Flight], names: Sequence[
     own, response = ready.modeled, ready.response
     history, candidates = own.history, own.candidates
     read = readings(flown, history.found[: len(flown)])
-    data = history_data(read, history.used_in_fit, history.selection)
+    data = history_data(read, history.used_in_fit, own.selection.model.hyperprior)
     selection = linear_fit(own.selection, data, response)
     trials = weigh_placed(robust(selection), own.placed)
-    forecast_data = history_data(read, history.used_in_fit, history.forecast)
+    forecast_data = history_data(read, history.used_in_fit, own.forecast.model.hyperprior)
     plain = linear_fit(own.forecast, forecast_data, response, start=selection.offset, rounds=1)
     robustly = robust(plain)
     beside_forecast = weigh_placed(plain, own.placed)

@@ -21,13 +21,13 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
-from fieldkit.model.rocket_model import Model, Term, base_model, groups, strength_term
+from fieldkit.model.rocket_model import Model, Term, base_model, strength_term
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.model.usual_effects import usual_terms
-from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import History
 from fieldkit.physics.setups import differs_from_zero
 from fieldkit.shapes import Array, Float
 
@@ -86,13 +86,7 @@ class LinearFit:
 
 
 def history_model(
-    flights: Sequence[Flight],
-    found: Sequence[Found],
-    flown: int,
-    hyperprior: Hyperprior,
-    shared: SharedPrior | None = None,
-    *,
-    declared: bool,
+    history: History, hyperprior: Hyperprior, shared: SharedPrior | None = None, *, declared: bool
 ) -> Model:
     """The model of a history and its alternative plans; if `declared`, the effects of recorded conditions such as the
     wind act with their priors.
@@ -100,22 +94,21 @@ def history_model(
     Plans on motors that neither this rocket nor the others of the flyer have flown share the terms of one new motor.
     Raises ImpossibleFlight for a flight without a dry mass.
     """
-    order = [*range(flown), *[flown] * (len(flights) - flown)]
     elsewhere = {str(name.group) for name in (shared.names if shared else ()) if name.level == "motor"}
-    motors = on_one_new_motor(found, flown, elsewhere)
-    model = base_model(flights, motors, coarse_scales(hyperprior), flown, order, shared)
-    model = replace(model, found=tuple(found))
+    model = base_model(on_one_new_motor(history, elsewhere), coarse_scales(hyperprior), shared)
+    model = replace(model, history=history)
     model = model.with_terms(*usual_terms(model))
-    return model.with_terms(*declared_terms(flights)) if declared else model
+    return model.with_terms(*declared_terms(history.flights)) if declared else model
 
 
-def on_one_new_motor(found: Sequence[Found], flown: int, known: Collection[str] = ()) -> tuple[Found, ...]:
-    """The motors of flown flights and alternative plans, with one motor for all plans on motors that were not flown
-    before and are not in `known`. The plans exclude each other, so this changes no forecast."""
-    kinds = groups((), found, "motor")
-    past = {*kinds[:flown], *known}
+def on_one_new_motor(history: History, known: Collection[str] = ()) -> History:
+    """A history with one motor for all plans on motors that were not flown before and are not in `known`. The plans
+    exclude each other, so this changes no forecast."""
+    kinds, found = history.groups("motor"), history.found
+    past = {*kinds[: history.flown], *known}
     new = [motor for kind, motor in zip(kinds, found, strict=True) if kind not in past]
-    return tuple(motor if kind in past else new[0] for kind, motor in zip(kinds, found, strict=True))
+    one_motor = tuple(motor if kind in past else new[0] for kind, motor in zip(kinds, found, strict=True))
+    return replace(history, found=one_motor)
 
 
 def declared_terms(flights: Sequence[Flight]) -> list[Term]:

@@ -11,13 +11,13 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
 from fieldkit.inference.history.linear_fit import declared_terms
-from fieldkit.inference.history.placed_effects import PlacedEffect
-from fieldkit.inference.history.records import Candidates
+from fieldkit.inference.history.placed_effects import Candidates, PlacedEffect
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import Model, Term, base_model, shared_names
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.usual_effects import usual_terms
+from fieldkit.physics.history import history_of
 
 SELECTION_WORLD = 0.55
 """Fraction of rockets drawn from the hyperprior for effects; the others come from the hyperprior for forecasts. [1]"""
@@ -48,16 +48,17 @@ def modeled_rocket(
     hyperprior = CERTIFIED_PRIOR if selects else learned()
     sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
     hyperprior = replace(hyperprior, sds=sds)
-    count, measured = len(rocket.used_in_fit), _measured(rocket)
-    model = base_model(measured, rocket.found, hyperprior, count)
+    used, measured = rocket.used_in_fit, _measured(rocket)
+    history = history_of(measured, rocket.found, len(used), used_in_fit=used)
+    model = base_model(history, hyperprior)
     shared = None
     if not selects and rng.uniform() < 0.4:
         shared = _others(rng, model)
-        model = base_model(measured, rocket.found, hyperprior, count, shared=shared)
+        model = base_model(history, hyperprior, shared)
     always = usual_terms(model) if selects else declared_terms(measured)
     acting = {term.name.quantity for term in always if term.name.level == "effect"}
     families: dict[str, list[PlacedEffect]] = {}
-    for candidate in candidates_of(model, rocket.used_in_fit):
+    for candidate in candidates_of(model):
         if candidate.effect and candidate.effect not in acting:
             families.setdefault(candidate.effect, []).append(candidate)
     return ModeledRocket(rocket, model, selects, shared, tuple(always), families)

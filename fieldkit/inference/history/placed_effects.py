@@ -1,6 +1,6 @@
 """Candidates for a model in a linear fit: directions in which strengths move the readouts."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from fieldkit.inference.evidence import log_mass
 from fieldkit.inference.history.response import started
-from fieldkit.model.rocket_model import Term
-from fieldkit.physics.effect import Effect, effects
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.physics.effect import Effect
 from fieldkit.shapes import Array, Float, Int, Integers
 
 START_SD = 0.25
@@ -27,6 +27,11 @@ class PlacedEffect(Protocol):
     def terms(self) -> tuple[Term, ...]: ...
     @property
     def log_fraction(self) -> float: ...
+
+
+Candidates = Callable[[Model], Sequence[PlacedEffect]]
+"""A function that returns the candidates for a model with some flown flights; a parameter, because selection is a layer
+above inference."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,11 +89,10 @@ class _Direction(NamedTuple):
 
 def directions(candidates: Sequence[PlacedEffect]) -> Placed:
     """Candidates as directions."""
-    names = {id(effect): name for name, effect in effects().items()}
     single: list[_Direction] = []
     several: list[list[_Direction]] = []
     for number, candidate in enumerate(candidates):
-        own = [one for term in candidate.terms for one in _of_term(number, candidate, term, names)]
+        own = [one for term in candidate.terms for one in _of_term(number, candidate, term)]
         if len(candidate.terms) == 1:
             single += own
         elif own:
@@ -96,14 +100,14 @@ def directions(candidates: Sequence[PlacedEffect]) -> Placed:
     return Placed(_stacked(single) if single else None, tuple(_stacked(own) for own in several))
 
 
-def _of_term(number: int, candidate: PlacedEffect, term: Term, names: Mapping[int, str]) -> Iterator[_Direction]:
+def _of_term(number: int, candidate: PlacedEffect, term: Term) -> Iterator[_Direction]:
     """The direction of a term, or one around each start of an effect's strength."""
     about = (number, candidate.effect)
     bounded = (term.mean, term.sd, term.low, term.high, 1.0)
     if not isinstance(term.bends, Effect):
         yield _Direction(*about, term.bends, term.weight, candidate.log_fraction, *bounded)
         return
-    name = names[id(term.bends)]
+    name = term.name.quantity
     if not term.bends.starts:
         yield _Direction(*about, started(name, 0), term.weight, candidate.log_fraction, *bounded)
         return

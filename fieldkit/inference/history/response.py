@@ -13,15 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
-from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect, effects
+from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
 
 REFERENCE_LOG_DRAG = float(np.log(0.6))
@@ -76,20 +75,15 @@ def secant(effect: Effect) -> tuple[float, ...]:
     return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN_FLIGHTS if effect.grows else 1.0), 1e-6, None)),)
 
 
-def respond(
-    flights: Sequence[Flight],
-    found: Sequence[Found],
-    area: Float[Array, "flight"],
-    acting: Collection[str] | None = None,
-) -> FlightResponse:
-    """The response of flights, of any rockets, with coarse thrust curves and steps, to the `acting` effects, by default
-    all.
+def respond(history: History, acting: Collection[str] | None = None) -> FlightResponse:
+    """The response of flights and plans to the `acting` effects, by default all, with coarse thrust curves and steps,
+    from one batch of simulated flights.
 
-    `area` is the reference area of each flight. [m^2] Raises ImpossibleFlight for a flight without a dry mass and
-    BadValue for a recovery figure or rail direction that cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
+    cannot be read.
     """
     known = {name: effect for name, effect in effects().items() if acting is None or name in acting}
-    count = len(flights)
+    count = len(history.flights)
     places = [(name, value) for name, effect in known.items() for value in secant(effect)]
     each_drag = [("", 0.0), *STEPS.items()]
     at_middle = [*STEPS_AT_MIDDLE.items(), ("delay", DELAY_STEP), ("delay", -DELAY_STEP)]
@@ -105,7 +99,7 @@ def respond(
     values = np.zeros((placed + len(places), len(places)))
     values[placed:] = np.diag([value for _, value in places])
     terms = tuple(Term(TermName(name, "start", value), known[name], 0.0, 1.0, np.ones(count)) for name, value in places)
-    model = Model(tuple(flights), tuple(found), area, terms, tuple(range(count)), coarse=True)
+    model = Model(history, terms, coarse=True)
     readings = shown(model, values, bends)
     flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     by_drag = flown[:stepped].reshape(len(DRAG_OFFSETS), len(each_drag), count, -1)
@@ -161,8 +155,7 @@ def slopes(
     """Derivatives of the readouts per unit of each term, from the result of `moved_at`."""
     if not terms:
         return np.empty((*moved[""].shape, 0))
-    names = {id(effect): started(name, 0) for name, effect in effects().items()}
-    bends = [term.bends if isinstance(term.bends, str) else names[id(term.bends)] for term in terms]
+    bends = [term.bends if isinstance(term.bends, str) else started(term.name.quantity, 0) for term in terms]
     kinds = list(dict.fromkeys(bends))
     known = np.empty((*moved[""].shape, len(kinds)))
     for place, kind in enumerate(kinds):

@@ -21,7 +21,7 @@ from fieldkit.inference.history.features import (
     modeled,
 )
 from fieldkit.inference.history.features import summarized as summary_of
-from fieldkit.inference.history.records import Candidates
+from fieldkit.inference.history.placed_effects import Candidates
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
@@ -31,7 +31,7 @@ from fieldkit.model.random_effects import priors
 from fieldkit.motors import Motor
 from fieldkit.motors.motor import digest
 from fieldkit.physics.effect import effects
-from fieldkit.physics.setups import reference_area
+from fieldkit.physics.history import together
 from fieldkit.shapes import Array, Float
 
 ROCKETS_PER_SHARD = 100
@@ -91,19 +91,16 @@ def summarized(
     """The summaries of simulated histories; their rockets are simulated in one batch. Raises ImpossibleFlight for a
     flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
     """
-    rockets = {id(one.history.found): one.history for one in found}
-    flights = [flight for history in rockets.values() for flight in history.flights]
-    motors = [motor for history in rockets.values() for motor in history.found]
-    area = [reference_area(history.flights, len(history.used_in_fit)) for history in rockets.values()]
-    response = respond(flights, motors, np.concatenate(area))
-    ends = np.cumsum([0, *(len(history.flights) for history in rockets.values())]).tolist()
+    # the histories of one rocket have the same motors and plan, and differ only in their readouts
+    rockets = {one.history.found: one for one in found}
+    response = respond(together([one.history for one in rockets.values()]))
+    ends = np.cumsum([0, *(len(one.history.flights) for one in rockets.values())]).tolist()
     ready = {
-        key: PreparedHistory(modeled(history, candidates_of), response.part(slice(*ends[i : i + 2])))
-        for i, (key, history) in enumerate(rockets.items())
+        motors: PreparedHistory(modeled(one.history, candidates_of, one.shared), response.part(slice(*ends[i : i + 2])))
+        for i, (motors, one) in enumerate(rockets.items())
     }
     for one in found:
-        flown = one.history.flights[: len(one.history.used_in_fit)]
-        yield summary_of(ready[id(one.history.found)], flown, names)
+        yield summary_of(ready[one.history.found], one.history.flights[: one.history.flown], names)
 
 
 def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:

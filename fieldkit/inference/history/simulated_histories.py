@@ -16,17 +16,16 @@ import numpy as np
 
 from fieldkit.inference.history.drawn_rockets import Stock
 from fieldkit.inference.history.modeled_rockets import ModeledRocket, modeled_rocket
-from fieldkit.inference.history.placed_effects import PlacedEffect
-from fieldkit.inference.history.records import Candidates, History
+from fieldkit.inference.history.placed_effects import Candidates, PlacedEffect
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
-from fieldkit.model.certified_prior import CERTIFIED_PRIOR
-from fieldkit.model.hyperprior import learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import Prior, effects
+from fieldkit.physics.history import History, together
 from fieldkit.shapes import Array, Float
 
 UNEXPLAINED = "unexplained"
@@ -46,7 +45,7 @@ its prior, the root mean square. Those that cannot be negative have the absolute
 
 @dataclass(frozen=True, slots=True)
 class SimulatedHistory:
-    """A history as recorded, and its truth.
+    """A history as recorded, the information from other rockets, and its truth.
 
     `effects` are the names of the active effects, and `unexplained` is whether a pattern is active. `apogee` is the
     plan's readout [m]; `cd` and `alpha` are logarithms of the plan's drag and thrust [1]. `selects` is whether it comes
@@ -54,6 +53,7 @@ class SimulatedHistory:
     """
 
     history: History
+    shared: SharedPrior | None
     effects: tuple[str, ...]
     unexplained: bool
     selects: bool
@@ -144,10 +144,7 @@ class _World:
             each *= [all(term.bends is not known[name] for term in one.always) for one in some]
             terms.append(Term(TermName(name, "background"), known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
-        flights = tuple(flight for one in some for flight in one.rocket.flights)
-        found = tuple(motor for one in some for motor in one.rocket.found)
-        area = np.concatenate([one.model.area for one in some])
-        self.model = Model(flights, found, area, tuple(terms), tuple(range(count)), some[0].model.hyperprior)
+        self.model = Model(together([one.model.history for one in some]), tuple(terms), some[0].model.hyperprior)
         self.values = np.stack(values, axis=-1)
 
     def _one(
@@ -238,9 +235,8 @@ class _World:
             bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust")
         )
         return SimulatedHistory(
-            History(
-                (*flights, rocket.flights[-1]), rocket.found, rocket.used_in_fit, CERTIFIED_PRIOR, learned(), one.shared
-            ),
+            replace(one.model.history, flights=(*flights, rocket.flights[-1])),
+            one.shared,
             tuple(sorted(candidate.effect for candidate in lacks.placed)),
             bool(lacks.pattern),
             one.selects,

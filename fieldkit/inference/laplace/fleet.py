@@ -21,6 +21,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import FlownFlights, Model, base_model, shared_names
 from fieldkit.model.shared_prior import Message, SharedPrior, combined
 from fieldkit.model.term_names import TermName
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.shapes import Array
 
 
@@ -39,10 +40,9 @@ def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | Non
     Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
     cannot be read.
     """
-    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    model = replace(base_model(flights, found, hyperprior, period=period), coarse=True)
-    data = observe(flights, found, [flight.clean for flight in flights], hyperprior)
-    result = fit_robustly(model, data, causes=True)
+    history = flown_and_planned(flown)
+    model = replace(base_model(history, hyperprior, period=period), coarse=True)
+    result = fit_robustly(model, observe(history, hyperprior), causes=True)
     return RocketFit(result.log_evidence, message_of(result), independent_prior([model]))
 
 

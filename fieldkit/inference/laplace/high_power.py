@@ -27,6 +27,7 @@ from fieldkit.model.rocket_model import apogee_scatter, base_model
 from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.physics.flight import fly
+from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import field_setup
 from fieldkit.shapes import Array, Float
 
@@ -73,7 +74,7 @@ def departure(forecast: DesignForecast, hyperprior: Hyperprior) -> Departure:
     """
     dry_mass, cd = matched(forecast)
     flight = replace(forecast.flight, dry_mass=dry_mass, delay=ALL_BURNT)
-    model = base_model([flight], [forecast.found], replace(hyperprior, high_power=1.0), flown=0)
+    model = base_model(history_of([flight], [forecast.found], flown=0), replace(hyperprior, high_power=1.0))
     model = model.with_prior(fleet_term("drag"), 0.0).with_prior(TermName("drag"), float(np.log(cd)))
     at = np.array([term.mean for term in model.terms])
     tangent = tangents(model, [(tuple(range(len(at))), at)], launch_angle_slope(model, at))[0]

@@ -21,10 +21,11 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights, standard
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.fleet_drift import Period, period_of
 from fieldkit.model.hyperprior import READOUTS, Hyperprior
-from fieldkit.model.readout_data import Data, observe
+from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import FlownFlights, Model, base_model, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
 from fieldkit.model.term_names import TermName, fleet_term
+from fieldkit.physics.history import History, flown_and_planned
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
 
@@ -47,7 +48,7 @@ STEPS = 25
 class _Linear:
     """One rocket's flights, linearized at its last fit."""
 
-    flown: FlownFlights
+    history: History
     period: Period | None
     tangent: Tangent
     unit_scatter: Float[Array, "flight readout scatter"]
@@ -123,34 +124,32 @@ def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
     cannot be read.
     """
     hyperprior = replace(hyperprior, mean_sds={})
-    return float(sum(joint_evidence([_alone(result) for result in _fitted(fleet, hyperprior)]) for fleet in fleets))
+    found = [_fitted([flown_and_planned(flown) for flown in fleet], _period(fleet), hyperprior) for fleet in fleets]
+    return float(sum(joint_evidence([_alone(result) for result in fits]) for fits in found))
 
 
 def _alone(result: Fit) -> Alone:
     return Alone(result.log_evidence, message_of(result), independent_prior([result.model]))
 
 
-def _model(flown: FlownFlights, hyperprior: Hyperprior, period: Period | None) -> Model:
-    flights, found = [flight for flight, _ in flown], [found for _, found in flown]
-    return replace(base_model(flights, found, hyperprior, period=period), coarse=True)
+def _model(history: History, hyperprior: Hyperprior, period: Period | None) -> Model:
+    return replace(base_model(history, hyperprior, period=period), coarse=True)
 
 
-def _data(flown: FlownFlights, hyperprior: Hyperprior) -> Data:
-    flights, found = [flight for flight, _ in flown], [found for _, found in flown]
-    return observe(flights, found, [flight.clean for flight in flights], hyperprior)
-
-
-def _fitted(fleet: Fleet, hyperprior: Hyperprior) -> list[Fit]:
-    period = period_of(flight for flown in fleet for flight, _ in flown)
-    return [fit_robustly(_model(flown, hyperprior, period), _data(flown, hyperprior)) for flown in fleet]
+def _fitted(histories: Sequence[History], period: Period | None, hyperprior: Hyperprior) -> list[Fit]:
+    return [fit_robustly(_model(one, hyperprior, period), observe(one, hyperprior)) for one in histories]
 
 
 def _linearized(fleet: Fleet, hyperprior: Hyperprior) -> list[_Linear]:
-    found, period = [], period_of(flight for flown in fleet for flight, _ in flown)
-    for flown, result in zip(fleet, _fitted(fleet, hyperprior), strict=True):
+    found, histories, period = [], [flown_and_planned(flown) for flown in fleet], _period(fleet)
+    for history, result in zip(histories, _fitted(histories, period, hyperprior), strict=True):
         sds = np.array([kind.sd for kind in result.model.scatter])
-        found.append(_Linear(flown, period, result.tangent, result.tangent.scatter_slope / sds, result.data.trust))
+        found.append(_Linear(history, period, result.tangent, result.tangent.scatter_slope / sds, result.data.trust))
     return found
+
+
+def _period(fleet: Fleet) -> Period | None:
+    return period_of(flight for flown in fleet for flight, _ in flown)
 
 
 def _step(
@@ -182,8 +181,8 @@ def _posteriors(fleet: Sequence[_Linear], hyperprior: Hyperprior) -> tuple[list[
 
 
 def _solved(one: _Linear, hyperprior: Hyperprior, shared: SharedPrior | None) -> Fit:
-    model = with_shared(_model(one.flown, hyperprior, one.period), shared)
-    data = replace(_data(one.flown, hyperprior), trust=one.trust)
+    model = with_shared(_model(one.history, hyperprior, one.period), shared)
+    data = replace(observe(one.history, hyperprior), trust=one.trust)
     sds = np.array([kind.sd for kind in model.scatter])
     return solve(model, data, replace(one.tangent, scatter_slope=one.unit_scatter * sds))
 

@@ -1,6 +1,6 @@
 """The network's answer for a whole history: probabilities of effects, the forecast of a plan, its drag and thrust."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -18,8 +18,8 @@ from fieldkit.inference.history.features import (
     summarized,
 )
 from fieldkit.inference.history.moments import FORECAST_READOUTS, parameter_moments, readout_moments
-from fieldkit.inference.history.records import Candidates, History
-from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.inference.history.placed_effects import Candidates
+from fieldkit.inference.history.response import respond
 from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.history_parts import (
     LEVELS,
@@ -30,7 +30,8 @@ from fieldkit.inference.network.history_parts import (
     quantile_draws,
 )
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS
-from fieldkit.physics.setups import reference_area
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
@@ -95,32 +96,24 @@ def checked(ensemble: "Ensemble") -> "Ensemble":
     return ensemble
 
 
-def response_of(history: History, acting: Collection[str] | None = None) -> FlightResponse:
-    """The response of a history's flights and plans to the `acting` effects, by default all, from one batch of
-    simulated flights.
-
-    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
-    cannot be read.
-    """
-    area = reference_area(history.flights, len(history.used_in_fit))
-    return respond(history.flights, history.found, area, acting)
+def prepared(history: History, candidates_of: Candidates, shared: SharedPrior | None = None) -> PreparedHistory:
+    """The part of a history that does not depend on its readouts; arguments as in `modeled`, errors as in
+    `quick_answer`."""
+    own = modeled(history, candidates_of, shared)
+    return PreparedHistory(own, respond(history, own.acting))
 
 
-def prepared(history: History, candidates_of: Candidates) -> PreparedHistory:
-    """The part of a history that does not depend on its readouts. Errors as in `response_of`."""
-    own = modeled(history, candidates_of)
-    return PreparedHistory(own, response_of(history, own.acting))
-
-
-def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensemble | None" = None) -> QuickAnswer:
-    """The network's answer for one history, by default the shipped network's.
+def quick_answer(
+    history: History, candidates_of: Candidates, shared: SharedPrior | None = None, ensemble: "Ensemble | None" = None
+) -> QuickAnswer:
+    """The network's answer for one history, by default the shipped network's; other arguments as in `modeled`.
 
     Effects that the network was not trained with are not in the answer. Raises ImpossibleFlight for a flight without a
     dry mass, DamagedModel if the network cannot be loaded, BadValue for a recovery figure or rail direction that cannot
     be read.
     """
     network = ensemble or load_history()
-    ready = prepared(history, candidates_of)
+    ready = prepared(history, candidates_of, shared)
     return answers(summarized(ready, ready.flown, tuple(network.card["effects"])), network)[0]
 
 

@@ -19,7 +19,7 @@ from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.modeled_rockets import SELECTION_WORLD
-from fieldkit.inference.history.records import Candidates
+from fieldkit.inference.history.placed_effects import Candidates
 from fieldkit.inference.history.shards import HistoryTable, simulate_table
 from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.network.history_parts import width

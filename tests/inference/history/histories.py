@@ -5,12 +5,11 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.records import History
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
-from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import History, history_of
 
 MOTORS = ("F24-4W", "E35-5W")
 READOUTS = ("apogee", "top_speed", "coast_to_apogee")
@@ -35,7 +34,7 @@ def history(
         for number in range(count + 1)
     ]
     found = [catalogue().resolve(plan.motor) for plan in plans]
-    model = base_model(plans, found, CERTIFIED_PRIOR, count)
+    model = base_model(history_of(plans, found, flown=count), CERTIFIED_PRIOR)
     truth = np.array([[term.mean for term in model.terms]])
     drag = np.log1p(wear * np.arange(count + 1)) + scatter * rng.normal(size=count + 1)
     readings = shown(model, truth, {"drag": drag[None], "thrust": scatter * rng.normal(size=(1, count + 1))})
@@ -43,4 +42,4 @@ def history(
         plan.with_changes(**{name: float(readings[name][0, number]) for name in recorded})
         for number, plan in enumerate(plans[:-1])
     ]
-    return History((*flown, plans[-1]), tuple(found), (True,) * count, CERTIFIED_PRIOR, learned())
+    return history_of([*flown, plans[-1]], found, count)

@@ -5,11 +5,10 @@ A network must be trained again when they change, because it is used with the fe
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
-from fieldkit.inference.history.features import effect_names, feature_names, summarized
-from fieldkit.inference.network.history import prepared
+from fieldkit.inference.history.features import PreparedHistory, effect_names, feature_names, modeled, summarized
+from fieldkit.inference.history.response import respond
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.rocket_model import Model
 from fieldkit.selection.candidates import Candidate
@@ -27,11 +26,11 @@ CASES = {
 def features(case: str, names: Sequence[str]) -> dict[str, float]:
     """The features of a case, with only some effects as candidates."""
 
-    def candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
-        return [one for one in quick_candidates(model, used_in_fit) if not one.effect or one.effect in names]
+    def candidates(model: Model) -> list[Candidate]:
+        return [one for one in quick_candidates(model) if not one.effect or one.effect in names]
 
-    flown = replace(history(**CASES[case]), forecast=CERTIFIED_PRIOR)
-    ready = prepared(flown, candidates)
+    flown = history(**CASES[case])
+    ready = PreparedHistory(modeled(flown, candidates, forecast=CERTIFIED_PRIOR), respond(flown))
     row = summarized(ready, ready.flown, names).features[0]
     return dict(zip(feature_names(names), row.tolist(), strict=True))
 

@@ -25,10 +25,12 @@ from fieldkit.inference.history.response import (
     FlightResponse,
     moved_at,
     part_of,
+    respond,
     tangent,
 )
 from fieldkit.inference.laplace.posterior import solve
-from fieldkit.inference.network.history import response_of
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import readings
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.shared_prior import SharedPrior
@@ -36,6 +38,7 @@ from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
+from fieldkit.physics.history import history_of
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
@@ -46,13 +49,13 @@ WORN = history(COUNT, wear=0.05)
 
 @pytest.fixture(scope="module")
 def response() -> FlightResponse:
-    return response_of(WORN)
+    return respond(WORN)
 
 
 @pytest.fixture(scope="module")
 def linear(response: FlightResponse) -> LinearFit:
-    model = history_model(WORN.flights, WORN.found, COUNT, WORN.selection, declared=False)
-    data = history_data(readings(WORN.flights[:COUNT], WORN.found[:COUNT]), WORN.used_in_fit, WORN.selection)
+    model = history_model(WORN, CERTIFIED_PRIOR, declared=False)
+    data = history_data(readings(WORN.flights[:COUNT], WORN.found[:COUNT]), WORN.used_in_fit, CERTIFIED_PRIOR)
     return linear_fit(prepared_fit(model, COUNT), data, response)
 
 
@@ -74,7 +77,8 @@ def test_plans_on_new_motors_share_the_terms_of_one(elsewhere: tuple[TermName, .
     plans = [WORN.flights[-1].with_changes(motor=found.motor.name) for found in named]
     flights, found = (*WORN.flights[:COUNT], *plans), (*WORN.found[:COUNT], *named)
     shared = SharedPrior(elsewhere, np.zeros(len(elsewhere)), 0.01 * np.eye(len(elsewhere))) if elsewhere else None
-    model = history_model(flights, found, COUNT, WORN.forecast, shared, declared=False)
+    history = history_of(flights, found, COUNT, [*range(COUNT), *[COUNT] * len(plans)])
+    model = history_model(history, learned(), shared, declared=False)
     thrust = [term for term in model.terms if term.name.quantity == "thrust" and term.weight[COUNT:].any()]
     acting = np.array([term.weight[COUNT:] for term in thrust if term.name.level == "motor"])
     own, new = [[0, 0, 1, 0, 0]], [[1, 1, 0, 1, 1]]
@@ -101,7 +105,7 @@ def _without_bounds(candidate: Candidate) -> Candidate:
 def test_the_evidence_agrees_with_a_fit_that_includes_the_effect(linear: LinearFit) -> None:
     found = [
         _without_bounds(one)
-        for one in quick_candidates(linear.model, WORN.used_in_fit)
+        for one in quick_candidates(linear.model)
         if one.place.effect in ("wear", "mass_offset", "thrust_curve", "") and not one.place.since
     ]
     trials = weigh(linear, found)
@@ -120,7 +124,7 @@ def _part(term: Term, rows: slice) -> Term:
 def test_the_evidence_beside_an_accepted_effect_is_that_of_both_minus_that_of_one(linear: LinearFit) -> None:
     found = [
         _without_bounds(one)
-        for one in quick_candidates(linear.model, WORN.used_in_fit)
+        for one in quick_candidates(linear.model)
         if str(one.place) in ("wear", "mass_offset", "altimeter_scale")
     ]
     best = int(np.argmax(linear.fit.log_weight))
@@ -144,7 +148,7 @@ def test_the_evidence_beside_an_accepted_effect_is_that_of_both_minus_that_of_on
 
 
 def test_evidence_from_a_single_flight_is_not_robust(linear: LinearFit) -> None:
-    trials = weigh(linear, quick_candidates(linear.model, WORN.used_in_fit))
+    trials = weigh(linear, quick_candidates(linear.model))
     assert (trials.robust <= trials.log_bayes + 1e-12).all()
     days = [row for row, number in enumerate(trials.candidate) if trials.family[row] == ""]
     assert (trials.robust[days] < trials.log_bayes[days] - 0.01).any()

@@ -8,21 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fieldkit.flight import Flight
 from fieldkit.inference.history import shards, unexplained_patterns
 from fieldkit.inference.history import simulated_histories as simulated
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, SENSORS, draw_rocket, stock
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.linear_fit import declared_terms, history_model
-from fieldkit.inference.history.records import History
 from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.model.rocket_model import base_model, groups
+from fieldkit.model.rocket_model import base_model
 from fieldkit.model.term_names import TermName
-from fieldkit.motors import Found
+from fieldkit.physics.history import groups
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -67,8 +65,8 @@ def test_effects_are_present_with_their_prior_probability() -> None:
     found = simulated_histories(np.random.default_rng(3), KNOWN, quick_candidates, everything, 5, 2, flights=6)
     assert found
     for one in found:
-        model = base_model(one.history.flights, one.history.found, CERTIFIED_PRIOR, 6)
-        acting = {candidate.effect for candidate in quick_candidates(model, one.history.used_in_fit)}
+        model = base_model(one.history, CERTIFIED_PRIOR)
+        acting = {candidate.effect for candidate in quick_candidates(model)}
         always = {term.name.quantity for term in declared_terms(one.history.flights)} if not one.selects else set()
         assert set(one.effects) == acting - {""} - always
         assert one.unexplained
@@ -90,10 +88,10 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
         for one in simulated_histories(np.random.default_rng(seed), KNOWN, quick_candidates, nothing, 1, 1, flights=8):
             history = one.history
             if one.selects:
-                model = rocket_model(history.flights, history.found, flown=8)
-                assert set(model.names) == set(history_model(*_known(history), CERTIFIED_PRIOR, declared=False).names)
+                model = rocket_model(history)
+                assert set(model.names) == set(history_model(history, CERTIFIED_PRIOR, declared=False).names)
             else:
-                model = history_model(*_known(history), learned(), history.shared, declared=True)
+                model = history_model(history, learned(), one.shared, declared=True)
             others = set(worlds[-1]) - set(model.names)
             assert set(model.names) <= set(worlds[-1])
             assert all(name.level == "background" for name in others)
@@ -101,10 +99,6 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
     levels = {("wind", "effect", ""), ("base_drag", "usual", ""), ("top_speed", "logged", ""), ("mass", "drift", 3)}
     assert {TermName(*one) for one in levels} <= compared
     assert any(name.level == "lot" for name in compared)
-
-
-def _known(history: History) -> tuple[tuple[Flight, ...], tuple[Found, ...], int]:
-    return history.flights, history.found, len(history.used_in_fit)
 
 
 def test_a_bad_day_is_shared_by_its_flights() -> None:

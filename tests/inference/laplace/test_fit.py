@@ -26,6 +26,7 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 
 SETS = 40
 """Number of sets of flights, each with separate terms."""
@@ -41,7 +42,7 @@ Readouts = np.ndarray[Any, Any]
 
 @cache
 def model() -> Model:
-    return base_model(PLANS, [catalogue().resolve(plan.motor) for plan in PLANS])
+    return base_model(history_of(PLANS, [catalogue().resolve(plan.motor) for plan in PLANS]))
 
 
 @cache
@@ -84,7 +85,7 @@ def seasons() -> tuple[Data, ...]:
     )
     noisy = compared(raw) + noise + launch_angle[..., None] * (compared(leaning) - compared(upright))
     seen = np.where(IS_LOGARITHMIC, np.exp(noisy), noisy)
-    return tuple(observe(flights(part), model().found, [True] * len(PLANS)) for part in seen)
+    return tuple(observe(history_of(flights(part), model().found, used_in_fit=[True] * len(PLANS))) for part in seen)
 
 
 def flights(readouts: Readouts) -> list[Flight]:
@@ -125,12 +126,12 @@ def kinked(seed: int) -> tuple[Model, Data]:
     scatter = {kind.bends: rng.normal(size=(1, len(PLANS))) * kind.sd for kind in model().scatter}
     coast = shown(model(), truth, {})["coast_time"][0]
     plans = [plan.with_changes(delay=float(time) - 0.6) for plan, time in zip(PLANS, coast, strict=True)]
-    early = base_model(plans, [catalogue().resolve(plan.motor) for plan in plans])
+    early = base_model(history_of(plans, [catalogue().resolve(plan.motor) for plan in plans]))
     shows = shown(early, truth, scatter)
     raw = np.stack([shows[name][0] for name in OBSERVED_READOUTS], axis=-1)
     named = (dict(zip(OBSERVED_READOUTS, map(float, row), strict=True)) for row in raw)
     flown = [plan.with_changes(**row) for plan, row in zip(plans, named, strict=True)]
-    return early, observe(flown, early.found, [True] * len(flown))
+    return early, observe(history_of(flown, early.found, used_in_fit=[True] * len(flown)))
 
 
 @pytest.mark.sampled
@@ -310,7 +311,7 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED_PRIOR) -> t
     )
     own = (*shape, len(scatter_of(hyperprior)))
     near = Tangent(rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=own) * 0.3)
-    return Model((Flight(),) * 5, (catalogue().resolve("F24"),) * 5, np.zeros(0), terms, (), hyperprior), data, near
+    return Model(history_of([Flight()] * 5, [catalogue().resolve("F24")] * 5), terms, hyperprior), data, near
 
 
 def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:

@@ -24,6 +24,7 @@ from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.shapes import Array
 from tests.seasons import season
 
@@ -40,14 +41,7 @@ def linear_rocket(seed: int) -> Fit:
     rng = np.random.default_rng(seed)
     shape = (FLIGHTS, len(OBSERVED_READOUTS))
     terms = tuple(Term(name, "drag", mean, sd, np.ones(FLIGHTS)) for name, (mean, sd) in PRIOR.items())
-    model = Model(
-        (Flight(),) * FLIGHTS,
-        (catalogue().resolve("F24"),) * FLIGHTS,
-        np.zeros(0),
-        terms,
-        tuple(range(FLIGHTS)),
-        ONE_SCALE,
-    )
+    model = Model(history_of([Flight()] * FLIGHTS, [catalogue().resolve("F24")] * FLIGHTS), terms, ONE_SCALE)
     data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), np.ones(shape, bool), np.ones(shape))
     slope = rng.normal(size=(*shape, len(terms)))
     near = Tangent(

@@ -15,6 +15,7 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
 from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.term_names import TermName
+from fieldkit.physics.history import history_of
 from tests.seasons import season
 
 pytestmark = pytest.mark.fast
@@ -33,7 +34,9 @@ def fitted(readouts: int = 6) -> Fit:
 def _season() -> tuple[Model, Data]:
     flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    return base_model(flights, found), observe(flights, found, [True] * len(flights))
+    return base_model(history_of(flights, found)), observe(
+        history_of(flights, found, used_in_fit=[True] * len(flights))
+    )
 
 
 @cache
@@ -58,7 +61,7 @@ def test_the_fits_lower_bound_is_close_below_the_evidence() -> None:
 def test_a_model_in_which_a_flight_cannot_lift_off_has_no_evidence() -> None:
     model, data = _season()
     heavy = [one.with_changes(dry_mass=9.0) if row == 2 else one for row, one in enumerate(model.flights)]
-    result = fit(base_model(heavy, model.found), data, outlier_flights=True)
+    result = fit(base_model(history_of(heavy, model.found)), data, outlier_flights=True)
     assert np.isnan(result.tangent.values[2]).all()
     found = sampled(result, np.random.default_rng(1))
     assert -3 * found.error < found.log_evidence - result.log_evidence < 2.5

@@ -15,6 +15,7 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 
 CHECK_SHAPES = False
 ROCKETS, FLIGHTS = 8, 4
@@ -32,7 +33,7 @@ def fleet(rocket_sd: float, flight_sd: float, seed: int = 3) -> list[list[tuple[
             Flight(f"{i}", f"R{number}", "A", MOTORS[i % 3], dry_mass=0.32, diameter=0.066) for i in range(FLIGHTS)
         ]
         motors = [catalogue().resolve(plan.motor) for plan in plans]
-        model = base_model(plans, motors, START)
+        model = base_model(history_of(plans, motors), START)
         truth = np.array([[term.mean for term in model.terms]])
         truth[0, model.names.index(TermName("drag"))] += rocket_sd * rng.normal()
         shows = shown(model, truth, {})["apogee"][0] * np.exp(flight_sd * rng.normal(size=FLIGHTS))

@@ -15,6 +15,7 @@ from fieldkit.model.causes import CAUSES, NAMES, signatures
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.shapes import Array
 
 pytestmark = pytest.mark.fast
@@ -33,7 +34,7 @@ def season(
     plans = [
         Flight(f"{i}", "Law", "A", "F24-7W", dry_mass=0.322, diameter=0.066, rail_length=1.2) for i in range(count)
     ]
-    model = forecast_model(plans, [MOTOR] * count)
+    model = forecast_model(history_of(plans, [MOTOR] * count))
     scatter: dict[str, Array] = {
         name: np.zeros((1, count)) for name in ("thrust", "drag", "stretch", "delay", "mass", "tilt")
     }
@@ -50,8 +51,9 @@ def season(
 
 def fitted(flown: Flown) -> Fit:
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    model = replace(forecast_model(flights, found), coarse=True)
-    return fit_robustly(model, observe(flights, found, [True] * len(flown), model.hyperprior), causes=True)
+    history = history_of(flights, found, used_in_fit=[True] * len(flown))
+    model = replace(forecast_model(history), coarse=True)
+    return fit_robustly(model, observe(history, model.hyperprior), causes=True)
 
 
 def judged(flown: Flown) -> OneOffs:

@@ -17,6 +17,7 @@ from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from tests.forecast.test_predict import PLAN, Flown, season
 
 pytestmark = pytest.mark.fast
@@ -77,9 +78,9 @@ def test_the_evidence_of_a_fit_is_that_of_student_t_residuals(slip: float) -> No
     flights = [PLAN.with_changes(apogee=200.0 * factor, sd={"apogee": 10.0}) for factor in (1.0, 1.03, 0.96, slip)]
     same = Scale((1.0,), 1.0, 0.5)
     hyperprior = replace(START, scatter=same, reading=same, sds={"apogee.rocket": 0.4, "drag.flight": 1e-6})
-    whole = base_model(flights, [motor] * 4, hyperprior)
+    whole = base_model(history_of(flights, [motor] * 4), hyperprior)
     model = whole.only([whole.names.index(TermName("apogee"))])
-    data = observe(flights, [motor] * 4, [True] * 4, hyperprior)
+    data = observe(history_of(flights, [motor] * 4, used_in_fit=[True] * 4), hyperprior)
     center = np.log(shown(model, np.zeros((1, 1)), {})["apogee"][0])
 
     def density(bias: float) -> float:

@@ -12,6 +12,7 @@ from fieldkit.inference.laplace.scale_grids import around_mode
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import base_model
+from fieldkit.physics.history import history_of
 from tests.seasons import season
 
 pytestmark = pytest.mark.fast
@@ -22,8 +23,8 @@ def fitted(readouts: int) -> Fit:
     """A fit of a season's flights with some of the readouts."""
     flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:readouts])
     flights = [flight for flight, _ in flown]
-    model = base_model(flights, [motor for _, motor in flown])
-    return fit(model, observe(model.flights, model.found, [True] * len(flights)), outlier_flights=True)
+    model = base_model(history_of(flights, [motor for _, motor in flown]))
+    return fit(model, observe(model.history.using([True] * len(flights))), outlier_flights=True)
 
 
 def midpoints(low: float, high: float, count: int = 30) -> tuple[float, ...]:

@@ -8,12 +8,12 @@ import pytest
 from fieldkit.errors import DamagedModel
 from fieldkit.forecast.at_once import forecast_at_once, forecasts_at_once
 from fieldkit.inference.history.features import feature_names
-from fieldkit.inference.history.records import History
 from fieldkit.inference.network.history import checked, load_history, pooled, quick_answer
 from fieldkit.inference.network.history_parts import LEVELS, MEDIAN, STANDARD, answer, monotone, quantile_draws, width
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import History
 from fieldkit.selection.quick_candidates import quick_candidates
 from tests.inference.history.histories import history
 

@@ -109,7 +109,7 @@ def test_the_command_trains_a_network_that_answers(
     assert len(card["loss"]) == 6
     assert card["test"]["histories"] > 0
     ensemble = checked(load_folder(out))
-    assert 0 < quick_answer(history(5), quick_candidates, ensemble).none < 1
+    assert 0 < quick_answer(history(5), quick_candidates, ensemble=ensemble).none < 1
 
 
 def test_the_time_of_an_interrupted_run_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,6 +16,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 from fieldkit.presentation.json_documents import loop_document
 from fieldkit.presentation.loop_text import BARS, MIN_CHANCE_LISTED, misses, misses_drawn, report
 from fieldkit.presentation.report.book import FlightReport
@@ -71,8 +72,8 @@ def windy() -> list[Flight]:
 @pytest.fixture(scope="module")
 def diagnosis() -> Diagnosis:
     flights = windy()
-    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
-    return diagnose(model, observe(model.flights, model.found, [True] * len(flights)))
+    model = rocket_model(history_of(flights, [catalogue().resolve(flight.motor) for flight in flights]))
+    return diagnose(model, observe(model.history.using([True] * len(flights))))
 
 
 @pytest.fixture(scope="module")
