@@ -22,19 +22,20 @@ class KnownFlights:
     """The flights in the ledger that may match new ones, by rocket and flight_id."""
 
     def __init__(self, connection: Connection, new: Sequence[Flight]) -> None:
-        self.now: dict[tuple[str, str], Flight] = {}
-        self.once: dict[tuple[str, str], list[Flight]] = {}
-        self.digests: dict[int, str | None] = {}
+        self.now: dict[tuple[str, str], tuple[Flight, str | None]] = {}
+        self.once: dict[tuple[str, str], list[tuple[Flight, str | None]]] = {}
         for stored in find(connection, [(flight.rocket, flight.flight_id) for flight in new]):
-            self.note(stored.flight)
-            self.digests[id(stored.flight)] = stored.log_digest
-            if stored.entered:
-                self.once.setdefault((stored.entered.rocket, stored.entered.flight_id), []).append(stored.entered)
-                self.digests[id(stored.entered)] = stored.log_digest
+            self.note(stored.flight, stored.log_digest)
+            if one := stored.entered:
+                self.once.setdefault((one.rocket, one.flight_id), []).append((one, stored.log_digest))
 
-    def note(self, flight: Flight) -> None:
-        """Register a flight."""
-        self.now[flight.rocket, flight.flight_id] = flight
+    def note(self, flight: Flight, log_digest: str | None = None) -> None:
+        """Register a flight and the digest of its log."""
+        self.now[flight.rocket, flight.flight_id] = flight, log_digest
+
+    def named(self, rocket: str, flight_id: str) -> Flight | None:
+        """The stored flight with this name now."""
+        return self.now.get((rocket, flight_id), (None, None))[0]
 
     def match(self, incoming: IncomingFlight) -> Flight | None:
         """The stored flight that equals an incoming one, in its current or its imported state; a match of the bytes
@@ -42,12 +43,12 @@ class KnownFlights:
         flight = incoming.flight
         identity = flight.rocket, flight.flight_id
         known = [one for one in (self.now.get(identity), *self.once.get(identity, ())) if one]
-        return next((one for one in known if same(one, flight) or self._reread(one, incoming)), None)
+        return next((one for one, log in known if same(one, flight) or self._reread(one, log, incoming)), None)
 
-    def _reread(self, one: Flight, incoming: IncomingFlight) -> bool:
+    def _reread(self, one: Flight, log_digest: str | None, incoming: IncomingFlight) -> bool:
         return (
             incoming.log is not None
-            and self.digests.get(id(one)) == incoming.log.digest
+            and log_digest == incoming.log.digest
             and incoming.given is not None
             and agrees(one, incoming.given)
             and not lacks_files(one, incoming.flight)
@@ -75,7 +76,7 @@ def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) ->
                 conflicts.append(Conflict(incoming, _other_rocket(recorder.connection, other, flight)))
             else:
                 duplicates += 1
-        elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
+        elif error := _objection(flight, known.named(flight.rocket, flight.flight_id)):
             conflicts.append(Conflict(incoming, error))
         else:
             known.note(flight)

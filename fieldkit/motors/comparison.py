@@ -114,14 +114,14 @@ def compare_tests(catalogue: Catalogue, content: bytes, name: str) -> CatalogueC
         raise BadValue(f"{name}, row {table.line_num + 1}: found {error}, expected a table of tests") from error
     if not set(NAMES[:2]) <= set(table.fieldnames or ()):
         raise BadValue(f"{name}: found the columns {table.fieldnames}, expected manufacturer, designation and figures")
-    tests: dict[int, list[_Test]] = {}
+    tests: dict[Motor, list[_Test]] = {}
     unknown = []
     for number, row in enumerate(lines, start=2):
         motor = _motor(catalogue, row)
         if motor is None:
             unknown.append(" ".join(row.get(key) or "" for key in NAMES[:2]).strip())
         else:
-            tests.setdefault(id(motor), []).append(_test(motor, row, f"{name}, row {number}", name))
+            tests.setdefault(motor, []).append(_test(motor, row, f"{name}, row {number}", name))
     found = [one for of_motor in tests.values() for one in _differences(of_motor)]
     found.sort(key=lambda one: -abs(one.ratio))
     delays = tuple(one for of_motor in tests.values() if (one := _delay_difference(of_motor)))

@@ -91,15 +91,14 @@ def field_setup(
     Raises ImpossibleFlight for a flight without a dry mass, BadValue for a rail direction, a wind or an opening time
     that cannot be read.
     """
-    motors = {id(item.motor): item.motor for item in found}
-    row = {key: number for number, key in enumerate(motors)}
+    motors = {motor: row for row, motor in enumerate(dict.fromkeys(item.motor for item in found))}
     along, across = rail_angles(flights)
     wind_power, wind_top = wind_laws(flights)
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
     return Setup(
-        burns=_burns(tuple(motors.values()), steps, knots),
+        burns=_burns(tuple(motors), steps, knots),
         air=pad_air(conditions[0], conditions[1], conditions[2], recorded(flights, "humidity")),
-        motor=np.array([row[id(item.motor)] for item in found]),
+        motor=np.array([motors[item.motor] for item in found]),
         dry_mass=dry_masses(flights),
         drag_area=np.asarray(drag_area, float),
         thrust_factor=np.asarray(thrust_factor, float),

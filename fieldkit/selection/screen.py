@@ -26,7 +26,7 @@ NEGLIGIBLE_SCALE_WEIGHT = 1e-4
 MAX_PLACES = 4
 """Maximum number of places of an effect to fit. [1]"""
 
-Columns = Mapping[tuple[int, float], tuple[Float[Array, "flight readout"], Float[Array, "flight readout"]]]
+Columns = Mapping[tuple[Effect, float], tuple[Float[Array, "flight readout"], Float[Array, "flight readout"]]]
 """By effect and start: the shift of the readouts by the effect, and their derivative with respect to its strength."""
 
 
@@ -83,18 +83,18 @@ def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
     """Simulations of every effect at each of its starts, acting fully on every flight on which it can act."""
     model, base = near.model, tuple(range(len(near.model.terms)))
     wide, lanes, keys = model, [], []
-    wanted: dict[int, tuple[Term, tuple[float, ...]]] = {}
+    wanted: dict[Effect, tuple[Term, tuple[float, ...]]] = {}
     for family in families.values():
         for one in family:
             if isinstance(bends := one.terms[0].bends, Effect):
-                wanted.setdefault(id(bends), (one.terms[0], one.starts))
-    for key, (term, starts) in wanted.items():
-        lacks = term.bends.lacks if isinstance(term.bends, Effect) else ""
-        every = np.isnan(model.recorded(lacks)).astype(float) if lacks else np.ones(len(model.flights))
+                wanted.setdefault(bends, (one.terms[0], one.starts))
+    for effect, (term, starts) in wanted.items():
+        blank = np.isnan(model.recorded(effect.lacks)) if effect.lacks else np.ones(len(model.flights))
+        every = blank.astype(float)
         wide = wide.with_terms(replace(term, weight=every))
         for start in starts:
             lanes.append(((*base, len(wide.terms) - 1), np.array([*near.tangent.at, start])))
-            keys.append((key, start))
+            keys.append((effect, start))
     found = tangents(wide, lanes, known_angle_slope(near.model, near.tangent)) if lanes else []
     return {key: _moved(tangent, near) for key, tangent in zip(keys, found, strict=True)}
 
@@ -126,7 +126,7 @@ def _added(
     if not isinstance(bends, Effect):
         slope = np.stack([_plain_slope(term, near) for term in one.terms], axis=-1)
         return slope, np.zeros(slope.shape[:2])
-    shift, own = columns[id(bends), start]
+    shift, own = columns[bends, start]
     weight = np.stack([term.weight for term in one.terms], axis=-1)
     return own[..., None] * weight[:, None, :], shift * weight.sum(axis=-1)[:, None]
 

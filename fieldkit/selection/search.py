@@ -18,7 +18,7 @@ from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.quantities import counted
-from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.candidates import Candidate, Place
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior, members_of, prior_of
 from fieldkit.selection.pair_screen import pair_weights
 from fieldkit.selection.prior import UNEXPLAINED, log_prior_odds
@@ -113,17 +113,18 @@ def checked(
     """
     plain, likely = posterior.best(frozenset()), _likely(posterior, window)
     every = [*likely, *([] if any(one is plain for one, _ in likely) else [(plain, around_mode(plain.fit))])]
-    found: dict[int, Hypothesis] = {}
+    found: dict[tuple[Place, ...], Hypothesis] = {}
     for number, (one, fine) in enumerate(every):
         on_progress("checking the probable ones", number / len(every))
         drawn = sampled(fine, np.random.default_rng(SEED), causes=True)
-        found[id(one)] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
+        found[one.places] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
     lent: dict[Members, float] = {}
     for one, _ in likely or every:
-        lent.setdefault(one.members, found[id(one)].correction)
+        lent.setdefault(one.members, found[one.places].correction)
     return SetPosterior(
         tuple(
-            found.get(id(one)) or replace(one, correction=_borrowed(one.members, lent)) for one in posterior.hypotheses
+            found.get(one.places) or replace(one, correction=_borrowed(one.members, lent))
+            for one in posterior.hypotheses
         )
     )
 

@@ -55,7 +55,7 @@ def infer_flights(
 ) -> InferredFlights:
     """Cd and alpha of flights of a ledger, by default of all. Raises NoFlights, DamagedModel."""
     flights = ledger.flights(ids=ids or None)
-    names = dict(zip(map(id, flights), ledger.ids(flights), strict=True))
+    names = {(one.rocket, one.flight_id): id for one, id in zip(flights, ledger.ids(flights), strict=True)}
     if not flights:
         raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
     found = (
@@ -63,7 +63,8 @@ def infer_flights(
         if model == "history"
         else infer(flights, motors, model)
     )
-    return InferredFlights(found.inferred, [names[id(one.flight)] for one in found.inferred], found.left_out)
+    own = [names[one.flight.rocket, one.flight.flight_id] for one in found.inferred]
+    return InferredFlights(found.inferred, own, found.left_out)
 
 
 class FlightInference:

@@ -37,26 +37,29 @@ def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight,
 
 def simulable(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
     """All flights that can be simulated, each with its motor."""
-    return [(flight, found) for flight, found in _with_motors(flights, motors) if not implausible(flight, found.motor)]
+    known = ((flight, found) for flight, found in _with_motors(flights, motors) if found)
+    return [(flight, found) for flight, found in known if not implausible(flight, found.motor)]
 
 
 def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
     """The flights whose setup a plan can start from, whatever their readouts; clusters are not checked."""
-    implausible_ids = {
-        id(one) for one, found in _with_motors(flights, motors) if implausible(one.unflown(), found.motor)
-    }
-    return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in implausible_ids]
+    return [
+        flight
+        for flight, found in _with_motors(flights, motors)
+        if flight.dry_mass is not None and not (found and implausible(flight.unflown(), found.motor))
+    ]
 
 
 def credible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
     """The flights that are not implausible, also those without the dry mass or known motor that a check needs."""
-    implausible_ids = {id(one) for one, found in _with_motors(flights, motors) if implausible(one, found.motor)}
-    return [flight for flight in flights if id(flight) not in implausible_ids]
+    known = _with_motors(flights, motors)
+    return [flight for flight, found in known if not (found and implausible(flight, found.motor))]
 
 
 def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
     """A line for each clean flight that is implausible and therefore not used in a fit."""
-    found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
+    known = ((flight, found) for flight, found in _with_motors(flights, motors) if found)
+    found = [(flight, implausible(flight, found.motor)) for flight, found in known]
     return [
         f"{flight_label(flight.flight_id)} of {flight.rocket} is excluded from every fit: {reason}"
         for flight, reason in found
@@ -95,7 +98,7 @@ def excluded_readouts(flights: Sequence[Flight], motors: Catalogue) -> list[str]
     return [
         f"{flight_label(flight.flight_id)} of {flight.rocket}: {line}"
         for flight, found in _with_motors(flights, motors)
-        if flight.clean and CHECKED_TAG not in flight.tags and not implausible(flight, found.motor)
+        if found and flight.clean and CHECKED_TAG not in flight.tags and not implausible(flight, found.motor)
         for line in readout_exclusions(flight, found)
     ]
 
@@ -186,16 +189,14 @@ def without_delay(motor: str) -> str:
     return found[0] if found else motor.partition("-")[0].strip().upper()
 
 
-def _with_motors(flights: Sequence[Flight], motors: Catalogue) -> Iterator[tuple[Flight, Found]]:
-    """The flights with a dry mass and a known motor; each name is looked up once."""
+def _with_motors(flights: Sequence[Flight], motors: Catalogue) -> Iterator[tuple[Flight, Found | None]]:
+    """Every flight with its motor, None if that is not known or the flight has no dry mass; each name is looked up
+    once."""
     known: dict[str, Found | None] = {}
     for flight in flights:
-        if flight.dry_mass is None:
-            continue
-        if flight.motor not in known:
+        if flight.dry_mass is not None and flight.motor not in known:
             known[flight.motor] = _resolved(flight.motor, motors)
-        if found := known[flight.motor]:
-            yield flight, found
+        yield flight, None if flight.dry_mass is None else known[flight.motor]
 
 
 def _resolved(name: str, motors: Catalogue) -> Found | None:

@@ -105,16 +105,18 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
         for flight, made in zip(flights, made_for(flights, predictions, motors), strict=True)
         if made is not None
     ]
-    flown = [flight for _, flight in pairs if flight.apogee is not None]
-    pasts = {id(flight): past for flight, past in zip(flown, ledger.before(flown), strict=True)}
+    pasts = iter(ledger.before([flight for _, flight in pairs if flight.apogee is not None]))
+    compared = [(number, flight, None if flight.apogee is None else next(pasts)) for number, flight in pairs]
     now = {one: Past(tuple(ledger.flights(one)), used_version(ledger, one)) for one in {p.rocket for p in predictions}}
     rockets = {one: ledger.rocket(one) for one in now}
     later = _replaced(predictions)
     found: list[SavedForecast] = []
     for one in predictions:
-        own: list[Flight | None] = [flight for number, flight in pairs if number == one.number]
-        for flight in own or [None]:
-            past = pasts.get(id(flight)) or now[one.rocket]
+        own: list[tuple[Flight | None, Past | None]] = [
+            (flight, past) for number, flight, past in compared if number == one.number
+        ]
+        for flight, before in own or [(None, None)]:
+            past = before or now[one.rocket]
             over = later.get(one.number) or ("lapsed" if flight is None and lapsed(one) else None)
             changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, rockets[one.rocket])]
             found.append(SavedForecast(one, flight, tuple(changes), over))
