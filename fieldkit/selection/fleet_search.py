@@ -34,6 +34,7 @@ from fieldkit.model.rocket_model import FlownFlights, Model, Term, base_model, w
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import SharedBy
+from fieldkit.physics.history import flown_and_planned
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.selection.fleet_groups import PRIOR_WIDTHS, SharedDifference, differences, shared_quantities
 from fieldkit.shapes import Array, Flags, Float
@@ -103,12 +104,12 @@ class FleetFinding:
 def fleet_rocket(name: str, flown: FlownFlights, hyperprior: Hyperprior, period: Period | None) -> FleetRocket:
     """Fit a rocket and linearize it. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery
     figure or rail direction that cannot be read."""
-    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    model = replace(base_model(flights, found, hyperprior, period=period), coarse=True)
-    result = fit_robustly(model, observe(flights, found, [flight.clean for flight in flights], hyperprior))
+    history = flown_and_planned(flown)
+    model = replace(base_model(history, hyperprior, period=period), coarse=True)
+    result = fit_robustly(model, observe(history, hyperprior))
     quantities = shared_quantities()
     wide = model.with_terms(
-        *(Term(TermName(name, "added"), name, 0.0, 1.0, np.ones(len(flights))) for name in quantities)
+        *(Term(TermName(name, "added"), name, 0.0, 1.0, np.ones(len(flown))) for name in quantities)
     )
     at = np.concatenate([result.tangent.at, np.zeros(len(quantities))])
     angles = known_angle_slope(result.model, result.tangent)

@@ -10,6 +10,7 @@ from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import observe
+from fieldkit.physics.history import history_of
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.model_check import FITTING_P, UNLISTED, ModelCheck, fit_check
 from fieldkit.selection.verdict import NAMING_PROBABILITY, LoopVerdict, verdict_that_fits
@@ -30,8 +31,8 @@ def fitted(seed: int, bend: Callable[[Array], Array] = np.zeros_like, readout: s
         for (flight, _), more in zip(flown, extra, strict=True)
     ]
     found = [motor for _, motor in flown]
-    model = replace(rocket_model(flights, found, hyperprior=CERTIFIED_PRIOR), coarse=True)
-    return fit(model, observe(flights, found, [True] * len(flights)), outlier_flights=True)
+    model = replace(rocket_model(history_of(flights, found), hyperprior=CERTIFIED_PRIOR), coarse=True)
+    return fit(model, observe(history_of(flights, found, used_in_fit=[True] * len(flights))), outlier_flights=True)
 
 
 def test_right_models_are_rarely_rejected() -> None:
