@@ -24,8 +24,8 @@ def test_strong_wear_is_the_verdict() -> None:
 def test_the_confidence_in_several_effects_is_that_all_are_present(monkeypatch: pytest.MonkeyPatch) -> None:
     chances = {"wear": 0.9, "wind": 0.8, "flutter": 0.1}
 
-    def likely(*known: Any) -> QuickAnswer:
-        return replace(quick_answer(*known), inclusion=chances, none=0.01)
+    def likely(*known: Any, **more: Any) -> QuickAnswer:
+        return replace(quick_answer(*known, **more), inclusion=chances, none=0.01)
 
     monkeypatch.setattr(quick_looks, "quick_answer", likely)
     flights = history(6)

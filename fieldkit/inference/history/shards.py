@@ -89,7 +89,8 @@ def summarized(
     found: Sequence[SimulatedHistory], candidates_of: Candidates, names: Sequence[str]
 ) -> Iterator[HistorySummary]:
     """The summaries of simulated histories; their rockets are simulated in one batch. Raises ImpossibleFlight for a
-    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the
+    hyperprior cannot be read.
     """
     # the histories of one rocket have the same motors and plan, and differ only in their readouts
     rockets = {one.history.found: one for one in found}
