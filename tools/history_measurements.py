@@ -99,16 +99,16 @@ def simulated(count: int, network: Ensemble) -> None:
     while sum(map(len, rows.values())) < count:
         for one in simulated_histories(rng, choice, quick_candidates, inclusion_probabilities(), 10, 1):
             world = "selection" if one.selects else "forecast"
-            known = one.history
+            whole = one.history
             past = [
                 (flight if used else flight.with_changes(tags=("weak_launch",)), motor)
-                for flight, motor, used in zip(known.flights, known.found, known.used_in_fit, strict=False)
+                for flight, motor, used in zip(whole.flights, whole.found, whole.used_in_fit, strict=False)
             ]
-            plan = known.flights[-1], known.found[-1]
+            plan = whole.flights[-1], whole.found[-1]
             began = time.process_time()
             (made,) = predict(past, [plan], shared=one.shared, draws=DRAWS)
             middle = time.process_time()
-            answer = quick_answer(known, quick_candidates, one.shared, network)
+            answer = quick_answer(whole, quick_candidates, one.shared, network)
             ended = time.process_time()
             if one.selects:
                 judged.append((opinions(answer, network), one.effects))

@@ -14,6 +14,7 @@ from fieldkit.model.rocket_model import base_model
 from fieldkit.model.scale import Scale
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.physics.history import history_of
 
 CHECK_SHAPES = False
 
@@ -23,7 +24,7 @@ def sds_at(scale: float) -> dict[TermName, float]:
     motor = catalogue().resolve("F24")
     flights = [Flight(flight_id=str(i), rocket="A", config="A", motor="F24", dry_mass=0.3) for i in range(2)]
     one = replace(START, documents=Scale((scale,), 1.0, 1.0, half_cauchy=True))
-    model = base_model(flights, [motor, motor], one)
+    model = base_model(history_of(flights, [motor, motor]), one)
     return dict(zip(model.names, term_sds(model)[0].tolist(), strict=True))
 
 
