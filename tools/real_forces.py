@@ -22,6 +22,7 @@ from fieldkit.flight import Flight, Series
 from fieldkit.importing import Reading
 from fieldkit.importing.read import read_recordings
 from fieldkit.importing.reading import ColumnChoice
+from fieldkit.physics.history import history_of
 from fieldkit.selection.drag_steps import LoggedDrag, drag_steps
 from fieldkit.selection.logged_forces import DRAG_STEP, FlightLog
 from fieldkit.selection.prior import log_prior_odds
@@ -157,9 +158,10 @@ def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[s
     from fieldkit.selection.logged_forces import logged_forces, step_candidate
 
     motors = [catalogue().resolve(flight.motor) for flight in flights]
-    model = rocket_model(flights, motors)
+    history = history_of(flights, motors, used_in_fit=[True] * len(flights))
+    model = rocket_model(history)
     forces = logged_forces(model, logs)
-    found = diagnose(model, observe(flights, motors, [True] * len(flights)), logged=step_candidate(model, forces))
+    found = diagnose(model, observe(history), logged=step_candidate(model, forces))
     steps = forces.steps
     assert steps is not None
     yield from prose(

@@ -105,7 +105,7 @@ def _normalized(log_weight: Float[Array, "draw"]) -> Float[Array, "draw"]:
     if not np.isfinite(largest):  # also if one is nan
         return np.zeros(len(log_weight))
     weights = np.exp(log_weight - largest)
-    return weights / weights.sum()
+    return np.asarray(weights / weights.sum())
 
 
 def _effective(weights: Float[Array, "draw"]) -> float:
