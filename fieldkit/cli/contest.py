@@ -188,7 +188,7 @@ def contest(
     if total is not None:
         untimed = [short_name(one) for one, _ in scored if one.flight_id in names and judged_duration(one) is None]
         without = f"; {', '.join(untimed)} without a duration: altitude only" if untimed else ""
-        say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}{without}")
+        say(f"  score     {total:.2f} points, the best {rule.best} of {', '.join(names)}{without}")
     if ahead is not None:
         print_plan(outlook_in_words(ahead, rule, area, cut, system()), ahead.forecast.plan, lines, plan.rocket.known)
 
@@ -206,7 +206,7 @@ def _print_points(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> N
     for name, (flight, points) in zip(called, scored, strict=True):
         id = "" if name == flight.flight_id else f"  ({flight.flight_id})"
         why = why_no_score(flight, rule.egg_count)
-        result = f"no score      {why}; counts as an attempt" if why else f"{points:6.1f} points  {_flown(flight)}"
+        result = f"no score      {why}; counts as an attempt" if why else f"{points:6.2f} points  {_flown(flight)}"
         say(f"  {name:>{width}}  {result}{id}")
 
 

@@ -69,7 +69,7 @@ def simulate(
     """Simulate one flight from motor, mass, diameter, and Cd. The rocket weathercocks fully into the wind."""
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
-    from fieldkit.planning.safety import staged_lines
+    from fieldkit.planning.staged_safety import staged_lines
     from fieldkit.services.manual_entry import dry_mass_under
     from fieldkit.services.usual_cd import usual_cd
 
@@ -114,7 +114,7 @@ def simulate(
         result |= {"apogee_m_p95": highest["apogee_m"]}
     lines = []
     if found.motor.kind == "stages":
-        lines = staged_lines(plan, found.motor, highest["true_apogee_m"], Site(), own_limits())
+        lines = staged_lines(plan, found, highest, Site(), own_limits())
     _print(result, json, lines)
 
 

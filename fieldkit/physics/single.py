@@ -31,7 +31,7 @@ def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
 
 def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[str, float]:
     """Simulate one flight in the field physics. Returns all defined readouts by column, as an altimeter would read
-    them, and the true apogee above the pad, `true_apogee_m`.
+    them, the true apogee above the pad, `true_apogee_m`, and the speeds off the rail and at the ejection.
 
     `cd` and `alpha` are the drag coefficient and the thrust factor [1]; `plan` has dry mass, diameter and whatever
     conditions are known. The rocket is assumed to turn fully into a recorded wind. Raises ImpossibleFlight if the motor
@@ -43,7 +43,9 @@ def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[st
     wind = np.nan_to_num(recorded([plan], "wind"), nan=0.0)
     flown = _flown(setup.with_changes(wind=wind), plan.motor)
     shown = at_the_edge(flown, [column.name for column in READOUTS])
-    return {**shown, "true_apogee_m": float(flown.apogee.reshape(-1)[0])}
+    more = {"true_apogee_m": flown.apogee, "rail_speed_mps": flown.rail_speed, "eject_speed_mps": flown.eject_speed}
+    values = {name: float(np.reshape(value, -1)[0]) for name, value in more.items()}
+    return shown | {name: value for name, value in values.items() if np.isfinite(value)}
 
 
 def _body(plan: Flight) -> tuple[float, float]:

@@ -3,13 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import MIN_CALIBER_RATIO
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.predict import DRAWS, FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.motors import Found
+from fieldkit.motors import Found, Motor
 from fieldkit.physics.history import flown_and_planned
 from fieldkit.rocket import Rocket
 from fieldkit.selection.candidates import Averaged
@@ -75,13 +77,25 @@ def forecasts(
     return by_kind(rocket.history, planned, of_rows)
 
 
+def check_width(plan: Flight, motor: Motor) -> None:
+    """Raise ImpossibleFlight for a motor that does not fit into the body of a plan."""
+    if plan.diameter and plan.diameter < MIN_CALIBER_RATIO * motor.diameter:
+        wide, body = (f"{1e3 * one:.4g} mm" for one in (motor.diameter, plan.diameter))
+        raise ImpossibleFlight(
+            f"{motor.designation}: found a motor of {wide} in a body of {body}, expected a wider body"
+        )
+
+
 def fitted_forecast(
     rocket: RocketData, planned: PlannedFlights, draws: int = DRAWS, flight_index: Sequence[int] | None = None
 ) -> FittedForecast:
     """The forecast model fitted to a rocket's flights for similar plans, each with its flight index, by default the
-    next for all. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail
-    direction that cannot be read, DamagedModel if the hyperprior cannot be read.
+    next for all. Raises ImpossibleFlight for a flight without a dry mass and for a motor that is wider than the
+    body, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be
+    read.
     """
+    for plan, motor in planned:
+        check_width(plan, motor.motor)
     return learn(
         flown_and_planned(rocket.history, planned, flight_index),
         averaged=rocket.averaged,

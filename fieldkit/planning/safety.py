@@ -137,28 +137,6 @@ def safety_lines(
     return [*lines, *rule_lines.reminder_lines(governed_by)]
 
 
-def staged_lines(plan: Flight, motor: Motor, altitude: float, site: Site, limits: Limits) -> list[SafetyCheck]:
-    """The checks of a rocket with several stages that need no forecast of its landing, for an expected altitude [m]:
-    the thrust of the first half second and the rules that govern the launch. Raises BadValue as `safety_lines`."""
-    mass = math.nan if plan.dry_mass is None else plan.dry_mass
-    day, own = plan.date_time.date() if plan.date_time else None, read_settings()
-    by = governed(build_of(motor, mass), altitude, replace(site, rules=site.rules or own.rules), known_rules(), day)
-    lines = [
-        _thrust_line({"in the first half second": thrust_to_weight(motor, mass)[0]}, limits),
-        rule_lines.wind_line(by, plan.wind),
-        rule_lines.angle_line(by, plan.rail_angle),
-        rule_lines.field_line(by, site.size),
-        rule_lines.distance_line(by, site.people),
-        rule_lines.bystander_line(by, site.bystanders),
-        rule_lines.mass_line(by),
-        rule_lines.class_line(by),
-        rule_lines.certification_line(by, own.flyer.certification),
-        rule_lines.age_line(by, own.flyer.age(day)),
-        rule_lines.complex_line(by),
-    ]
-    return [*lines, *rule_lines.reminder_lines(by)]
-
-
 def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
     """The worse of two lines on the same item."""
     return one if other is None else worst([one, other])
@@ -206,10 +184,10 @@ def rail_line(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> Saf
 
 def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     first, average = thrust_to_weight(motor, dry_mass)
-    return _thrust_line({"in the first half second": first, "on average": average}, limits)
+    return thrust_line({"in the first half second": first, "on average": average}, limits)
 
 
-def _thrust_line(found: Mapping[str, float], limits: Limits) -> SafetyCheck:
+def thrust_line(found: Mapping[str, float], limits: Limits) -> SafetyCheck:
     """Thrust to weight over some times, by their names. [1]"""
     good, unsafe = limits["thrust_to_weight"], limits["thrust_to_weight_unsafe"]
     least = min(found.values())

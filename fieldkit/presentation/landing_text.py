@@ -20,6 +20,8 @@ from fieldkit.units import DEGREE
 
 LEAST_CHANCE = 0.01
 """Minimum chance that is reported. [1]"""
+NO_FLIGHT = "  landing   none: the motor does not lift the rocket off the pad"
+"""Line in place of the landing of a rocket that is too heavy for its motor."""
 OFF_AXIS = 0.05
 """Crosswind offset of the ellipse's center below which it is within the noise of the draws, relative to the short
 semi-axis. [1]"""
@@ -42,6 +44,10 @@ def landing_in_words(
     """
     plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
     yield build_in_words(prediction)
+    if not np.isfinite(down.duration).any():
+        yield NO_FLIGHT
+        yield f"  based on  {rests_in_words(prediction)}"
+        return
     yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
     yield f"  duration  {seconds_in_words(three(down.duration))}"
     falls = "" if down.landing_speed is None else f"at {shown.speed(down.landing_speed[1])}; "

@@ -38,15 +38,17 @@ def conditions_in_words(plan: Flight, rocket: Rocket | None = None, system: str 
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     blows = f"wind {wind}" if wind else "wind not given"
-    yield f"  with      {blows}, {rail}, {f'at {angle} {_way(plan)}' if plan.rail_angle else 'vertical'}"
+    slanted = f"at {(angle or '').removeprefix('-')} {_way(plan)}"
+    yield f"  with      {blows}, {rail}, {slanted if plan.rail_angle else 'vertical'}"
     design = rocket.design(plan.config) if rocket is not None else None
     if design is not None and design.cd:
         yield f"  design    initial Cd {design.cd:.2f} from {design.source}"
 
 
 def _way(plan: Flight) -> str:
-    """The direction of a slanted rail: `into the wind`."""
-    degrees = round(rail_direction(plan) / DEGREE) % 360
+    """The direction of a slanted rail: `into the wind`; a negative angle points the other way."""
+    opposite = 180 if (plan.rail_angle or 0.0) < 0 else 0
+    degrees = (round(rail_direction(plan) / DEGREE) + opposite) % 360
     return RAIL_WAYS.get(degrees, f"{degrees}° to the right of into the wind")
 
 
@@ -77,6 +79,10 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
     if any(one.lands_first >= LEAST_LISTED and one.after_apogee for one in judged.delays):
         yield "  Some flights hit the ground before the charge: time and speed are of the others."
     yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
+    if judged.delays:
+        first = judged.delays[0]
+        drilled = "" if first.on_sale else ", drilled"
+        yield f"  best      {first.delay:g} s{drilled}, the least likely to open too fast ({percent(first.too_fast)})"
 
 
 def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
@@ -139,7 +145,7 @@ def outlook_in_words(
     low, middle, high = (height / FOOT for height in three_of_all(prediction.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
     yield f"  apogee    {middle:.0f} ft on the altimeter, 90% interval {low:.0f} to {high:.0f}, {aimed}"
-    yield f"  true      {ShownUnits(system).length(three_of_all(prediction.true_apogee)[1])} above the pad"
+    yield f"  true      {three_of_all(prediction.true_apogee)[1] / FOOT:.0f} ft above the pad"
     opens, closes = rule.window
     yield f"  duration  {seconds_in_words(three(ahead.duration.ravel()))}, window {opens:g} to {closes:g} s"
     yield f"  descent   {descent_in_words(ahead.fall, prediction.plan)}"

@@ -638,7 +638,7 @@ def test_a_score_without_a_duration_states_that_it_covers_only_altitude(
     ledger = ["--ledger", str(tmp_path / "ledger.db")]
     assert main([*ledger, "import", str(table)]) == 0
     assert main([*ledger, "contest", "--season", "2027", "--declared", "1,2"]) == 0
-    assert "6.0 points, the best 2 of 1, 2; 2 without a duration: altitude only" in capsys.readouterr().out
+    assert "6.00 points, the best 2 of 1, 2; 2 without a duration: altitude only" in capsys.readouterr().out
 
 
 def test_contest_columns_count_however_a_spreadsheet_writes_their_headings() -> None:

@@ -253,6 +253,8 @@ def test_the_best_delay_is_the_least_likely_to_be_too_fast(rocket: RocketData, p
     assert not early.on_sale
     assert judged.forecast.plan.delay == judged.delays[0].delay
     table = [line for line in delays_in_words(judged, 15.0) if line.endswith(("%", "too fast"))]
+    words = list(delays_in_words(judged, 15.0))
+    assert words[-1].startswith(f"  best      {judged.delays[0].delay:g} s")
     assert len(table) == 1 + len(judged.delays)
     assert max(map(len, table)) <= 57  # of 60, less a frame and a scroll bar
 

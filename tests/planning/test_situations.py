@@ -1,0 +1,30 @@
+"""The planning situations of `situations.toml`, each with the right answer and its source, as a flyer asks for them."""
+
+import json
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.commands import Run
+
+TABLE = Path(__file__).with_name("situations.toml")
+SITUATIONS = tomllib.loads(TABLE.read_text(encoding="utf-8"))["situation"]
+
+
+@pytest.mark.parametrize("one", SITUATIONS, ids=[one["name"] for one in SITUATIONS])
+def test_a_situation_has_the_right_verdict_for_the_right_reason(one: dict[str, str], run: Run) -> None:
+    if "flyer" in one:
+        run("flyer", *shlex.split(one["flyer"]))
+    (made,) = json.loads(run("predict", *shlex.split(one["plan"]), "--json").out)["predictions"]
+    found = [line for line in made["safety"] if line["check"] == one["check"]]
+    assert [line["verdict"] for line in found] == [one["verdict"]], found
+    said = found[0]["text"] + found[0].get("rule", "")
+    assert one.get("says", "") in said, said
+
+
+def test_every_situation_names_its_source_and_all_verdicts_occur() -> None:
+    assert all(one["source"] for one in SITUATIONS)
+    assert len({one["name"] for one in SITUATIONS}) == len(SITUATIONS) >= 45
+    assert {one["verdict"] for one in SITUATIONS} == {"ok", "caution", "unsafe", "unknown"}
