@@ -17,7 +17,9 @@ LONGEST_LINE = 1000
 
 
 def shortened(text: str) -> str:
-    """A message without the middle of its overlong lines."""
+    """A message without the middle of its overlong lines; one without such lines as it is, with its amounts."""
+    if all(len(line) <= LONGEST_LINE for line in text.split("\n")):
+        return text
     return "\n".join(
         line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 2 :]}"
         for line in text.split("\n")

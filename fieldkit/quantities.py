@@ -1,15 +1,15 @@
 """Formatting of numbers for flyers: in their units, with significant digits only."""
 
-import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import Column
+from fieldkit.messages import FINE, PER_WIND, QUANTITY, ROUNDED, Amount, Message, estimate, marked, message
+from fieldkit.spelled_units import rounded as rounded
 from fieldkit.spelled_units import spelled as spelled
+from fieldkit.spelled_units import with_sd as with_sd
 from fieldkit.spelled_units import with_unit as with_unit
 
 SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -31,8 +31,6 @@ SHORT_LENGTHS = ("rail_length",)
 """Columns of a few feet, shown in tenths of them: a rail of 1 m is 3.3 ft, not 3 ft."""
 MIN_GROUPED = 1000
 """Counts from here on have commas between thousands. [1]"""
-MAX_WRITTEN_OUT = 1e9
-"""Numbers from here on have an exponent, in any unit."""
 
 
 def counted(count: int, noun: str) -> str:
@@ -58,10 +56,8 @@ def number(column: Column, value: float, system: str) -> str:
     return f"{units.unit(column.quantity, unit).from_si(value):.{places}f}"
 
 
-QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "g": "mass", "N s": "impulse"} | {
-    "J": "energy"
-}
-"""The quantity of a unit."""
+_QUANTITY = {**QUANTITY, "hpa": "pressure"}
+"""The quantity of a unit that is shown with SI."""
 
 
 def written(value: float, unit: str, system: str, digits: int | None = None) -> str:
@@ -75,69 +71,54 @@ def written(value: float, unit: str, system: str, digits: int | None = None) -> 
     places = DECIMALS.get(shown, 0)
     if digits is not None and (shown == unit or places <= DECIMALS[unit]):
         places = digits if shown == unit else min(digits, places)
-    scale = units.unit(QUANTITY[unit], shown.replace(" ", ""))
+    scale = units.unit(_QUANTITY[unit], shown.replace(" ", ""))
     number = round(scale.from_si(value), places) + 0.0  # zero is never negative
     return with_unit(f"{number:.{places}f}", shown)
 
 
-_NOTE_FIGURE = re.compile(r"(?<![\w.,'])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (m/s|m)(?![\w/²³^])")
-_NOTE_MASS = re.compile(r"(?:(?<=\bmass of )|(?<=\brange \())(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) (g|kg)\b")
-_NOTE_AREA = re.compile(r"(?<![\w.,])(?:(\d+(?:\.\d+)?) to )?(\d+(?:\.\d+)?) m²")
-_NOTE_WIDTH = re.compile(r"(?<=\bdiameter of )(\d+(?:\.\d+)?) (mm)\b")
-_FIGURE = r"\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-_NOTE_ESTIMATE = re.compile(rf"(?<![\w.,])(-?{_FIGURE}) ± ({_FIGURE}) (m/s\^2|m/s|m|K)(?![\w/²³^])")
-GRAMS = {"g": 1e-3, "kg": 1.0}
-"""Units of mass in notes. [kg]"""
-_OF_SI = {"m": ("ft", 1 / units.FOOT), "m/s": ("mph", 1 / units.MILE * 3600), "m/s^2": ("ft/s^2", 1 / units.FOOT)}
-_OF_SI["K"] = ("°F", 1.8)
+_OF_SI = {
+    "m": ("ft", 1 / units.FOOT),
+    "m/s": ("mph", 1 / units.MILE * 3600),
+    "m/s^2": ("ft/s^2", 1 / units.FOOT),
+    "K": ("°F", 1.8),
+}
 """Feet-based units of estimates with a standard deviation, and how many make one SI unit; kelvins are differences."""
 
 
-def in_system(note: str, system: str) -> str:
-    """A note with its lengths [m] and speeds [m/s] in the units of a system: `a gap of 30 m` is `a gap of 98 ft`.
+def in_system(text: object, system: str) -> str:
+    """A message, or that of an error, with its amounts in the units of a system; any other text unchanged.
 
-    In a system with ounces, areas [m²] are converted too; masses only after the words `mass of` and `range (`, because
-    `g` is also an acceleration; and widths only after `diameter of`, because motors and their mounts are named by
-    millimeters everywhere.
-
-    In estimates with a standard deviation, such as `13.7 ± 14 m/s^2`, accelerations and temperature differences [K]
-    are converted too.
+    In `a gap of 30 m of Test 30 m`, the gap is `98 ft`, and the flight keeps its name.
     """
-    if "m" not in SYSTEMS[system]:
-        return note
-    note = _NOTE_ESTIMATE.sub(_estimate, note)
-    note = _NOTE_FIGURE.sub(partial(_figure, system=system), note)
-    if "g" in SYSTEMS[system]:
-        note = _NOTE_MASS.sub(partial(_weight, system=system), note)
-        note = _NOTE_AREA.sub(_area, note)
-        note = _NOTE_WIDTH.sub(lambda one: written(float(one[1]) * 1e-3, "mm", system), note)
-    return note
+    if isinstance(text, Exception):
+        text = message(marked(text))
+    if not isinstance(text, Message):
+        return str(text)
+    return "".join(part if isinstance(part, str) else _written(part, system) for part in text.parts)
 
 
-def _figure(found: re.Match[str], system: str) -> str:
-    """A length or a speed, or two with one unit, in a system."""
-    low, high, unit = found.groups()
-    shown = written(float(high), unit, system, 0)
-    return shown if low is None else f"{written(float(low), unit, system, 0).split()[0]} to {shown}"
-
-
-def _weight(found: re.Match[str], system: str) -> str:
-    """A mass, or two with one unit, in a system."""
-    low, high, unit = found.groups()
-    shown = written(float(high) * GRAMS[unit], "g", system)
-    return shown if low is None else f"{written(float(low) * GRAMS[unit], 'g', system).split()[0]} to {shown}"
-
-
-def _area(found: re.Match[str]) -> str:
-    """An area, or two with one unit, in square inches."""
-    ends = [rounded(float(end) / units.INCH**2, 3) for end in found.groups() if end is not None]
-    return f"{' to '.join(ends)} in²"
-
-
-def _estimate(found: re.Match[str]) -> str:
-    value, sd, given = found.groups()
-    unit, factor = _OF_SI[given]
-    return f"{with_sd(float(value) * factor, float(sd) * factor)} {unit}"
+def _written(one: Amount, system: str) -> str:
+    """An amount with its unit in a system."""
+    if one.style.startswith("±"):
+        unit, factor = _OF_SI.get(one.unit, ("", 1.0)) if "m" in SYSTEMS[system] else ("", 1.0)
+        return f"{with_sd(one.values[0] * factor, float(one.style[1:]) * factor)} {unit}" if unit else one.text
+    if one.unit == "m²" and "mm" in SYSTEMS[system]:
+        ends = [rounded(value / units.INCH**2, 3) for value in one.values]
+        return f"{' to '.join(ends)} in²"
+    grams = {"kg": "g"}.get(one.unit, one.unit)
+    if grams not in SYSTEMS[system]:
+        return one.text
+    if one.style == PER_WIND:
+        return ShownUnits(system).per_wind(one.values[0])
+    unit = SYSTEMS[system][grams]
+    scale = units.unit(_QUANTITY[grams], unit.replace(" ", ""))
+    if one.style == FINE:
+        return with_unit(f"{scale.from_si(one.values[0]):.1f}", unit)
+    if one.style.startswith(ROUNDED):
+        digits = int(one.style.removeprefix(ROUNDED))
+        return with_unit(" to ".join(rounded(scale.from_si(value), digits) for value in one.values), unit)
+    *low, high = (written(value, one.unit, system, int(one.style)) for value in one.values)
+    return " to ".join([*(end.split()[0] for end in low), high])
 
 
 def area_unit(system: str) -> tuple[str, float]:
@@ -207,26 +188,9 @@ class ShownUnits:
         return written(value, "c", self.system)
 
 
-def rounded(value: float, digits: int = 4) -> str:
-    """A number in any unit with that many significant digits, without an exponent if it is large: `12345`, `281.3`,
-    `0.0517`."""
-    text = f"{value:.{digits}g}"
-    return text if "e+" not in text or abs(value) >= MAX_WRITTEN_OUT else f"{value:.0f}"
-
-
 def percent(probability: float) -> str:
     """A probability [1] in percent, never 0% or 100%: `16%`, `> 99%`."""
     return f"{probability:.0%}" if 0.01 <= probability <= 0.99 else "> 99%" if probability > 0.5 else "< 1%"
-
-
-def with_sd(value: float, sd: float) -> str:
-    """A value and its standard deviation, in the unit of both: at least two significant digits of the deviation, and as
-    many decimals of the value: `43.8 ± 6.7`, `1204 ± 153`. Without a deviation above zero and below `MAX_WRITTEN_OUT`,
-    the value alone, with four significant digits."""
-    if not 0 < sd < MAX_WRITTEN_OUT:
-        return rounded(value)
-    places = max(1 - math.floor(math.log10(float(f"{sd:.1e}"))), 0)
-    return f"{value:.{places}f} ± {sd:.{places}f}"
 
 
 def strength_in_words(mean: float, sd: float, unit: str, system: str) -> str:
@@ -234,7 +198,7 @@ def strength_in_words(mean: float, sd: float, unit: str, system: str) -> str:
     whole = unit.removeprefix("fraction ")
     if whole != unit:
         return f"{with_sd(mean * 100, sd * 100)}% {whole}"
-    return in_system(f"{with_sd(mean, sd)} {unit}", system)
+    return in_system(message(estimate(mean, sd, unit)), system)
 
 
 def significant(column: Column, value: float, system: str) -> str:

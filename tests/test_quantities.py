@@ -1,10 +1,13 @@
 """Figures in the units that a flyer chose."""
 
 import math
+import pickle
 
 import pytest
 
+from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
+from fieldkit.messages import amount, estimate, fine, marked, message, of_column, of_unit, per_wind
 from fieldkit.quantities import (
     ShownUnits,
     density,
@@ -35,25 +38,47 @@ def test_degrees_and_percent_follow_their_number_without_a_space(name: str, valu
 
 
 @pytest.mark.parametrize(
-    ("note", "shown"),
+    ("marks", "si", "us"),
     [
-        ("a gap between 30 m, as recorded, and 61 m", "a gap between 98 ft, as recorded, and 200 ft"),
-        ("off the rail at 10 m/s", "off the rail at 22 mph"),
-        ("the missing 25 m/s² are filled in", "the missing 25 m/s² are filled in"),
-        ("friction: 13.7 ± 14 m/s^2", "friction: 45 ± 46 ft/s^2"),
-        ("a site: -120 ± 60 m", "a site: -394 ± 197 ft"),
-        ("days: 5 ± 2.5 K", "days: 9.0 ± 4.5 °F"),
-        ("4.57 ± 7.4 deg at 15 m/s off the rail", "4.57 ± 7.4 deg at 34 mph off the rail"),
-        ("found 0 m, expected 3 to 200 m", "found 0 ft, expected 10 to 656 ft"),
-        ("7.5 g is more than 5 g, a dry mass of 280 g on F24", "7.5 g is more than 5 g, a dry mass of 9.88 oz on F24"),
-        ("lift-off mass of 0.35 kg", "lift-off mass of 12.35 oz"),
-        ("a diameter of 254 mm, in a 29 mm mount", "a diameter of 10.00 in, in a 29 mm mount"),
-        ("row 7 m2 has 3 mm and version 1.5 meters", "row 7 m2 has 3 mm and version 1.5 meters"),
+        (f"a gap of {amount(30.0, 'm')} in Test 30 m", "a gap of 30 m in Test 30 m", "a gap of 98 ft in Test 30 m"),
+        (f"off the rail at {amount(10.0, 'm/s')}", "off the rail at 10 m/s", "off the rail at 22 mph"),
+        (f"friction: {estimate(13.7, 14.0, 'm/s^2')}", "friction: 14 ± 14 m/s^2", "friction: 45 ± 46 ft/s^2"),
+        (f"a site: {estimate(-120.0, 60.0, 'm')}", "a site: -120 ± 60 m", "a site: -394 ± 197 ft"),
+        (f"days: {estimate(5.0, 2.5, 'K')}", "days: 5.0 ± 2.5 K", "days: 9.0 ± 4.5 °F"),
+        (amount(3.0, "m", to=200.0), "3 to 200 m", "10 to 656 ft"),
+        (of_column(BY_NAME["dry_mass"], 90.0), "90000 g", "3175 oz"),
+        (of_column(BY_NAME["peak_accel"], 98.0665), "10 g", "10 g"),
+        (of_column(BY_NAME["diameter"], 0.254), "254 mm", "10 in"),
+        (of_column(BY_NAME["temperature"], 283.15, 293.15), "10 to 20 °C", "50 to 68 °F"),
+        (of_unit(2.0, "kg", digits=3), "2 kg", "70.5 oz"),
+        (of_unit(0.0001, "m²", 0.004, 3), "0.0001 to 0.004 m²", "0.155 to 6.2 in²"),
+        (
+            estimate(4.57, 7.4, message(f"deg at {amount(15.0, 'm/s')}")),
+            "4.6 ± 7.4 deg at 15 m/s",
+            "4.6 ± 7.4 deg at 34 mph",
+        ),
+        (fine(1.0, "m"), "1.0 m", "3.3 ft"),
+        (per_wind(94.0), "94 m per m/s of wind", "138 ft per mph of wind"),
     ],
 )
-def test_a_note_states_lengths_and_speeds_in_the_units_of_the_system(note: str, shown: str) -> None:
-    assert in_system(note, "US") == shown
-    assert in_system(note, "SI") == note
+def test_a_message_holds_its_amounts_and_a_medium_writes_them(marks: str, si: str, us: str) -> None:
+    found = message(marks)
+    assert found == si
+    assert (in_system(found, "SI"), in_system(found, "US")) == (si, us)
+    again = pickle.loads(pickle.dumps(found))
+    assert in_system(again, "US") == us, "it passes through other processes"
+    assert in_system(message(f"x: {marked(found)}"), "US") == f"x: {us}", "and into other messages"
+
+
+def test_names_and_finished_texts_are_never_converted() -> None:
+    assert in_system("no flight 'Test 30 m', 90 g ± 5 m", "US") == "no flight 'Test 30 m', 90 g ± 5 m"
+
+
+def test_an_error_holds_the_amounts_of_its_message() -> None:
+    damage = DamagedLog(message(f"found {amount(30.0, 'm')}"), row=3, source="pad 30 m.eeprom")
+    assert str(damage) == "pad 30 m.eeprom, row 3: found 30 m"
+    assert in_system(damage, "US") == "pad 30 m.eeprom, row 3: found 98 ft"
+    assert in_system(BadValue(message(amount(1.0, "m/s"))), "mixed") == "2 mph"
 
 
 def test_a_density_is_in_pounds_per_cubic_foot_if_lengths_are_in_feet() -> None:
@@ -71,24 +96,6 @@ def test_a_rounded_number_is_written_out(value: float, digits: int, text: str) -
 
 def test_a_high_flight_is_shown_without_an_exponent() -> None:
     assert significant(BY_NAME["apogee"], 4000.0, "US") == "13123 ft"
-
-
-@pytest.mark.parametrize(
-    ("note", "shown"),
-    [
-        (
-            "lift-off mass of 2 kg is outside the training range (0.02 to 1.5 kg)",
-            "lift-off mass of 70.55 oz is outside the training range (0.71 to 52.91 oz)",
-        ),
-        (
-            "drag area around 0.005 m² is outside the training range (0.0001 to 0.004 m²)",
-            "drag area around 7.75 in² is outside the training range (0.155 to 6.2 in²)",
-        ),
-    ],
-)
-def test_a_range_of_masses_or_areas_is_in_one_system(note: str, shown: str) -> None:
-    assert in_system(note, "US") == shown
-    assert in_system(note, "SI") == note
 
 
 def test_a_rail_has_tenths_of_feet() -> None:

@@ -3,7 +3,6 @@
 import contextlib
 import sys
 from collections.abc import Collection
-from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,13 +10,13 @@ import typer
 from fieldkit import settings
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card, say_wrapped, system
+from fieldkit.cli.screen import complain, print_card, remark, say_wrapped, system
 from fieldkit.cli.session import LIFT_OFF, MotorCheck, dry_mass, note_dry_mass, open_ledger, read_settings
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.short_name import flight_label
-from fieldkit.quantities import measure, significant
+from fieldkit.quantities import measure
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Conversation
@@ -99,8 +98,8 @@ def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Print what looks mistyped; the flight is saved anyway."""
     from fieldkit.services.manual_entry import usual
 
-    for phrase in doubts(flight, usual(ledger, MotorCheck().catalogue, flight), partial(significant, system=system())):
-        complain(f"note: {phrase}")
+    for phrase in doubts(flight, usual(ledger, MotorCheck().catalogue, flight)):
+        remark(phrase)
 
 
 def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, Collection[str], str | None]":

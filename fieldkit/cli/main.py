@@ -22,7 +22,7 @@ from typer.main import get_group
 from fieldkit.cli.metavars import name_values
 from fieldkit.cli.screen import complain, system
 from fieldkit.cli.tui import open_app
-from fieldkit.errors import FieldkitError, ImpossibleFlight
+from fieldkit.errors import FieldkitError
 from fieldkit.plugins import trained_digests
 from fieldkit.quantities import in_system
 
@@ -50,6 +50,7 @@ GROUPS = {
     "contest": ("contest", "finals"),
     "landing": ("landing", "track"),
     "daysheet": ("daysheet",),
+    "units": ("units",),
     "sites": ("sites",),
     "kits": ("kits",),
     "flyer": ("flyer",),
@@ -165,7 +166,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         return status
     except FieldkitError as error:
-        found = in_system(str(error), system()) if isinstance(error, ImpossibleFlight) else str(error)
+        found = in_system(error, system())
     except BrokenPipeError:
         return 1  # the reader of the pipe has closed it
     except MemoryError:

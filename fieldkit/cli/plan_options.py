@@ -3,7 +3,6 @@ with the motor."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 from typing import TYPE_CHECKING
 
 import typer
@@ -23,7 +22,7 @@ from fieldkit.flight.recovery import (
     stability,
 )
 from fieldkit.paths import data_file
-from fieldkit.quantities import in_system, measure, significant
+from fieldkit.quantities import in_system, measure
 from fieldkit.services.names import same_name
 from fieldkit.settings import read_settings
 
@@ -120,7 +119,7 @@ def _doubts(ledger: "Ledger", motors: "Catalogue", plan: "Flight", given: Given)
     from fieldkit.services.unknown_names import unknown_names
 
     yield from unknown_names(ledger, plan, given)
-    yield from doubts(plan, figure=partial(significant, system=system()))
+    yield from (in_system(one, system()) for one in doubts(plan))
     with suppress(UnknownMotor):
         if plan.motor and (reason := implausible(plan, motors.resolve_several(plan.motor).motor)):
             yield in_system(reason, system())

@@ -116,16 +116,15 @@ def _answered(conversation: Conversation, question: Question, text: str) -> bool
             text = _without_motor(conversation, question, text)
             _take(conversation, question, text)
         except (BadValue, UnknownMotor) as error:
-            complain(f"{question.title}: {in_system(str(error), system())}")
+            complain(f"{question.title}: {in_system(error, system())}")
             return False
         implausible = implausible_answers(
             conversation.flight,
             question.name,
             manual_entry.usual(conversation.ledger, conversation.motors.catalogue, conversation.flight),
-            system(),
         )
         for phrase in implausible:
-            complain(f"  unusual: {phrase}")
+            complain(f"  unusual: {in_system(phrase, system())}")
         again = (
             conversation.read_answer("  Enter to accept it, or type it again: ")
             if implausible and conversation.interactive

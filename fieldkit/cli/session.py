@@ -9,8 +9,9 @@ import typer
 from fieldkit.cli.screen import complain, remark, system
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.messages import marked, message
 from fieldkit.paths import motor_folder
-from fieldkit.quantities import counted, in_system, measure
+from fieldkit.quantities import counted, measure
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -91,7 +92,7 @@ def dry_mass(motors: "Catalogue", flight: "Flight", text: str) -> float | None:
     try:
         return weighed(motors, flight, read_lift_off_mass(text)).dry_mass
     except BadValue as error:
-        raise BadValue(f"lift-off mass: {in_system(str(error), system())}") from error
+        raise BadValue(message(f"lift-off mass: {marked(error)}")) from error
 
 
 def note_dry_mass(flight: "Flight") -> None:

@@ -14,8 +14,8 @@ from fieldkit.cli.session import known_motors
 from fieldkit.errors import BadValue
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.flight.site import Site
+from fieldkit.messages import marked, message
 from fieldkit.planning.check import SafetyCheck, short_safety_text
-from fieldkit.quantities import in_system
 from fieldkit.units import unit
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def simulate(
         try:
             plan = plan.with_changes(dry_mass=dry_mass_under(weighed, found.motor))
         except BadValue as error:
-            raise BadValue(f"lift-off mass: {in_system(str(error), system())}") from error
+            raise BadValue(message(f"lift-off mass: {marked(error)}")) from error
     result = field_flight(plan, found, drag, alpha)
     highest = result if cd is not None else field_flight(plan, found, low, alpha)
     if cd is None:

@@ -11,7 +11,7 @@ from fieldkit.cli.screen import AsJson, complain, print_json, print_table, syste
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import BadValue, unknown
 from fieldkit.flight.site import SITE_LENGTHS, Site
-from fieldkit.quantities import ShownUnits, in_system
+from fieldkit.quantities import ShownUnits
 
 app = typer.Typer()
 
@@ -49,10 +49,7 @@ def sites(
         raise typer.BadParameter("found values and no site, expected its name first")
     with open_ledger(context) as ledger:
         if name is not None and changed:
-            try:
-                keep_site(ledger, name, rules=rules, **given)
-            except BadValue as error:
-                raise BadValue(in_system(str(error), system())) from error
+            keep_site(ledger, name, rules=rules, **given)
         known = _named(sites_of(ledger), name)
     if json:
         lengths = [{f"{key}_m": getattr(one, key) for key in SITE_LENGTHS} for one in known]

@@ -10,7 +10,8 @@ from types import MappingProxyType
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import Column, Flight
-from fieldkit.spelled_units import with_unit
+from fieldkit.messages import message, of_column
+from fieldkit.spelled_units import rounded, with_unit
 
 _EDGE: Mapping[str, tuple[float, float]] = {
     "dry_mass": (0.1, 1e6),
@@ -48,10 +49,12 @@ def check(column: Column, value: float, unit: str = "") -> float:
     number = own.from_si(value)
     slack = 1e-9 * (1 + abs(number))
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
-        shown = units.unit(column.quantity, unit or column.unit)
-        least, most = (rounded(shown.from_si(own.to_si(bound))) for bound in (low, high))
-        typed = with_unit(rounded(shown.from_si(value)), unit or column.unit)
-        raise BadValue(f"found {typed}, expected {least} to {with_unit(most, unit or column.unit)}")
+        least, most = own.to_si(low), own.to_si(high)
+        if not unit:
+            raise BadValue(message(f"found {of_column(column, value)}, expected {of_column(column, least, most)}"))
+        shown = units.unit(column.quantity, unit)
+        found, first, last = (rounded(shown.from_si(one)) for one in (value, least, most))
+        raise BadValue(f"found {with_unit(found, unit)}, expected {first} to {with_unit(last, unit)}")
     return value
 
 
@@ -78,9 +81,3 @@ def long_names(flight: Flight) -> list[str]:
         for text in texts
         if len(text) > MAX_NAME
     ]
-
-
-def rounded(number: float) -> str:
-    """A number in any unit with four significant digits, from 10,000 on to the nearest integer; without an exponent in
-    the range of the limits."""
-    return f"{number:.0f}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g}"

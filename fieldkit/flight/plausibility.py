@@ -6,7 +6,7 @@ motor is `implausible`: the flight stays in the ledger, is reported, and is left
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from statistics import median
 from types import MappingProxyType
 from typing import Protocol
@@ -14,8 +14,9 @@ from typing import Protocol
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
-from fieldkit.flight.limits import check, rounded
+from fieldkit.flight.limits import check
 from fieldkit.flight.recovery import IN_EVERY_FIT, check_recovery, rail_direction
+from fieldkit.messages import Message, marked, message, of_column
 
 IDENTITY = (0.9, 1.1)
 """Range of top speed over (average acceleration × burn time); outside it, a value is mistyped. [1]
@@ -53,12 +54,6 @@ MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 """Ratio of a body's diameter to its motor's: a motor fits inside, and saucers are about 15 times as wide. [1]"""
 
 
-def figure(column: Column, value: float) -> str:
-    """Format a value [SI] in the column's own unit: `281.3 m`."""
-    number = units.unit(column.quantity, column.unit).from_si(value)
-    return f"{rounded(number)} {column.unit}"
-
-
 class Burning(Protocol):
     """The motor data that these checks need, as in `fieldkit.motors.Motor`. SI."""
 
@@ -78,14 +73,14 @@ class Burning(Protocol):
     def burning(self) -> tuple[float, float]: ...
 
 
-def implausible(flight: Flight, motor: Burning) -> str | None:
+def implausible(flight: Flight, motor: Burning) -> Message | None:
     """Why no rocket can have flown like this on its motor, as a phrase; None if possible.
 
     A plan is checked by its setup, a flight also by its readouts. The bounds are physical, with a margin for the
     strongest motor and an altimeter that reads high, so a flight that is merely unusual passes.
     """
     found = (_impossible(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
-    return next((reason for reason in found if reason), None)
+    return next((message(reason) for reason in found if reason), None)
 
 
 def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
@@ -105,16 +100,16 @@ def beyond_motor(flight: Flight, motor: Burning) -> dict[str, str]:
         value, sd = flight.number(name), flight.sd.get(name, 0.0)
         if value is not None and value - 2 * sd > READ_TOO_HIGH * bound:
             column = BY_NAME[name]
-            found[name] = f"{figure(column, value)} is more than {figure(column, READ_TOO_HIGH * bound)}, {mass}"
+            found[name] = f"{of_column(column, value)} is more than {of_column(column, READ_TOO_HIGH * bound)}, {mass}"
     burn, column = flight.number("burn_time"), BY_NAME["burn_time"]
     if burn is not None:
         first, last = motor.burning
         margin, whole = 2 * flight.sd.get("burn_time", 0.0), last - first
         if burn + margin < MIN_BURN_FRACTION * whole:
-            found["burn_time"] = f"{figure(column, burn)} is less than half of {figure(column, whole)}, {mass}"
+            found["burn_time"] = f"{of_column(column, burn)} is less than half of {of_column(column, whole)}, {mass}"
         elif burn - margin > MAX_BURN_FRACTION * whole:
-            found["burn_time"] = f"{figure(column, burn)} is more than twice {figure(column, whole)}, {mass}"
-    return found
+            found["burn_time"] = f"{of_column(column, burn)} is more than twice {of_column(column, whole)}, {mass}"
+    return {name: message(reason) for name, reason in found.items()}
 
 
 def not_measured(flight: Flight, motor: Burning) -> dict[str, str]:
@@ -126,7 +121,7 @@ def not_measured(flight: Flight, motor: Burning) -> dict[str, str]:
     """
     found = beyond_motor(flight, motor)
     if flight.avg_accel is not None and flight.peak_accel is not None and flight.avg_accel > flight.peak_accel * 1.001:
-        why = f"average acceleration is above {figure(BY_NAME['peak_accel'], flight.peak_accel)}, the peak"
+        why = message(f"average acceleration is above {of_column(BY_NAME['peak_accel'], flight.peak_accel)}, the peak")
         ratio = identity(flight)
         confirmed = ratio is not None and IDENTITY[0] <= ratio <= IDENTITY[1]
         found |= dict.fromkeys(("peak_accel",) if confirmed else ("peak_accel", "avg_accel"), why)
@@ -166,13 +161,13 @@ def _impossible(flight: Flight) -> str:
             if value is not None:
                 check(column, value)
         except BadValue as error:
-            return f"{column.title.lower()}: {error}"
+            return f"{column.title.lower()}: {marked(error)}"
     try:
         if flight.extra:
             check_recovery(flight, IN_EVERY_FIT)
             rail_direction(flight)
     except BadValue as error:
-        return str(error)
+        return marked(error)
     return ""
 
 
@@ -180,12 +175,12 @@ def _misfit(flight: Flight, motor: Burning) -> str:
     """A phrase for a body too narrow or too wide for its motor, or a rail closer to horizontal than to vertical."""
     if flight.diameter is not None and not MIN_CALIBER_RATIO <= flight.diameter / motor.diameter <= MAX_CALIBER_RATIO:
         low, high = (ratio * motor.diameter for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO))
-        beyond = f"more than a diameter of {figure(BY_NAME['diameter'], high)}, the most"
+        beyond = f"more than a diameter of {of_column(BY_NAME['diameter'], high)}, the most"
         if flight.diameter < low:
-            beyond = f"less than a diameter of {figure(BY_NAME['diameter'], low)}, the least"
-        return f"a diameter of {figure(BY_NAME['diameter'], flight.diameter)} is {beyond} around {motor.designation}"
+            beyond = f"less than a diameter of {of_column(BY_NAME['diameter'], low)}, the least"
+        return f"a diameter of {of_column(BY_NAME['diameter'], flight.diameter)} is {beyond} around {motor.designation}"
     if flight.rail_angle is not None and abs(flight.rail_angle) > MAX_LAUNCH_ANGLE + 1e-9:
-        return f"{_found('rail_angle', flight)} is more than {figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
+        return f"{_found('rail_angle', flight)} is more than {of_column(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
     return ""
 
 
@@ -196,7 +191,7 @@ def _too_heavy(flight: Flight, motor: Burning) -> str:
     most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
     if flight.dry_mass < most:
         return ""
-    lifted = figure(BY_NAME["dry_mass"], most)
+    lifted = of_column(BY_NAME["dry_mass"], most)
     return f"{_mass(flight.dry_mass)} is more than the mass of {lifted} that {motor.designation} lifts"
 
 
@@ -213,21 +208,21 @@ def _too_far(flight: Flight, motor: Burning) -> str:
     for name, bound in bounds.items():
         value = flight.number(name)
         if value is not None and value > READ_TOO_HIGH * bound:
-            most = figure(BY_NAME[name], READ_TOO_HIGH * bound)
+            most = of_column(BY_NAME[name], READ_TOO_HIGH * bound)
             without_drag = f"{_mass(flight.dry_mass)} on {motor.designation} without drag"
             return f"{_found(name, flight)} is more than {most}, the most for {without_drag}"
     return ""
 
 
 def _mass(mass: float) -> str:
-    """A dry mass [kg] as text in a form that `quantities.in_system` converts."""
-    return f"a dry mass of {figure(BY_NAME['dry_mass'], mass)}"
+    """A dry mass [kg] in words, with its amount marked."""
+    return f"a dry mass of {of_column(BY_NAME['dry_mass'], mass)}"
 
 
 def _found(name: str, flight: Flight) -> str:
     """A flight's value in words: `apogee of 281.3 m`."""
     column = BY_NAME[name]
-    return f"{column.title.lower()} of {figure(column, flight.number(name) or 0.0)}"
+    return f"{column.title.lower()} of {of_column(column, flight.number(name) or 0.0)}"
 
 
 def identity(flight: Flight) -> float | None:
@@ -249,52 +244,49 @@ def middles(flights: Iterable[Flight]) -> dict[str, float]:
 def doubts(
     flight: Flight,
     usual: Mapping[str, float] = MappingProxyType({}),
-    figure: Callable[[Column, float], str] = figure,
-) -> list[str]:
+) -> list[Message]:
     """Values in a flight that look mistyped, one phrase each: values outside the range of their column, and readouts
-    that contradict each other or the `usual` ones (the `middles` of flights of the same rocket on the same motor).
-    `figure` formats a value [SI]."""
-    found = [_unusual(column, value, figure) for column in COLUMNS if (value := flight.number(column.name)) is not None]
+    that contradict each other or the `usual` ones (the `middles` of flights of the same rocket on the same motor)."""
+    found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
-        found.append(inconsistent_speed(flight, ratio, figure))
+        found.append(inconsistent_speed(flight, ratio))
     for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             small, large = BY_NAME[smaller], BY_NAME[larger]
-            found.append(f"{_titled(small, low, figure)} is above {_titled(large, high, figure)}")
-    return [phrase for phrase in (*found, *far_from_usual(flight, usual, figure)) if phrase]
+            found.append(message(f"{_titled(small, low)} is above {_titled(large, high)}"))
+    return [phrase for phrase in (*found, *far_from_usual(flight, usual)) if phrase]
 
 
-def inconsistent_speed(flight: Flight, ratio: float, figure: Callable[[Column, float], str]) -> str:
+def inconsistent_speed(flight: Flight, ratio: float) -> Message:
     """A phrase for a top speed that differs from average acceleration times burn time; `ratio` is
     `identity(flight)` [1].
     """
     off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
-    acceleration = figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
-    burn = figure(BY_NAME["burn_time"], flight.burn_time or 0.0)
-    return f"top speed looks {100 * off:.0f}% {way} for {acceleration} over {burn}; check all three"
+    acceleration = of_column(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
+    burn = of_column(BY_NAME["burn_time"], flight.burn_time or 0.0)
+    return message(f"top speed looks {100 * off:.0f}% {way} for {acceleration} over {burn}; check all three")
 
 
-def far_from_usual(
-    flight: Flight, usual: Mapping[str, float], figure: Callable[[Column, float], str] = figure
-) -> Iterator[str]:
-    """A phrase for each readout that is far from the usual one. `figure` formats a value [SI]."""
+def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[Message]:
+    """A phrase for each readout that is far from the usual one."""
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
-            times, usually = f"{float(f'{value / middle:.2g}'):g} times", figure(BY_NAME[name], middle)
-            yield f"{_titled(BY_NAME[name], value, figure)} is {times} the usual {usually} of this rocket and motor"
+            times, usually = f"{float(f'{value / middle:.2g}'):g} times", of_column(BY_NAME[name], middle)
+            phrase = f"{_titled(BY_NAME[name], value)} is {times} the usual {usually} of this rocket and motor"
+            yield message(phrase)
 
 
-def _unusual(column: Column, value: float, figure: Callable[[Column, float], str]) -> str:
-    """A phrase for a value outside the plausible range of its column, empty for the others."""
+def _unusual(column: Column, value: float) -> Message | None:
+    """A phrase for a value outside the plausible range of its column, None for the others."""
     slack = 1e-9 * (1 + abs(value))
     if column.low - slack <= value <= column.high + slack:
-        return ""
-    low, high = (figure(column, bound) for bound in (column.low, column.high))
-    return f"{_titled(column, value, figure)} is unusual, expected {low.split()[0]} to {high}"
+        return None
+    usual = of_column(column, column.low, column.high)
+    return message(f"{_titled(column, value)} is unusual, expected {usual}")
 
 
-def _titled(column: Column, value: float, figure: Callable[[Column, float], str]) -> str:
-    return f"{column.title.lower()} {figure(column, value)}"
+def _titled(column: Column, value: float) -> str:
+    return f"{column.title.lower()} {of_column(column, value)}"

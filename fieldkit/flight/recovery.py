@@ -12,8 +12,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight.columns import Column
 from fieldkit.flight.flight import Flight
-from fieldkit.flight.limits import rounded
-from fieldkit.spelled_units import with_unit
+from fieldkit.spelled_units import rounded, with_unit
 
 Device = Literal["parachute", "streamer"]
 DEVICES: tuple[Device, ...] = ("parachute", "streamer")

@@ -8,7 +8,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from functools import partial
 
 from fieldkit import units
 from fieldkit.errors import BadValue, nearest
@@ -29,7 +28,7 @@ from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
 from fieldkit.importing.tables.flight_dates import date_of
-from fieldkit.quantities import significant
+from fieldkit.messages import Message, marked, message
 
 NOT_RECORDED = "-"
 """Typed for "not recorded" when an empty answer would accept the default."""
@@ -185,17 +184,14 @@ def answer_text(flight: Flight, name: str) -> str:
     return "; ".join(value) if isinstance(value, tuple) else str(value)
 
 
-def implausible_answers(
-    flight: Flight, name: str, usual: Mapping[str, float] | None = None, system: str = "SI"
-) -> list[str]:
+def implausible_answers(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[Message]:
     """Warnings about one implausible answer, one phrase each.
 
     The answer is checked by itself, against the other answers, and against the `usual` readouts, which are
-    `plausibility.middles`. The phrases use the units of `system`.
+    `plausibility.middles`.
     """
-    figure = partial(significant, system=system)
-    every = doubts(flight, usual or {}, figure)
-    without = doubts(flight.with_changes(**{name: None}), usual or {}, figure) if name in BY_NAME else every
+    every = doubts(flight, usual or {})
+    without = doubts(flight.with_changes(**{name: None}), usual or {}) if name in BY_NAME else every
     return [phrase for phrase in every if phrase not in without]
 
 
@@ -206,7 +202,7 @@ def _number(column: Column, text: str, unit: str) -> float | None:
     try:
         return check(column, column.parse(text, unit or None), typed)
     except BadValue as error:
-        raise BadValue(f"{error}, such as {_example(column, typed)}") from error
+        raise BadValue(message(f"{marked(error)}, such as {_example(column, typed)}")) from error
 
 
 def _example(column: Column, unit: str) -> str:

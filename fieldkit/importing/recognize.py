@@ -18,6 +18,7 @@ from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreads
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.tracks import track_table
 from fieldkit.importing.tables.wrapped_lines import unwrapped
+from fieldkit.messages import with_words
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
 from fieldkit.units import UNITS
@@ -297,4 +298,6 @@ MAX_REPORTED = 1500
 def shown_damage(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
     """An error about a damaged log ready for display: with the log's name, on one line, safe for a terminal."""
     column = printable(error.column)[:MAX_REPORTED] if error.column else None
-    return DamagedLog(printable(error.found)[:MAX_REPORTED], row=row or error.row, column=column, source=source)
+    found = with_words(error.found, printable)
+    found = found if len(found) <= MAX_REPORTED else found[:MAX_REPORTED]
+    return DamagedLog(found, row=row or error.row, column=column, source=source)

@@ -12,6 +12,7 @@ from fieldkit.flight.plausibility import doubts
 from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
+from fieldkit.messages import amount, marked, message
 from fieldkit.motors import catalogue
 from fieldkit.motors.several import tagged
 from fieldkit.quantities import counted
@@ -53,7 +54,7 @@ def imported_file(
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_FOREIGN_MOTORS.format(counted(len(strangers), "rocket"))))
-    lines = (str(shown_damage(DamagedLog(note.text, row=note.row), source)) for note in notes)
+    lines = (message(marked(shown_damage(DamagedLog(note.text, row=note.row), source))) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
     measured = tuple(recorded[name] for name in kept)
@@ -116,10 +117,9 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
     except UnknownMotor:
         return flight.with_changes(extra={**flight.extra, "liftoff_mass_g": f"{1000 * reading.liftoff_mass:g}"})
     if reading.liftoff_mass <= loaded:
-        found = f"found a lift-off mass of {1000 * reading.liftoff_mass:.0f} g"
-        raise DamagedLog(
-            f"{found}, expected more than the mass of {1000 * loaded:.0f} g of {flight.motor}", row=reading.row
-        )
+        found = f"found a lift-off mass of {amount(reading.liftoff_mass, 'g')}"
+        alone = f"the mass of {amount(loaded, 'g')} of {flight.motor}"
+        raise DamagedLog(message(f"{found}, expected more than {alone}"), row=reading.row)
     return flight.with_changes(dry_mass=reading.liftoff_mass - loaded)
 
 
@@ -141,7 +141,7 @@ def _flight(reading: Reading) -> Flight:
             if isinstance(value, float):
                 check(BY_NAME[name], value)
         except BadValue as error:
-            raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
+            raise DamagedLog(message(marked(error)), row=reading.row, column=reading.columns.get(name, name)) from error
     return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fieldkit.errors import BadValue
+from fieldkit.messages import amount, message
 from fieldkit.motors.corrections import Correction
 from fieldkit.shapes import Array, Float
 
@@ -210,8 +211,8 @@ def delays_text(delays: Sequence[float]) -> str:
 def without_motor(lift_off: float, motor: Motor) -> float:
     """Dry mass of a rocket from its mass on the pad with a motor [kg]. [kg] Raises BadValue if the motor is heavier."""
     if not lift_off > motor.loaded_mass:
-        alone = f"the mass of {motor.loaded_mass * 1e3:.1f} g of {motor.maker} {motor.designation}"
-        raise BadValue(f"found a mass of {lift_off * 1e3:.1f} g, expected more than {alone}")
+        alone = f"the mass of {amount(motor.loaded_mass, 'g', 1)} of {motor.maker} {motor.designation}"
+        raise BadValue(message(f"found a mass of {amount(lift_off, 'g', 1)}, expected more than {alone}"))
     return lift_off - motor.loaded_mass
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.messages import amount, message
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
@@ -216,9 +217,8 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
         edge or plan.dry_mass * ratio for edge, ratio in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
-        raise ImpossibleFlight(
-            f"a lowest mass of {low * 1e3:.0f} g is not below the highest, a mass of {high * 1e3:.0f} g"
-        )
+        ends = f"a lowest mass of {amount(low, 'g')} is not below the highest, a mass of {amount(high, 'g')}"
+        raise ImpossibleFlight(message(ends))
     return np.linspace(low, high, GRID)
 
 

@@ -1,14 +1,13 @@
 """A check of a planned flight: its verdict, its value, the limit, and the source of the limit."""
 
 import math
-import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from fieldkit.flight import BY_NAME
-from fieldkit.quantities import ShownUnits, measure, written
+from fieldkit.messages import amount, message
+from fieldkit.quantities import in_system
 
 ADVICE_NOTE = "These checks are advice; the range safety officer decides."
 SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
@@ -29,7 +28,7 @@ HIGHER_IF_LIGHT = ("ceiling", "field size")
 class SafetyCheck:
     """One check: its name, its verdict, the value found, the limit, and the source of the limit.
 
-    Values in `finding` are in SI and are displayed in the reader's units (`in_units`). `rule` is the rule's own wording
+    The amounts in `finding` are marked, as in `fieldkit.messages`. `rule` is the rule's own wording
     if a rule set has the limit, `mark` the reliability of its text (`O`, `T`, `U`).
     """
 
@@ -58,14 +57,14 @@ class SafetyCheck:
     @property
     def text(self) -> str:
         """The value found and the limit, in SI."""
-        return in_units(self.finding, "SI")
+        return str(message(self.finding))
 
     def words(self, system: str = "SI", *, source: bool = True) -> str:
         """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with the rule unless it is ok, and with `source`
         if it failed."""
         rule = f". The rule: {self.rule}" if self.rule and self.verdict != "ok" else ""
         origin = f" [{self.source}]" if source and self.failed and self.source else ""
-        found = in_units(self.finding, system)
+        found = in_system(message(self.finding), system)
         return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{self.suffix}{rule}{origin}"
 
     def json(self) -> dict[str, str]:
@@ -120,36 +119,13 @@ def short_safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Itera
         yield (
             line.words(system)
             if line.failed
-            else f"{MARKS[line.verdict]} {line.name}: {in_units(line.finding, system)}{line.suffix}"
+            else f"{MARKS[line.verdict]} {line.name}: {in_system(message(line.finding), system)}{line.suffix}"
         )
     yield ADVICE_NOTE
 
 
-_FIGURE = re.compile(r"⟨(\S+)\|([^|⟩]+)\|(\d)⟩")
-_COLUMN = re.compile(r"⟨([^|⟩]+)\|(\w+)⟩")
-_PER_WIND = re.compile(r"⟨([^|⟩]+)\|per wind⟩")
-
-
-def figure(value: float, unit: str, digits: int = 0) -> str:
-    """A value [SI] within a finding, displayed in the reader's units; it has `digits` decimals in `unit`."""
-    return f"⟨{float(value)!r}|{unit}|{digits}⟩"
-
-
-def in_units(finding: str, system: str) -> str:
-    """A finding with its values in a system of units."""
-    finding = _PER_WIND.sub(lambda one: ShownUnits(system).per_wind(float(one[1])), finding)
-    finding = _COLUMN.sub(lambda one: measure(BY_NAME[one[2]], float(one[1]), system), finding)
-    return _FIGURE.sub(lambda one: written(float(one[1]), one[2], system, int(one[3])), finding)
-
-
-def of_column(name: str, value: float) -> str:
-    """A value [SI] of a column within a finding, displayed as everywhere: `rail_length` of 1.0 is `3.3 ft`."""
-    return f"⟨{float(value)!r}|{name}⟩"
-
-
-def per_wind(seconds: float) -> str:
-    """A drift per unit of wind [s] within a finding: `103 m per m/s of wind` or `151 ft per mph of wind`."""
-    return f"⟨{float(seconds)!r}|per wind⟩"
+figure = amount
+"""A value [SI] within a finding, displayed in the reader's units; it has a number of decimals in its unit of SI."""
 
 
 def length(metres: float) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.messages import amount, message
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
@@ -106,9 +107,8 @@ def trials(
     most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
     low = bounds[0] or min(MIN_MASS_RATIO * plan.dry_mass, MIN_MASS_RATIO * most)
     if not 0 < low < most:
-        raise ImpossibleFlight(
-            f"a lowest mass of {low * 1e3:.0f} g is not below the highest, a mass of {most * 1e3:.0f} g"
-        )
+        ends = f"a lowest mass of {amount(low, 'g')} is not below the highest, a mass of {amount(most, 'g')}"
+        raise ImpossibleFlight(message(ends))
     flown = np.linspace(low, most, MASSES)
     predictions = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
     if not np.median(predictions[0].apogee) > 0:

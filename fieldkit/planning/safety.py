@@ -21,6 +21,7 @@ from fieldkit.flight.limits import check
 from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.messages import fine, per_wind
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
@@ -32,8 +33,6 @@ from fieldkit.planning.check import (
     by_chance,
     figure,
     length,
-    of_column,
-    per_wind,
     ratio,
     speed,
     worst,
@@ -178,7 +177,7 @@ def rail_line(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> Saf
         angle = math.degrees(math.atan2(light, middle))
         text += f": a wind of {speed(light)} meets it at {angle:.0f}°"
     if plan.rail_length is None:
-        text += f"; rail length not given, {of_column('rail_length', RAIL_LENGTH)} assumed"
+        text += f"; rail length not given, {fine(RAIL_LENGTH, 'm')} assumed"
     return SafetyCheck("rail exit speed", verdict, text, (fraction if slow else times if windy else fixed).source)
 
 

@@ -13,13 +13,14 @@ import numpy as np
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit, residual_variance
+from fieldkit.messages import amount, message
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, reading_sd
 from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effect_named
 from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import delays, recorded
-from fieldkit.quantities import ShownUnits
+from fieldkit.quantities import ShownUnits, in_system
 from fieldkit.selection.candidates import EACH_GROUP, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
@@ -60,9 +61,8 @@ class Advice:
 
     def words(self, system: str = "SI") -> str:
         """The advice in one line, in the units of a system."""
-        shown = ShownUnits(system)
+        shown, what = ShownUnits(system), in_system(self.what, system)
         odds = f"expected odds {_odds(self.expected)}"
-        what = self.what.replace(f"{BREEZE:.0f} m/s", shown.speed(BREEZE, 0))
         if not self.readouts:
             return f"{what}: {odds}"
         names = " and ".join(BY_NAME[name].title.lower() for name in self.readouts)
@@ -159,7 +159,7 @@ def options(model: Model) -> Iterator[Planned]:
             title = f"fly {own.rocket} {own.config}".rstrip() + f" on the {own.motor}"
             yield f"{title} in calm air" if windy else title, own, found[row]
             if windy:
-                yield f"{title} in a {BREEZE:.0f} m/s wind", own.with_changes(wind=BREEZE), found[row]
+                yield message(f"{title} in a {amount(BREEZE, 'm/s')} wind"), own.with_changes(wind=BREEZE), found[row]
             if flight.dry_mass is not None:
                 heavy = own.with_changes(dry_mass=BALLAST * flight.dry_mass)
                 yield f"{title} with {BALLAST - 1:.0%} ballast", heavy, found[row]

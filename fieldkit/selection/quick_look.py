@@ -20,10 +20,10 @@ from fieldkit.inference.history.features import HistorySummary
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
 from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
+from fieldkit.messages import estimate, message
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.history import flown_and_planned
-from fieldkit.quantities import with_sd
 from fieldkit.scoring.score import Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
@@ -140,7 +140,7 @@ def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
         return "the flights match the model within their scatter"
     if effect == "unexplained":
         return "the flights differ from the model, but no known effect is probable enough to name"
-    return "; ".join(f"{one.place}: {with_sd(one.mean, one.sd)} {one.unit}" for one in named)
+    return message("; ".join(f"{one.place}: {estimate(one.mean, one.sd, one.unit)}" for one in named))
 
 
 def _candidates(estimate: QuickAnswer) -> tuple[QuickCandidate, ...]:

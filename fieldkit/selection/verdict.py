@@ -9,6 +9,7 @@ absence has more than `NAMING_PROBABILITY`; in between the flights do not decide
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from fieldkit.messages import estimate, message
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.quantities import percent, with_sd
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
@@ -166,11 +167,11 @@ def in_words(accepted: Sequence[Trial]) -> str:
         mean, sd = trial.strength()
         place = f" ({trial.candidate.place})" if str(trial.candidate.place) != trial.candidate.effect else ""
         parts.append(f"{bends.explains}{place}: {_measured(mean, sd, bends.unit)}")
-    return "; ".join(parts)
+    return message("; ".join(parts))
 
 
 def _measured(mean: float, sd: float, unit: str) -> str:
     """A strength with its standard deviation: fractions in percent, everything else in its unit."""
     if unit.startswith("fraction"):
         return f"{'' if mean < 0 else '+'}{with_sd(100 * mean, 100 * sd)}%{unit.removeprefix('fraction')}"
-    return f"{with_sd(mean, sd)} {unit}"
+    return estimate(mean, sd, unit)

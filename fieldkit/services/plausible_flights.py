@@ -8,6 +8,7 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
 from fieldkit.flight.plausibility import far_from_usual, implausible, middles, not_measured
 from fieldkit.flight.short_name import flight_label
+from fieldkit.messages import marked, message
 from fieldkit.motors import Catalogue, Found, is_cluster
 from fieldkit.motors.names import tidy
 from fieldkit.quantities import counted
@@ -61,7 +62,7 @@ def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[st
     known = ((flight, found) for flight, found in _with_motors(flights, motors) if found)
     found = [(flight, implausible(flight, found.motor)) for flight, found in known]
     return [
-        f"{flight_label(flight.flight_id)} of {flight.rocket} is excluded from every fit: {reason}"
+        message(f"{flight_label(flight.flight_id)} of {flight.rocket} is excluded from every fit: {marked(reason)}")
         for flight, reason in found
         if reason and flight.clean
     ]
@@ -96,7 +97,7 @@ def excluded_readouts(flights: Sequence[Flight], motors: Catalogue) -> list[str]
     """Lines on the readouts of clean flights that cannot be measurements and are therefore not used in a fit; none on
     flights that are tagged `checked`."""
     return [
-        f"{flight_label(flight.flight_id)} of {flight.rocket}: {line}"
+        message(f"{flight_label(flight.flight_id)} of {flight.rocket}: {marked(line)}")
         for flight, found in _with_motors(flights, motors)
         if found and flight.clean and CHECKED_TAG not in flight.tags and not implausible(flight, found.motor)
         for line in readout_exclusions(flight, found)
@@ -109,7 +110,7 @@ def readout_exclusions(flight: Flight, found: Found) -> list[str]:
     for name, reason in not_measured(flight, found.motor).items():
         titles.setdefault(reason, []).append(BY_NAME[name].title.lower())
     return [
-        f"{' and '.join(own)} {'is' if len(own) == 1 else 'are'} excluded from every fit: {reason}"
+        message(f"{' and '.join(own)} {'is' if len(own) == 1 else 'are'} excluded from every fit: {marked(reason)}")
         for reason, own in titles.items()
     ]
 
@@ -147,7 +148,7 @@ def exclusion(flight: Flight, motors: Catalogue) -> str:
 def used_except(flight: Flight, motors: Catalogue) -> str:
     """Which readouts of a flight that is used in fits are excluded, and why; empty if all are used."""
     found = _resolved(flight.motor, motors)
-    return "; ".join(readout_exclusions(flight, found)) if found else ""
+    return message("; ".join(map(marked, readout_exclusions(flight, found)))) if found else ""
 
 
 def _named(ids: Sequence[str]) -> str:
@@ -167,7 +168,7 @@ def outlying(flights: Sequence[Flight], new: Collection[str], motors: Catalogue)
     for flight in flights:
         if flight.clean and flight.motor:
             by_motor.setdefault(without_delay(flight.motor), []).append(flight)
-    found = []
+    found: list[tuple[str, str]] = []
     for several in by_motor.values():
         compared = credible(several, motors)
         usual = {name: value for name, value in middles(compared).items() if name in ("apogee", "top_speed")}

@@ -8,6 +8,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.flight.limits import check
 from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger import Ledger
+from fieldkit.messages import amount, marked, message
 from fieldkit.services.names import same_name
 
 SITES = "sites"
@@ -43,10 +44,11 @@ def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths:
         if "elevation" in changes:
             check(BY_NAME["site_elevation"], changes["elevation"])
     except BadValue as error:
-        raise BadValue(f"{name}, elevation: {error}") from error
+        raise BadValue(message(f"{name}, elevation: {marked(error)}")) from error
     for key in SITE_LENGTHS[1:]:
         if key in changes and not 0 < changes[key] < MAX_LENGTH:
-            raise BadValue(f"{name}, {key}: found {changes[key]:.0f} m, expected 0 to {MAX_LENGTH:.0f} m")
+            found, expected = amount(changes[key], "m"), amount(0.0, "m", to=MAX_LENGTH)
+            raise BadValue(message(f"{name}, {key}: found {found}, expected {expected}"))
     ledger.change_draft(SITES, lambda saved: saved | {name: saved.get(name, {}) | changes}, "site", name)
     return site_of(ledger, name)
 

@@ -7,6 +7,7 @@ speed.
 
 import numpy as np
 
+from fieldkit.messages import amount, message
 from fieldkit.physics.effect import Effect, Prior
 from fieldkit.physics.rail import rail_exit_speed
 from fieldkit.physics.state import Setup
@@ -31,7 +32,7 @@ EFFECT = Effect(
     title="tip-off",
     family="launch",
     explains="the rocket leaves the rail slowly and turns, most with heavy loads and weak motors",
-    unit="deg at 15 m/s off the rail",
+    unit=message(f"deg at {amount(REFERENCE_SPEED, 'm/s')} off the rail"),
     prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),
     source="Mandell, Caporaso and Bengen, Topics in Advanced Model Rocketry (1973), launch of unguided rockets",
     tell_apart="fly the same rocket from a longer rail or on a motor with more initial thrust",

@@ -2,32 +2,35 @@
 
 from typing import Any
 
+from fieldkit.messages import amount, message
 from studies.paper.report import PaperReport
 
 
 def findings(report: PaperReport) -> list[str]:
     """Five findings for a reader of the paper, one paragraph each."""
-    return [_reconstruction(report), _openrocket(report), _thrust(report), _limit(report), _floor(report)]
+    found = [_reconstruction(report), _openrocket(report), _thrust(report), _limit(report), _floor(report)]
+    return [message(paragraph) for paragraph in found]
 
 
 def _reconstruction(report: PaperReport) -> str:
-    carried = _rule(report, "published_carried_over")
-    published = report.published["reconstruction"]
+    carried, published = _rule(report, "published_carried_over"), report.published["reconstruction"]
+    errors = (carried, published, report.next_flight, report.reconstruction)
+    left_out, stated, here, rebuilt = (amount(one["mae_m"], "m", 1) for one in errors)
     return (
         "The published apogee errors are reconstructions: Cd and alpha are inferred from the very apogee that is "
         "then predicted. Leave the flight out, carry Cd and alpha over from the same motor's other flights, "
-        f"and the mean error is {carried['mae_m']:.1f} m with the published parameters, not "
-        f"{published['mae_m']:.1f} m, and {report.next_flight['mae_m']:.1f} m with those found here, not "
-        f"{report.reconstruction['mae_m']:.1f} m."
+        f"and the mean error is {left_out} with the published parameters, not {stated}, and {here} with those found "
+        f"here, not {rebuilt}."
     )
 
 
 def _openrocket(report: PaperReport) -> str:
     own, stated = report.openrocket, report.published["stated"]
+    mae, rmse = (amount(own[f"{key}_m"], "m", 1) for key in ("mae", "rmse"))
+    stated_mae, stated_rmse = (amount(stated[f"openrocket_{key}_m"], "m", 1) for key in ("mae", "rmse"))
     return (
-        f"The paper's OpenRocket column misses the {own['n']} valid flights by {own['mae_m']:.1f} m in the mean "
-        f"(RMSE {own['rmse_m']:.1f} m) by its own numbers. The paper states {stated['openrocket_mae_m']} m "
-        f"and {stated['openrocket_rmse_m']} m."
+        f"The paper's OpenRocket column misses the {own['n']} valid flights by {mae} in the mean (RMSE {rmse}) by its "
+        f"own numbers. The paper states {stated_mae} and {stated_rmse}."
     )
 
 
@@ -39,9 +42,9 @@ def _thrust(report: PaperReport) -> str:
         f"The published thrust profile delivers {delivered} N s where the certificates say {certified}. So "
         f"{profile['below_lowest_apogee_of_prior']['published']} of the {report.reconstruction['n']} valid flights "
         "lie below the lowest apogee that the prior can produce. That alone makes the bias: the exact posterior, "
-        f"with no network in it, is {bias['published']:+.1f} m off with this profile, "
-        f"{bias['impulse_normalised']:+.1f} m with the same profile scaled to the right impulse, "
-        f"{bias['certified']:+.1f} m with certified curves and {bias['certified_with_casing']:+.1f} m with the "
+        f"with no network in it, is {_off(bias['published'])} off with this profile, "
+        f"{_off(bias['impulse_normalised'])} with the same profile scaled to the right impulse, "
+        f"{_off(bias['certified'])} with certified curves and {_off(bias['certified_with_casing'])} with the "
         "casing's mass as well. Below that lowest apogee a network can only extrapolate: train it with another "
         "seed, and the reconstructions change while the errors on simulated flights stay the same."
     )
@@ -62,13 +65,19 @@ def _limit(report: PaperReport) -> str:
 def _floor(report: PaperReport) -> str:
     scatter = report.scatter
     fitted = [rule["standard_error_m"] for rule in report.rules if not rule["rule"].startswith("nominal")]
+    spread, perfect, peers = (amount(scatter[key], "m", 1) for key in ("sd_m", "perfect_mae_m", "two_peers_mae_m"))
     return (
         "Forecasts of flights that were left out are above. Flights of one motor and configuration scatter by "
-        f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
-        f"their mean would miss by {scatter['perfect_mae_m']:.1f} m on average, and the mean of two earlier flights "
-        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(fitted):.0f} to {max(fitted):.0f} m "
-        "on so few flights, the rules that are fitted to flights can hardly be distinguished."
+        f"{spread} ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew their mean would "
+        f"miss by {perfect} on average, and the mean of two earlier flights by {peers}. With a standard error of "
+        f"{amount(min(fitted), 'm', to=max(fitted))} on so few flights, the rules that are fitted to flights can "
+        "hardly be distinguished."
     )
+
+
+def _off(bias: float) -> str:
+    """A bias [m] with its sign."""
+    return f"{'+' if bias >= 0 else ''}{amount(bias, 'm', 1)}"
 
 
 def _rule(report: PaperReport, key: str) -> dict[str, Any]:

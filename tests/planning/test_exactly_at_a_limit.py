@@ -5,12 +5,14 @@ import math
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.messages import message
 from fieldkit.motors import Found, catalogue
-from fieldkit.planning.check import compared, in_units, ratio
+from fieldkit.planning.check import compared, ratio
 from fieldkit.planning.classification import build_of, legal_class, why_high_power
 from fieldkit.planning.contest import season
 from fieldkit.planning.contest_limits import allowed
 from fieldkit.planning.rules import rule_sets
+from fieldkit.quantities import in_system
 
 pytestmark = pytest.mark.fast
 MOTORS = [motor for motor in catalogue().motors if motor.total_impulse <= 80]
@@ -38,7 +40,7 @@ def test_a_rocket_of_exactly_1500_g_is_a_model_rocket(over: float, least: int) -
 
 
 def test_a_value_beyond_a_limit_never_looks_like_the_limit() -> None:
-    assert [in_units(one, "SI") for one in compared(1.50002, 1.5, "g")] == ["1500.02 g", "1500.00 g"]
-    assert [in_units(one, "SI") for one in compared(1.4, 1.5, "g")] == ["1400 g", "1500 g"]
-    assert in_units(compared(math.nan, 1.5, "g")[1], "SI") == "1500 g"
+    assert [in_system(message(one), "SI") for one in compared(1.50002, 1.5, "g")] == ["1500.02 g", "1500.00 g"]
+    assert [in_system(message(one), "SI") for one in compared(1.4, 1.5, "g")] == ["1400 g", "1500 g"]
+    assert in_system(message(compared(math.nan, 1.5, "g")[1]), "SI") == "1500 g"
     assert (ratio(4.96, 5.0, 3.0), ratio(2.999, 5.0, 3.0), ratio(5.04, 5.0)) == ("4.96", "2.99", "5.0")

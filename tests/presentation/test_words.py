@@ -10,13 +10,15 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.messages import message
 from fieldkit.motors import catalogue
-from fieldkit.planning.check import figure, in_units
+from fieldkit.planning.check import figure
 from fieldkit.planning.descent_rate import Fall, usual
 from fieldkit.presentation.finals_text import finals_headers
 from fieldkit.presentation.forecast_text import ejection_in_words, in_words, rests_in_words
 from fieldkit.presentation.report.finals_card import finals_card
 from fieldkit.presentation.report.paper import moment_in_words
+from fieldkit.quantities import in_system
 from fieldkit.services.provenance import InputChange
 from tests.commands import Run
 
@@ -57,8 +59,8 @@ def test_a_date_without_a_time_shows_no_time() -> None:
 
 def test_ounces_keep_their_decimals_in_the_limits_of_a_rule() -> None:
     printed = f"{figure(0.019, 'g')} of propellant, at most {figure(0.125, 'g')}; lands {figure(100.0, 'm')} away"
-    assert in_units(printed, "US") == "0.67 oz of propellant, at most 4.41 oz; lands 328 ft away"
-    assert in_units(printed, "SI") == "19 g of propellant, at most 125 g; lands 100 m away"
+    assert in_system(message(printed), "US") == "0.67 oz of propellant, at most 4.41 oz; lands 328 ft away"
+    assert in_system(message(printed), "SI") == "19 g of propellant, at most 125 g; lands 100 m away"
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from fieldkit.importing.reading import Parsed, Reading
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.headings import KNOWN_WORDS, QUANTITIES, Heading, heading, stated_unit, unit_named
 from fieldkit.importing.tables.text import shown
+from fieldkit.messages import amount, message
 from fieldkit.units import UNITS
 
 NAMES: Mapping[str, str] = {
@@ -135,8 +136,9 @@ def _vertical(table: LogTable) -> LogTable:
         return table
     climbed = np.trapezoid(v[: top + 1], t[: top + 1])
     if not 0.7 < climbed / rise < 2.0:
-        found = f"found a climb of {rise:.4g} m by height and of {climbed:.4g} m by speed, expected units that agree"
-        raise DamagedLog(found)
+        by_height, by_speed = amount(rise, "m"), amount(float(climbed), "m")
+        found = f"found a climb of {by_height} by height and of {by_speed} by speed, expected units that agree"
+        raise DamagedLog(message(found))
     fall = float(h[top] - h[-1])
     if fall > 0.2 * rise and np.trapezoid(v[top:], t[top:]) > -0.5 * fall:
         return replace(table, values={name: column for name, column in table.values.items() if name != "speed"})

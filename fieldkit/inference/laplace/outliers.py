@@ -13,8 +13,8 @@ import numpy as np
 from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.messages import message, of_column
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Float, Int
 
 FALSE_ALARMS = 0.01
@@ -53,8 +53,8 @@ def smallest_usual_weight(readouts: Int[Any, "flight"], tail: float) -> Float[Ar
 def _line(flight: Flight, readout: str, weight: float) -> str:
     column, name = BY_NAME[readout], flight.flight_id
     value = flight.number(readout)
-    found = "" if value is None else f" of {rounded(float(column.render(value)))} {column.unit}"
-    return (
+    found = "" if value is None else f" of {of_column(column, value)}"
+    return message(
         f"{flight_label(name)}: {column.title.lower()}{found} is far from what the model expects and has "
         f"{100 * weight:.0f}% of the usual weight; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
     )

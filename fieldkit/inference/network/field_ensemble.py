@@ -12,6 +12,7 @@ from fieldkit.inference.network import outliers
 from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.mixture import Margin, Mixture, mixture
 from fieldkit.inference.network.vague import DRAWS, excess_sd, plausible
+from fieldkit.messages import message, of_unit
 from fieldkit.model.field_features import FEATURES, features
 from fieldkit.model.observations import (
     ALPHA_RANGE,
@@ -26,7 +27,6 @@ from fieldkit.model.observations import (
     observe,
 )
 from fieldkit.motors import Found
-from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Flags, Float
 
 if TYPE_CHECKING:
@@ -42,10 +42,10 @@ GOLDEN = 0.6180339887498949
 """Multiples of this, modulo 1, fill an interval evenly."""
 _WORDS = {
     "log_thrust_to_weight": ("thrust to weight of", ""),
-    "log_impulse": ("total impulse of", " N s"),
-    "log_burn_time": ("burn time of the motor of", " s"),
-    "log_mass": ("lift-off mass of", " kg"),
-    "log_drag_area": ("drag area around", " m²"),
+    "log_impulse": ("total impulse of", "N s"),
+    "log_burn_time": ("burn time of the motor of", "s"),
+    "log_mass": ("lift-off mass of", "kg"),
+    "log_drag_area": ("drag area around", "m²"),
     "mach": ("top speed around Mach", ""),
 }
 
@@ -193,13 +193,14 @@ def _warnings(
 
 def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]:
     """A line for each condition outside the ensemble's training range."""
-    lines = []
+    lines: list[str] = []
     for name, (low, high) in ensemble.card["reach"].items():
         value = columns[FEATURES.index(name)]
         if not low <= value <= high:
-            found, least, most = (rounded(one if name == "mach" else np.exp(one), 3) for one in (value, low, high))
+            found, least, most = (float(one if name == "mach" else np.exp(one)) for one in (value, low, high))
             words, unit = _WORDS[name]
-            lines.append(f"{words} {found}{unit} is outside the training range ({least} to {most}{unit})")
+            shown, usual = of_unit(found, unit, digits=3), of_unit(least, unit, most, digits=3)
+            lines.append(message(f"{words} {shown} is outside the training range ({usual})"))
     return lines
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from fieldkit.flight import BY_NAME
 from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
 from fieldkit.inference.network.vague import excess_sd, likeliest
+from fieldkit.messages import message, of_column
 from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import INDEPENDENT_READOUTS, READOUT_NAMES, Observed
-from fieldkit.quantities import rounded
 from fieldkit.shapes import Array, Flags, Float, Int
 
 if TYPE_CHECKING:
@@ -137,8 +137,6 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
 def _line(name: str, value: float, shown_value: float, ends: Float[Array, "2"]) -> str:
     column = BY_NAME[name]
     expected = np.sinh(ends) / 2 if name == "apogee_to_eject" else value * np.exp(ends - shown_value)
-    found, low, high = (rounded(float(column.render(one)), 3) for one in (value, *expected))
-    return (
-        f"{column.title.lower()} of {found} {column.unit} is inconsistent with the rest of the flight, expected {low} "
-        f"to {high} {column.unit}; left out"
-    )
+    found, usual = of_column(column, value, digits=3), of_column(column, float(expected[0]), float(expected[1]), 3)
+    what = f"{column.title.lower()} of {found} is inconsistent with the rest of the flight"
+    return message(f"{what}, expected {usual}; left out")

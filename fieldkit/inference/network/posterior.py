@@ -10,6 +10,7 @@ from fieldkit.errors import ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.inference.network.ensemble import load
+from fieldkit.messages import amount, message
 from fieldkit.model.features import paper_features
 from fieldkit.physics import paper
 from fieldkit.shapes import Array, Float
@@ -61,11 +62,10 @@ def paper_dry_mass(flight: Flight) -> float:
     for mass in masses.values():
         if found is not None and abs(found - mass) < 5e-4:
             return found
-    known = " or ".join(f"a mass of {1e3 * mass:g} g ({config})" for config, mass in masses.items())
-    shown = "no dry mass" if found is None else f"a mass of {1e3 * found:g} g"
-    raise ImpossibleFlight(
-        f"{flight_label(flight.flight_id)}: found {shown}, expected that of the paper's own rocket: {known}"
-    )
+    known = " or ".join(f"a mass of {amount(mass, 'g')} ({config})" for config, mass in masses.items())
+    shown = "no dry mass" if found is None else f"a mass of {amount(found, 'g')}"
+    expected = f"expected that of the paper's own rocket: {known}"
+    raise ImpossibleFlight(message(f"{flight_label(flight.flight_id)}: found {shown}, {expected}"))
 
 
 def _apogee(flight: Flight) -> float:

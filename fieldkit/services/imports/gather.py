@@ -13,6 +13,7 @@ from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
 from fieldkit.importing.read import OpenedFile, imported_files, open_file, read
 from fieldkit.importing.to_flights import CheckMotor
+from fieldkit.messages import marked, message
 from fieldkit.parallel import processes
 from fieldkit.paths import CAPTURE_SUFFIXES
 from fieldkit.progress import ReportProgress, no_op
@@ -102,12 +103,13 @@ def gather(
             try:
                 incoming, remarks = _with_log(incoming, folder, check_motor)
             except BadValue as error:
-                rejected.append(Rejected(name, row, "log", str(error)))
+                rejected.append(Rejected(name, row, "log", message(marked(error))))
             else:
                 kept, beyond = within_motor(incoming.flight)
                 incoming_flights.append(replace(incoming, flight=kept))
                 remarks = [*remarks, *beyond]
-                notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
+                damage = [DamagedLog(text, row=row, column="log", source=name) for text in remarks]
+                notes += [message(marked(one)) for one in damage]
         views.append(file_view(imported, [one.flight for one in incoming_flights[first:]], notes[first_note:]))
     mapped = tuple(one for imported in read_files for one in imported.mapped)
     return Gathered(tuple(incoming_flights), tuple(rejected), tuple(notes), mapped, tuple(views), len(refused))

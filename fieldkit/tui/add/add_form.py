@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import date
-from functools import partial
 from threading import Lock
 
 from fieldkit.errors import BadValue, FieldkitError
@@ -18,9 +17,10 @@ from fieldkit.importing.manual_entry import (
     read_answer,
     read_lift_off_mass,
 )
+from fieldkit.messages import marked, message
 from fieldkit.motors import is_cluster
 from fieldkit.presentation.after_flight_text import apogee_question
-from fieldkit.quantities import in_own_unit, in_system, measure, significant, spelled, system_typed
+from fieldkit.quantities import in_own_unit, in_system, measure, spelled, system_typed
 from fieldkit.services.after_flight import expected_instead
 from fieldkit.services.manual_entry import (
     UNITS,
@@ -125,8 +125,8 @@ def beside(question: Question, answered: Answered, unit: str, system: str) -> st
     """The note next to an answer: why it cannot be read, what is implausible, or its unit."""
     if question.name in answered.wrong:
         return f"✗ {answered.wrong[question.name]}"
-    if reason := implausible_answers(answered.flight, question.name, answered.usual, system):
-        return f"! {reason[0]}"
+    if reason := implausible_answers(answered.flight, question.name, answered.usual):
+        return f"! {in_system(reason[0], system)}"
     column = question.column
     value = answered.number(question) if column else None
     return spelled(unit) if column is None or value is None else in_own_unit(column, value, unit, system)
@@ -137,7 +137,7 @@ def together(flight: Flight, system: str) -> Iterable[str]:
     ratio = identity(flight)
     if ratio is not None:
         fits = IDENTITY[0] <= ratio <= IDENTITY[1]
-        mismatch = inconsistent_speed(flight, ratio, partial(significant, system=system))
+        mismatch = in_system(inconsistent_speed(flight, ratio), system)
         yield "top speed matches acceleration and burn time ✓" if fits else f"! {mismatch}"
     apogee, eject = flight.apogee, flight.eject_altitude
     if apogee is not None and eject is not None:
@@ -244,7 +244,7 @@ class Draft:
         try:
             typed = weighed(self._resources.motors, answered.flight, answered.lift_off)
         except FieldkitError as error:
-            why = in_system(str(error), self._resources.settings.units)
+            why = in_system(error, self._resources.settings.units)
             return Saved(wrong=LIFT_OFF_MASS.name, trouble=f"{LIFT_OFF_MASS.title}: {why}")
         if not confirmed and (question := self._question(typed, answered.apogee_unit)):
             return Saved(confirm=question)
@@ -260,7 +260,7 @@ class Draft:
             added.new[0] if added.new else "",
             flight,
             lacks=lacks(typed),
-            trouble=in_system("; ".join(excluded), self._resources.settings.units),
+            trouble=in_system(message("; ".join(map(marked, excluded))), self._resources.settings.units),
         )
 
     def _question(self, flight: Flight, unit: str) -> str:

@@ -8,7 +8,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.importing.manual_entry import Question, implausible_answers
-from fieldkit.quantities import spelled
+from fieldkit.quantities import in_system, spelled
 from fieldkit.safe_text import printable
 from fieldkit.services.manual_entry import typed_number, typed_unit
 from fieldkit.tui.add.add_form import Answered, summary, together
@@ -61,5 +61,5 @@ class Hand(Horizontal):
 def _meaning(question: Question, answer: str, answered: Answered, system: str) -> str:
     """Why an answer cannot be read, what is implausible about it, or the meaning of the question."""
     trouble = answered.wrong.get(question.name)
-    reason = implausible_answers(answered.flight, question.name, answered.usual, system)
-    return f"✗ {trouble}" if trouble and answer else f"! {reason[0]}" if reason else question.help
+    reason = implausible_answers(answered.flight, question.name, answered.usual)
+    return f"✗ {trouble}" if trouble and answer else f"! {in_system(reason[0], system)}" if reason else question.help

@@ -7,6 +7,7 @@ import numpy as np
 from textual.content import Content
 
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
+from fieldkit.messages import message, of_unit
 from fieldkit.physics.effect import Effect
 from fieldkit.quantities import in_system, spelled, unit_of
 from fieldkit.tui.setup.setup_card import draw_apogees
@@ -54,7 +55,7 @@ def _size(effect: Effect, system: str) -> str:
     whole = effect.unit.removeprefix("fraction ")
     if whole != effect.unit:
         return f"{largest:.0%} {whole}"
-    return in_system(f"{largest:.0f} {effect.unit}", system)
+    return in_system(message(of_unit(largest, effect.unit)), system)
 
 
 def explained_before(effect: Effect) -> Content:

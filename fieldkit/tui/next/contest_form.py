@@ -41,7 +41,7 @@ def read(motor: Motor, system: str, name: str, text: str, unit: str) -> object:
     try:
         return None if mass is None else dry_mass_under(mass, motor)
     except BadValue as error:
-        raise BadValue(in_system(str(error), system)) from error
+        raise BadValue(in_system(error, system)) from error
 
 
 def texts(day: Day, site: Site, system: str) -> dict[str, str]:

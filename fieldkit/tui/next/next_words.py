@@ -4,8 +4,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import Prediction, median
+from fieldkit.messages import marked, message
 from fieldkit.planning.air import air_of
-from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, in_units
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
 from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.planning.quantiles import Three
 from fieldkit.planning.quick_guide import QuickChoice
@@ -56,7 +57,7 @@ def figures(plan: Plan, one: MotorChoice, system: str) -> list[tuple[str, str]]:
         ("air", air_of(prediction.plan).words(system)),
         ("based on", plan.rests_on),
         ("narrows", narrows(prediction)),
-        ("note", in_system("; ".join([*prediction.found.notes, *prediction.left_out]), system)),
+        ("note", in_system(message("; ".join(map(marked, [*prediction.found.notes, *prediction.left_out]))), system)),
     ]
 
 
@@ -73,7 +74,7 @@ def quick_figures(plan: Plan, one: QuickChoice, system: str) -> list[tuple[str, 
 def checks(one: MotorChoice, system: str) -> list[tuple[str, str]]:
     """The safety checks, each with its figures and its limit, in the units of a system."""
     lines = [
-        (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_units(line.finding, system)}")
+        (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_system(message(line.finding), system)}")
         for line in worst_first(one.lines)
     ]
     return [*lines, ("", ADVICE_NOTE)]

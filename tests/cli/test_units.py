@@ -1,0 +1,50 @@
+"""`fieldkit units` sets the units of every command, and no name is ever converted into them."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.commands import Run
+
+CHECK_SHAPES = False
+NAME = "Test 30 m"
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+
+
+def test_units_are_shown_and_set_and_kept(run: Run) -> None:
+    assert run("units", "--json").document["units"] == "SI"
+    assert "apogee in ft" in run("units", "us").out
+    assert run("units", "--json").document["shown"]["dry_mass"] == "oz"
+    assert "expected one of SI, US, mixed" in " ".join(run("units", "furlongs", status=2).err.split())
+
+
+def test_the_name_of_a_flight_is_never_converted(run: Run) -> None:
+    run("units", "US")
+    entry = ["add", "--flight-id", NAME, "--rocket", "Pad 90 m", "--motor", "F24-4W", "--dry-mass", "90kg"]
+    added = run(*entry, "--diameter", "66mm", "--apogee", "250m")
+    outputs = [added, run("show", NAME), run("tag", NAME, "off_axis"), run("flights"), run("untag", NAME, "off_axis")]
+    outputs += [
+        run("tag", "Test 98 ft", "x", status=1),
+        run("predict", "--rocket", "Pad 90 m", "--motor", "F24-4W", status=None),
+    ]
+    texts = " ".join(" ".join((one.out + one.err).split()) for one in outputs)
+    assert NAME in texts
+    assert "Pad 90 m" in texts
+    assert "Pad 295 ft" not in texts
+    assert "did you mean Test 30 m?" in texts
+    notes = " ".join(added.err.split())
+    assert "excluded from every fit: a dry mass of 3175 oz is more than the mass of" in notes
+    assert "90000 g" not in texts, "one output has one system of units"
+
+
+def test_the_name_of_a_file_is_never_converted(tmp_path: Path, run: Run) -> None:
+    run("units", "US")
+    table = tmp_path / "pad 30 m.csv"
+    table.write_text("rocket,motor,dry_mass_g,apogee_m\nAstra,F24-4W,322,300000\nAstra,F24-4W,322,250\n")
+    printed = run("import", table, status=None)
+    assert "pad 30 m.csv" in printed.err
+    assert "98 ft" not in printed.out + printed.err
