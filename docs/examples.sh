@@ -70,6 +70,9 @@ fieldkit score --rocket Astra
 fieldkit compare flight-dd2afbb08f sample_logs/perfectflite__drogue_and_main.pf2
 # measure the logs of flights again
 fieldkit remeasure --dry-run
+# the units of every command and of the app, and back to SI
+fieldkit units US
+fieldkit units SI
 # a field you fly from: plans use its elevation and its limits
 fieldkit sites "North field" --elevation 212m --size 400m --ceiling 900m
 fieldkit kits "Big Bertha" --dry-mass 80g --diameter 41.6mm --mount 18mm

@@ -1,2 +1,2 @@
-"""Studies of the methods, separate from the program: the reference paper, exact posteriors, the histories of
-rockets."""
+"""Studies of the methods, separate from the program: exact posteriors, causes of the reference paper's bias, the
+histories of rockets."""

@@ -33,6 +33,7 @@ CHECKED = (
     "fieldkit/selection",
     "fieldkit/forecast",
     "fieldkit/planning",
+    "fieldkit/reference",
     "fieldkit/services",
     "fieldkit/presentation",
     "studies",

@@ -253,7 +253,7 @@ purpose.
 | `models/effects/` | a file for every [effect](effects.md) |
 | `models/trained/` | a folder for every [ensemble](models.md) |
 | `sample_logs/` | at least one log for every parser, `PARSER__what_happened.suffix` |
-| `studies/` | the reference paper, exact posteriors, effects in real histories; not in the wheel |
+| `studies/` | exact posteriors, causes of the reference paper's bias, effects in real histories; not in the wheel |
 | `bench/` | an independent simulator, [tests of the loop](undeclared-effects.md), [the fault bench](faults.md) |
 | `tools/` | programs that write pages, pictures, the motor catalog and the samples |
 | `tests/` | organized like `fieldkit/`: laws, contracts for every plug-in, golden figures, screens; `benchmarks/` |

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from fieldkit.cli.screen import measured, print_table, progress, say, say_report, say_wrapped, system
-from fieldkit.cli.studies import HOW_TO_INSTALL, studies_are_here
 from fieldkit.errors import LedgerError
 from fieldkit.files import replace
 from fieldkit.progress import ReportProgress, part
 from fieldkit.quantities import ShownUnits
 
 if TYPE_CHECKING:
+    from fieldkit.reference.report import PaperReport
     from fieldkit.services.demo import Demo
-    from studies.paper.report import PaperReport
 
 app = typer.Typer()
 
@@ -131,23 +130,17 @@ def _loop(found: "Demo") -> None:
     say()
 
 
-def _paper(on_progress: ReportProgress) -> "PaperReport | None":
-    """The reference paper's test, if the studies are installed."""
-    if not studies_are_here():
-        return None
-    from studies.paper.report import report
+def _paper(on_progress: ReportProgress) -> "PaperReport":
+    """The reference paper's test."""
+    from fieldkit.reference.report import report
 
     on_progress("flying the published thrust", 0.0)
     return report()
 
 
-def _profile(paper: "PaperReport | None") -> None:
+def _profile(paper: "PaperReport") -> None:
     say("5. What the reference paper's published thrust profile costs")
     say()
-    if paper is None:
-        say_wrapped(f"   Computed by the studies, which are not in the installed program; {HOW_TO_INSTALL}")
-        say()
-        return
     profile, bias = paper.thrust_profile, paper.thrust_profile["exact_posterior_bias_m"]
     count, shown = paper.reconstruction["n"], ShownUnits(system())
     headers = ("motor", "certified", "profile delivers", "excess")

@@ -5,6 +5,7 @@ from math import isfinite
 import typer
 
 from fieldkit.errors import BadValue
+from fieldkit.messages import marked, message
 from fieldkit.units import parse
 
 
@@ -27,7 +28,7 @@ def typed(option: str, text: str, quantity: str, default: str) -> float:
     try:
         return parse(text, quantity, default)
     except BadValue as error:
-        raise BadValue(f"{option}: {error}") from None
+        raise BadValue(message(f"{option}: {marked(error)}")) from None
 
 
 def length(option: str, text: str | None, default: str = "m", *, signed: bool = False) -> float | None:

@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fieldkit.cli.screen import AsJson, print_json, print_table, say, say_wrapped, system
-from fieldkit.cli.studies import need_studies
 from fieldkit.quantities import ShownUnits, in_system
 
 if TYPE_CHECKING:
-    from studies.paper.report import PaperReport
+    from fieldkit.reference.report import PaperReport
 
 app = typer.Typer()
 
@@ -17,9 +16,8 @@ app = typer.Typer()
 @app.command()
 def paper(json: AsJson = False) -> None:
     """Test the reference paper on its own twelve flights."""
-    need_studies()
-    from studies.paper.report import report
-    from studies.paper.text import findings
+    from fieldkit.reference.report import report
+    from fieldkit.reference.text import findings
 
     found = report()
     if json:

@@ -79,7 +79,7 @@ def _caught_up(conversation: Conversation) -> int:
         try:
             _take(conversation, question, text)
         except (BadValue, UnknownMotor) as error:  # the motor file may have been removed since
-            complain(f"{question.title}: {error}")
+            complain(f"{question.title}: {in_system(error, system())}")
             del conversation.answers[question.name]
             return place
     return len(QUESTIONS)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from fieldkit.cli.screen import AsJson, print_json, say
-from fieldkit.cli.studies import need_studies
+from fieldkit.cli.studies import studies_are_here
 from fieldkit.errors import BadValue
 
 app = typer.Typer()
@@ -70,9 +70,7 @@ def train(
     ):
         if value and recipe not in known:
             raise BadValue(f"{option}: found with the recipe {recipe.value}, expected --recipe {known[0].value}")
-    beside_exact = recipe is Recipe.field and schedule is TrainingLength.published
-    if beside_exact:
-        need_studies()
+    beside_exact = recipe is Recipe.field and schedule is TrainingLength.published and studies_are_here()
     train_by_recipe = trainer(recipe.value, out)
     evaluate = _evaluation(recipe, beside_exact)
     with Progress(console=Console(stderr=True), transient=True) as progress:
@@ -109,7 +107,8 @@ def train(
 
 
 def _evaluation(recipe: Recipe, beside_exact: bool) -> Callable[..., dict[str, Any]]:
-    """What computes the figures of the card; `beside_exact` compares also with exact posteriors, from the studies."""
+    """What computes the figures of the card; `beside_exact` compares also with exact posteriors, from the studies of a
+    checkout."""
     if recipe is Recipe.history:
         from fieldkit.inference.validation.history import judge
 

@@ -12,6 +12,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight.columns import Column
 from fieldkit.flight.flight import Flight
+from fieldkit.messages import marked, message
 from fieldkit.spelled_units import rounded, with_unit
 
 Device = Literal["parachute", "streamer"]
@@ -95,7 +96,7 @@ def recovery_figure(flight: Flight, name: str) -> float | None:
     try:
         return units.parse(flight.extra[header], quantity, header[len(name) :].removeprefix("_") or unit)
     except BadValue as error:
-        raise BadValue(f"{_label(name)}: {error}") from error
+        raise BadValue(message(f"{_label(name)}: {marked(error)}")) from error
 
 
 def recovery_column(flight: Flight, name: str) -> str | None:

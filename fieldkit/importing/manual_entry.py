@@ -163,7 +163,9 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
         except BadValue as error:
             label = {"date_time": "date", "flight_id": "id"}.get(name, name)
             label = label.replace("_", " ") if name in BY_NAME else label
-            raise BadValue(str(error) if str(error).startswith("no column") else f"{label}: {error}") from error
+            raise BadValue(
+                str(error) if str(error).startswith("no column") else message(f"{label}: {marked(error)}")
+            ) from error
     changed = flight.with_changes(**values)
     for part, new in details.items():
         both = {**getattr(changed, part), **new}

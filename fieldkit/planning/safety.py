@@ -21,7 +21,7 @@ from fieldkit.flight.limits import check
 from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.messages import fine, per_wind
+from fieldkit.messages import fine, marked, message, per_wind
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
@@ -87,7 +87,7 @@ def motor_temperature(plan: Flight) -> float | None:
         value = units.parse(text, "temperature", "c") if text else None
         return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
     except BadValue as error:
-        raise BadValue(f"motor temperature: {error}") from error
+        raise BadValue(message(f"motor temperature: {marked(error)}")) from error
 
 
 def safety_lines(

@@ -1,1 +1,1 @@
-"""A test of the reference paper on its twelve flights; every figure is computed on request."""
+"""What the reference paper's assumptions cost, cause by cause."""

@@ -15,10 +15,10 @@ from fieldkit.physics.flight import apogees
 from fieldkit.physics.setups import delays, field_setup
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import Burns
+from fieldkit.reference.exact import exact_means, lowest_in
+from fieldkit.reference.flights import Reference, certified, normalised
+from fieldkit.reference.next_flight import carry_over, leave_one_out
 from fieldkit.shapes import Array, Float
-from studies.paper.exact import exact_means, lowest_in
-from studies.paper.next_flight import carry_over, leave_one_out
-from studies.paper.reference import Reference, certified, normalised
 
 Each = Float[Array, "*draw flight"]
 SetupOf = Callable[[Reference, Each, Each], Setup]

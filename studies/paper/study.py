@@ -10,13 +10,13 @@ from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import apogees, fly
 from fieldkit.physics.history import history_of
+from fieldkit.reference.flights import Reference, reference
+from fieldkit.reference.report import PaperReport, report
 from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resampled
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 from studies.paper.assumption_steps import AssumptionStep, step, worlds
-from studies.paper.reference import Reference, reference
-from studies.paper.report import PaperReport, report
 from studies.paper.two_flights import TwoFlights, two_flights
 
 

@@ -6,7 +6,7 @@ from textwrap import fill
 import numpy as np
 
 from fieldkit.physics.effect import effects
-from studies.paper.reference import errors
+from fieldkit.reference.flights import errors
 from studies.paper.study import Study, interval
 from studies.paper.two_flights import MAX_PRIOR_SDS, Cause
 

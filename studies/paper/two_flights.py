@@ -16,8 +16,8 @@ from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import Setup
+from fieldkit.reference.flights import Reference
 from fieldkit.shapes import Array, Flags, Float
-from studies.paper.reference import Reference
 
 PAIR = ("1", "4")
 """The heavier flight (configuration B) and the lighter one (A), both on an E35-5W."""

@@ -15,10 +15,10 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.uncalibrated import simulate
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import catalogue
+from fieldkit.reference.flights import Reference, reference
 from studies.histories import histories
 from studies.histories import page as histories_page
 from studies.paper.assumption_steps import AssumptionStep, step, worlds
-from studies.paper.reference import Reference, reference
 from studies.paper.study import parts_of
 from studies.paper.two_flights import MAX_PRIOR_SDS, TwoFlights, two_flights
 from studies.shortfall import page as shortfall_page

@@ -11,6 +11,7 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.field_ensemble import infer_field
 from fieldkit.inference.network.posterior import infer_paper
+from fieldkit.messages import marked, message
 from fieldkit.motors import Catalogue, Found
 
 FlightEnsemble = Literal["field", "paper"]
@@ -59,7 +60,7 @@ def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Fli
         try:
             known.append((flight, _flyable(flight, motors)))
         except FieldkitError as error:
-            left_out.append(f"{flight_label(flight.flight_id)}: {error}")
+            left_out.append(message(f"{flight_label(flight.flight_id)}: {marked(error)}"))
     return known, left_out
 
 
@@ -117,10 +118,10 @@ def _paper(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
         try:
             found = infer_paper([flight], ensemble)
         except FieldkitError as error:
-            left_out.append(str(error))
+            left_out.append(message(marked(error)))
             continue
         if reason := _doubted(flight, motors):
-            left_out.append(f"{flight_label(flight.flight_id)}: {reason}")
+            left_out.append(message(f"{flight_label(flight.flight_id)}: {marked(reason)}"))
             continue
         cd, cd_sd, alpha, alpha_sd = (float(x[0]) for x in (found.cd, found.cd_sd, found.alpha, found.alpha_sd))
         inferred.append(Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model))

@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.forecast.at_once import forecast_at_once
 from fieldkit.motors import catalogue
-from studies.paper.reference import Reference, errors
+from fieldkit.reference.flights import Reference, errors
 
 
 @dataclass(frozen=True, slots=True)

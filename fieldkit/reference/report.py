@@ -11,11 +11,8 @@ from fieldkit.inference.validation.score import score
 from fieldkit.model.paper_prior_predictive import paper_draws
 from fieldkit.motors import catalogue
 from fieldkit.physics import paper
-from fieldkit.shapes import Array, Float
-from studies.paper.exact import bayes_limit, lowest, reconstructions
-from studies.paper.history_network import HistoryForecast, history_errors, history_forecasts
-from studies.paper.next_flight import ForecastRule, carried_over, leave_one_out, rules, scatter
-from studies.paper.reference import (
+from fieldkit.reference.exact import bayes_limit, lowest, reconstructions
+from fieldkit.reference.flights import (
     CERTIFIED_NAMES,
     STATED_FIGURES,
     Reference,
@@ -25,6 +22,9 @@ from studies.paper.reference import (
     normalised,
     reference,
 )
+from fieldkit.reference.history_network import HistoryForecast, history_errors, history_forecasts
+from fieldkit.reference.next_flight import ForecastRule, carried_over, leave_one_out, rules, scatter
+from fieldkit.shapes import Array, Float
 
 FRESH_FLIGHTS = 5000
 FRESH_SEED = 20_000_000

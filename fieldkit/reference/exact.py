@@ -9,8 +9,8 @@ from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, APOGEE_NOISE, CD_
 from fieldkit.physics import paper
 from fieldkit.physics.flight import apogees
 from fieldkit.physics.thrust_steps import Burns
+from fieldkit.reference.flights import Reference, heights
 from fieldkit.shapes import Array, Float
-from studies.paper.reference import Reference, heights
 
 ApogeesOf = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]], Float[Array, "*draw flight"]]
 """Apogees of all flights, given a Cd and an alpha for each. [m]"""

@@ -16,12 +16,12 @@ from fieldkit.flight import Flight
 from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE, paper_draws
 from fieldkit.physics import paper
 from fieldkit.physics.single import paper_flight
-from studies.paper.exact import bayes_limit, lowest, reconstructions
-from studies.paper.history_network import history_forecasts
-from studies.paper.next_flight import leave_one_out, rules, scatter
-from studies.paper.reference import Reference, certified, heights, normalised, reference
-from studies.paper.report import PaperReport, report
-from studies.paper.text import findings
+from fieldkit.reference.exact import bayes_limit, lowest, reconstructions
+from fieldkit.reference.flights import Reference, certified, heights, normalised, reference
+from fieldkit.reference.history_network import history_forecasts
+from fieldkit.reference.next_flight import leave_one_out, rules, scatter
+from fieldkit.reference.report import PaperReport, report
+from fieldkit.reference.text import findings
 
 CHECK_SHAPES = False
 
@@ -215,7 +215,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 @pytest.fixture
 def computed(found: PaperReport, monkeypatch: pytest.MonkeyPatch) -> None:
     """The report as already computed."""
-    monkeypatch.setattr("studies.paper.report.report", lambda: found)
+    monkeypatch.setattr("fieldkit.reference.report.report", lambda: found)
 
 
 @pytest.mark.usefixtures("computed")
@@ -244,10 +244,8 @@ def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
 @pytest.mark.parametrize(
     "command",
     [
-        ("paper",),
         ("study", "reference"),
         ("study", "rockets"),
-        ("train", "--recipe", "field", "--schedule", "published", "--out", "new"),
     ],
 )
 def test_if_the_studies_are_missing_their_commands_say_what_to_install(

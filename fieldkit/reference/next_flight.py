@@ -9,9 +9,9 @@ import numpy as np
 from fieldkit.model.paper_prior_predictive import APOGEE_NOISE
 from fieldkit.physics import paper
 from fieldkit.physics.thrust_steps import Burns
+from fieldkit.reference.exact import cells
+from fieldkit.reference.flights import NOMINAL_CD, Reference, certified, height_grid, heights
 from fieldkit.shapes import Array, Float, Int
-from studies.paper.exact import cells
-from studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
 
 ForecastBy = Callable[[Reference, Int[Any, "other"], int], float]
 """The apogee of a flight, given by its row, from other flights, given by their rows; nan if they are not informative.

@@ -3,7 +3,7 @@
 from typing import Any
 
 from fieldkit.messages import amount, message
-from studies.paper.report import PaperReport
+from fieldkit.reference.report import PaperReport
 
 
 def findings(report: PaperReport) -> list[str]:

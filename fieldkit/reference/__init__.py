@@ -1,0 +1,1 @@
+"""A test of the reference paper on its twelve flights; every figure is computed on request."""
