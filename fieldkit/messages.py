@@ -22,7 +22,7 @@ _BEGIN, _NEXT, _END = "\ue000", "\ue001", "\ue002"
 _MARKED = re.compile(f"{_BEGIN}([^{_END}]*){_END}")
 
 
-class Shown(Protocol):
+class HasUnit(Protocol):
     """The unit of a column, as in `fieldkit.flight.Column`."""
 
     @property
@@ -45,33 +45,33 @@ class Amount:
     style: str
 
 
-class Message(str):
+class TextWithAmounts(str):
     """A text in SI that holds its amounts: `parts` are its words and its amounts in order."""
 
     parts: tuple[str | Amount, ...]
 
 
-def message(marked: str) -> Message:
+def message(marked: str) -> TextWithAmounts:
     """The message of a text with marked amounts."""
     texts = _MARKED.split(marked)
     parts = tuple(_read(text) if place % 2 else text for place, text in enumerate(texts))
-    found = Message("".join(part if isinstance(part, str) else part.text for part in parts))
+    found = TextWithAmounts("".join(part if isinstance(part, str) else part.text for part in parts))
     found.parts = parts
     return found
 
 
 def marked(text: object) -> str:
     """A text with its amounts marked, to be part of another message; an error by its message."""
-    if isinstance(text, Exception) and text.args and isinstance(text.args[0], Message):
+    if isinstance(text, Exception) and text.args and isinstance(text.args[0], TextWithAmounts):
         return str(text).removesuffix(text.args[0]) + marked(text.args[0])
-    if not isinstance(text, Message):
+    if not isinstance(text, TextWithAmounts):
         return str(text)
     return "".join(part if isinstance(part, str) else _mark(part) for part in text.parts)
 
 
 def with_words(text: str, change: Callable[[str], str]) -> str:
     """A message with its words changed and its amounts kept, or any other text changed."""
-    if not isinstance(text, Message):
+    if not isinstance(text, TextWithAmounts):
         return change(text)
     return message("".join(change(part) if isinstance(part, str) else _mark(part) for part in text.parts))
 
@@ -84,7 +84,7 @@ def amount(value: float, unit: str, digits: int = 0, to: float | None = None) ->
     return _mark(Amount(with_unit(" to ".join(numbers), unit), values, unit, str(digits)))
 
 
-def of_column(column: Shown, value: float, to: float | None = None, digits: int = 4) -> str:
+def of_column(column: HasUnit, value: float, to: float | None = None, digits: int = 4) -> str:
     """A marked value of a column [SI], or a range, with significant digits: `281.3 m`. An acceleration is in g in every
     system, and is not marked."""
     scale = units.unit(column.quantity, column.unit)
@@ -107,7 +107,7 @@ def fine(value: float, unit: str) -> str:
 def estimate(value: float, sd: float, unit: str) -> str:
     """A marked value and its standard deviation, both in a unit of SI: `13.7 ± 14 m/s^2`. A unit with an amount of its
     own is a message."""
-    if isinstance(unit, Message):
+    if isinstance(unit, TextWithAmounts):
         return f"{with_sd(value, sd)} {marked(unit)}"
     return _mark(Amount(f"{with_sd(value, sd)} {unit}", (value,), unit, f"±{sd!r}"))
 

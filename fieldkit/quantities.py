@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import Column
-from fieldkit.messages import FINE, PER_WIND, QUANTITY, ROUNDED, Amount, Message, estimate, marked, message
+from fieldkit.messages import FINE, PER_WIND, QUANTITY, ROUNDED, Amount, TextWithAmounts, estimate, marked, message
 from fieldkit.spelled_units import rounded as rounded
 from fieldkit.spelled_units import spelled as spelled
 from fieldkit.spelled_units import with_sd as with_sd
@@ -92,7 +92,7 @@ def in_system(text: object, system: str) -> str:
     """
     if isinstance(text, Exception):
         text = message(marked(text))
-    if not isinstance(text, Message):
+    if not isinstance(text, TextWithAmounts):
         return str(text)
     return "".join(part if isinstance(part, str) else _written(part, system) for part in text.parts)
 

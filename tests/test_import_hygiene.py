@@ -19,10 +19,10 @@ ROOT = Path(__file__).parents[1]
 NEVER = {"torch", "textual", "pandas", "matplotlib", "serial"}
 ALLOWED = {
     "parsers": {
-        *("importing", "flight", "units", "errors", "shapes", "safe_text", "quantities"),
+        *("importing", "flight", "units", "errors", "messages", "shapes", "safe_text", "quantities"),
         "physics.standard_atmosphere",
     },
-    "models/effects": {"physics", "flight", "errors", "shapes"},
+    "models/effects": {"physics", "flight", "errors", "messages", "shapes"},
 }
 """Modules of the engine that the plug-ins of a folder may use."""
 MODULES = {

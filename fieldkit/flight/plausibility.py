@@ -16,7 +16,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.recovery import IN_EVERY_FIT, check_recovery, rail_direction
-from fieldkit.messages import Message, marked, message, of_column
+from fieldkit.messages import TextWithAmounts, marked, message, of_column
 
 IDENTITY = (0.9, 1.1)
 """Range of top speed over (average acceleration × burn time); outside it, a value is mistyped. [1]
@@ -73,7 +73,7 @@ class Burning(Protocol):
     def burning(self) -> tuple[float, float]: ...
 
 
-def implausible(flight: Flight, motor: Burning) -> Message | None:
+def implausible(flight: Flight, motor: Burning) -> TextWithAmounts | None:
     """Why no rocket can have flown like this on its motor, as a phrase; None if possible.
 
     A plan is checked by its setup, a flight also by its readouts. The bounds are physical, with a margin for the
@@ -244,7 +244,7 @@ def middles(flights: Iterable[Flight]) -> dict[str, float]:
 def doubts(
     flight: Flight,
     usual: Mapping[str, float] = MappingProxyType({}),
-) -> list[Message]:
+) -> list[TextWithAmounts]:
     """Values in a flight that look mistyped, one phrase each: values outside the range of their column, and readouts
     that contradict each other or the `usual` ones (the `middles` of flights of the same rocket on the same motor)."""
     found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
@@ -259,7 +259,7 @@ def doubts(
     return [phrase for phrase in (*found, *far_from_usual(flight, usual)) if phrase]
 
 
-def inconsistent_speed(flight: Flight, ratio: float) -> Message:
+def inconsistent_speed(flight: Flight, ratio: float) -> TextWithAmounts:
     """A phrase for a top speed that differs from average acceleration times burn time; `ratio` is
     `identity(flight)` [1].
     """
@@ -269,7 +269,7 @@ def inconsistent_speed(flight: Flight, ratio: float) -> Message:
     return message(f"top speed looks {100 * off:.0f}% {way} for {acceleration} over {burn}; check all three")
 
 
-def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[Message]:
+def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[TextWithAmounts]:
     """A phrase for each readout that is far from the usual one."""
     for name, middle in usual.items():
         value = flight.number(name)
@@ -279,7 +279,7 @@ def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[Messa
             yield message(phrase)
 
 
-def _unusual(column: Column, value: float) -> Message | None:
+def _unusual(column: Column, value: float) -> TextWithAmounts | None:
     """A phrase for a value outside the plausible range of its column, None for the others."""
     slack = 1e-9 * (1 + abs(value))
     if column.low - slack <= value <= column.high + slack:

@@ -28,7 +28,7 @@ from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
 from fieldkit.importing.tables.flight_dates import date_of
-from fieldkit.messages import Message, marked, message
+from fieldkit.messages import TextWithAmounts, marked, message
 
 NOT_RECORDED = "-"
 """Typed for "not recorded" when an empty answer would accept the default."""
@@ -163,9 +163,9 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
         except BadValue as error:
             label = {"date_time": "date", "flight_id": "id"}.get(name, name)
             label = label.replace("_", " ") if name in BY_NAME else label
-            raise BadValue(
-                str(error) if str(error).startswith("no column") else message(f"{label}: {marked(error)}")
-            ) from error
+            if str(error).startswith("no column"):
+                raise
+            raise BadValue(message(f"{label}: {marked(error)}")) from error
     changed = flight.with_changes(**values)
     for part, new in details.items():
         both = {**getattr(changed, part), **new}
@@ -186,7 +186,7 @@ def answer_text(flight: Flight, name: str) -> str:
     return "; ".join(value) if isinstance(value, tuple) else str(value)
 
 
-def implausible_answers(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[Message]:
+def implausible_answers(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[TextWithAmounts]:
     """Warnings about one implausible answer, one phrase each.
 
     The answer is checked by itself, against the other answers, and against the `usual` readouts, which are

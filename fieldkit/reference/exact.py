@@ -17,7 +17,7 @@ ApogeesOf = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]
 
 
 def cells(ends: tuple[float, float], count: int) -> Float[Array, "cell"]:
-    """Midpoints of equal cells between two ends."""
+    """Midpoints of equal cells between two ends, in the unit of both."""
     return np.linspace(*ends, 2 * count + 1)[1::2]
 
 

@@ -107,7 +107,7 @@ def height_grid(
     return apogees(paper.paper_setup(motor, mass, cd[:, None], alpha, curves=curves))
 
 
-def errors(forecast: Sequence[float] | Array, measured: Array) -> dict[str, float]:
+def errors(forecast: Sequence[float] | Float[Array, "flight"], measured: Float[Array, "flight"]) -> dict[str, float]:
     """Mean absolute error, root mean square, bias, and the standard error of the first. [m]"""
     residual = np.asarray(forecast) - measured
     miss = np.abs(residual)

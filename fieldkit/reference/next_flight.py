@@ -44,7 +44,7 @@ def _same_setup(flights: Reference, others: Int[Any, "other"], row: int) -> floa
 
 
 def carried_over(cd: Float[Array, "flight"], alpha: Float[Array, "flight"]) -> ForecastBy:
-    """Mean Cd and alpha inferred for the same motor's other flights, in the paper's physics."""
+    """Mean Cd and alpha inferred for the same motor's other flights, in the paper's physics. [1]"""
     curves = paper.paper_burns()
     return carry_over(cd, alpha, lambda flights, cd, alpha: heights(flights, cd, alpha, curves))
 
@@ -54,7 +54,7 @@ def carry_over(
     alpha: Float[Array, "flight"],
     fly: Callable[[Reference, Float[Array, "flight"], Float[Array, "flight"]], Float[Array, "flight"]],
 ) -> ForecastBy:
-    """Mean Cd and alpha inferred for the same motor's other flights, in any physics."""
+    """Mean Cd and alpha inferred for the same motor's other flights, in any physics. [1]"""
 
     def forecast(flights: Reference, others: Int[Any, "other"], row: int) -> float:
         peers = others[flights.motor[others] == flights.motor[row]]

@@ -55,7 +55,7 @@ def infer(flights: Sequence[Flight], motors: Catalogue, model: FlightEnsemble = 
 
 def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Flight, Found]], list[str]]:
     """Flights that the ensemble can process, with their motors, and a line for each other flight."""
-    known, left_out = [], []
+    known, left_out = list[tuple[Flight, Found]](), list[str]()
     for flight in flights:
         try:
             known.append((flight, _flyable(flight, motors)))
