@@ -11,6 +11,7 @@ from scipy.stats.qmc import Sobol
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import FROM_LOGS, START, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model
@@ -93,7 +94,10 @@ def test_a_device_that_misreads_speed_and_coast_does_not_bias_apogees() -> None:
 
 def test_the_forecast_spread_scales_with_the_noise_of_rocket_and_device() -> None:
     found = [catalogue().resolve("F24")]
-    certain, doubtful = base_model(history_of([PLAN], found)), base_model(history_of([PLAN], found), learned())
+    certain, doubtful = (
+        base_model(history_of([PLAN], found), CERTIFIED_PRIOR),
+        base_model(history_of([PLAN], found), learned()),
+    )
     assert {term.scaled_by for term in certain.terms} == {""}
     assert {str(term.bends) for term in doubtful.terms if term.scaled_by == "reading"} == set(OBSERVED_READOUTS) - {
         "apogee",

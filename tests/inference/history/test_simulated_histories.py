@@ -88,7 +88,7 @@ def test_simulated_rockets_have_every_parameter_of_the_model_that_is_fitted(monk
         for one in simulated_histories(np.random.default_rng(seed), KNOWN, quick_candidates, nothing, 1, 1, flights=8):
             history = one.history
             if one.selects:
-                model = rocket_model(history)
+                model = rocket_model(history, hyperprior=CERTIFIED_PRIOR)
                 assert set(model.names) == set(history_model(history, CERTIFIED_PRIOR, declared=False).names)
             else:
                 model = history_model(history, learned(), one.shared, declared=True)

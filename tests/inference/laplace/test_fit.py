@@ -42,7 +42,7 @@ Readouts = np.ndarray[Any, Any]
 
 @cache
 def model() -> Model:
-    return base_model(history_of(PLANS, [catalogue().resolve(plan.motor) for plan in PLANS]))
+    return base_model(history_of(PLANS, [catalogue().resolve(plan.motor) for plan in PLANS]), CERTIFIED_PRIOR)
 
 
 @cache
@@ -81,11 +81,14 @@ def seasons() -> tuple[Data, ...]:
     noise = (
         np.concatenate([drawn, np.zeros((*raw.shape[:-1], len(FROM_LOGS)))], axis=-1)
         * scales
-        * np.stack([reading_sd(part) for part in raw])
+        * np.stack([reading_sd(part, CERTIFIED_PRIOR) for part in raw])
     )
     noisy = compared(raw) + noise + launch_angle[..., None] * (compared(leaning) - compared(upright))
     seen = np.where(IS_LOGARITHMIC, np.exp(noisy), noisy)
-    return tuple(observe(history_of(flights(part), model().found, used_in_fit=[True] * len(PLANS))) for part in seen)
+    return tuple(
+        observe(history_of(flights(part), model().found, used_in_fit=[True] * len(PLANS)), CERTIFIED_PRIOR)
+        for part in seen
+    )
 
 
 def flights(readouts: Readouts) -> list[Flight]:
@@ -126,12 +129,12 @@ def kinked(seed: int) -> tuple[Model, Data]:
     scatter = {kind.bends: rng.normal(size=(1, len(PLANS))) * kind.sd for kind in model().scatter}
     coast = shown(model(), truth, {})["coast_time"][0]
     plans = [plan.with_changes(delay=float(time) - 0.6) for plan, time in zip(PLANS, coast, strict=True)]
-    early = base_model(history_of(plans, [catalogue().resolve(plan.motor) for plan in plans]))
+    early = base_model(history_of(plans, [catalogue().resolve(plan.motor) for plan in plans]), CERTIFIED_PRIOR)
     shows = shown(early, truth, scatter)
     raw = np.stack([shows[name][0] for name in OBSERVED_READOUTS], axis=-1)
     named = (dict(zip(OBSERVED_READOUTS, map(float, row), strict=True)) for row in raw)
     flown = [plan.with_changes(**row) for plan, row in zip(plans, named, strict=True)]
-    return early, observe(history_of(flown, early.found, used_in_fit=[True] * len(flown)))
+    return early, observe(history_of(flown, early.found, used_in_fit=[True] * len(flown)), CERTIFIED_PRIOR)
 
 
 @pytest.mark.sampled
