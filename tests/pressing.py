@@ -137,7 +137,8 @@ def _fitted(model: Any, data: Any, *, causes: bool = False) -> object:
         (term.name, *[getattr(term, key) for key in ("mean", "sd", "weight", "low", "high", "scaled_by")])
         for term in model.terms
     ]
-    rest = (model.flights, model.found, model.area, model.flight_index, repr(model.hyperprior), model.shared)
+    past = model.history
+    rest = (past.flights, past.found, past.own_area, past.flight_index, repr(model.hyperprior), model.shared)
     return terms, rest, model.coarse, data, causes
 
 
