@@ -63,7 +63,15 @@ def _lines(start: "Configuration", design: "Design") -> list[str]:
         lines.append(f"  length    {written(start.length, 'mm', system())}")
     lines.append(f"  Cd        {start.cd:.2f}, from {design.cd_by}" if start.cd else "  Cd        not in the file")
     if start.margin is not None:
-        lines.append(f"  stability {start.margin:.1f} calibers with its motor, off the launch rod")
+        lines.append(f"  stability {start.margin:.1f} calibers with its motor, at small angles")
+    margins = {
+        f"{motor.maker} {motor.designation}": margin
+        for one in design.motors
+        if one.count == 1 and (motor := one.found()) and (margin := design.margin(motor)) is not None
+    }
+    if margins:
+        shown = ", ".join(f"{margin:.1f} with {name}" for name, margin in margins.items())
+        lines.append(f"  from its parts (Barrowman), on the pad, in calibers: {shown}")
     motors = dict.fromkeys(
         " ".join(filter(None, (f"{one.count} ×" if one.count > 1 else "", one.maker, one.designation)))
         for one in design.motors
@@ -87,6 +95,7 @@ def _document(start: "Configuration", design: "Design", *, saved: bool) -> dict[
         "cd": start.cd,
         "mass_by": design.mass_by,
         "cd_by": design.cd_by,
+        "stability_cal": start.margin,
         "motors": [asdict(one) for one in design.motors],
         "simulations": [
             {

@@ -1,11 +1,14 @@
 """A design as a starting configuration: mass without motor, largest diameter, length, and Cd if available."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from fieldkit.errors import DamagedLog
+from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.archive import root_of
+from fieldkit.openrocket.balance import Balance, balance
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
 from fieldkit.rocket import Configuration
@@ -37,6 +40,12 @@ class DesignMotor:
     delay: str
     count: int = 1
 
+    def found(self) -> Motor | None:
+        """The motor of the catalog that it names; None if there is none."""
+        with suppress(FieldkitError):
+            return catalogue().resolve(f"{self.maker} {self.designation}").motor
+        return None
+
 
 @dataclass(frozen=True, slots=True)
 class Design:
@@ -56,13 +65,28 @@ class Design:
     motors: tuple[DesignMotor, ...]
     notes: tuple[str, ...]
     simulations: tuple[Simulation, ...] = ()
+    balance: Balance | None = None
+
+    def margin(self, motor: Motor) -> float | None:
+        """The static margin on the pad with a loaded motor, from the parts of the design; None if they do not show it.
+        [1]"""
+        if self.balance is None or not self.diameter:
+            return None
+        cg = self.balance.cg(motor.loaded_mass, motor.length, self.dry_mass)
+        return None if cg is None else (self.balance.cp - cg) / self.diameter
 
     def start(self, rocket: str, config: str, source: str) -> Configuration:
         """The design as the starting configuration of a rocket, from the file `source`; the centers of gravity and of
-        pressure are those of the first simulation of the current design that has them within the rocket."""
+        pressure are those of the first simulation of the current design that has them within the rocket, or else those
+        of its parts with the first of its motors that is known."""
         one = next((one for one in self.simulations if one.fresh and self._holds(one)), None)
         known = Configuration(rocket, config, self.dry_mass, self.diameter, self.length, self.cd, source)
-        return known if one is None else replace(known, cg=one.cg, cp=one.cp)
+        if one is not None:
+            return replace(known, cg=one.cg, cp=one.cp)
+        motor = next((found for one in self.motors if one.count == 1 and (found := one.found())), None)
+        if self.balance is None or motor is None:
+            return known
+        return replace(known, cg=self.balance.cg(motor.loaded_mass, motor.length, self.dry_mass), cp=self.balance.cp)
 
     def _holds(self, one: Simulation) -> bool:
         """Whether the centers of gravity and of pressure of a simulation are known and within the rocket."""
@@ -110,6 +134,7 @@ def _design(root: "Element", source: str) -> Design:
         tuple(_motors(rocket)),
         tuple(notes),
         tuple(stored),
+        balance(stages, diameter),
     )
 
 

@@ -76,12 +76,12 @@ def airframe(stage: "Element") -> "list[Element]":
 
 
 def sizes(parts: "list[Element]") -> list[Size]:
-    """Lengths and radii; an `auto` radius without a stored value is that of the nearest neighbor with one."""
+    """Lengths and radii; an `auto` radius without a stored value is that of the nearest other part with one."""
     ends = [list(_ends(part)) for part in parts]
     flat = [radius for pair in ends for radius in pair]
     for place, radius in enumerate(flat):
         if radius is None:
-            near = sorted((abs(other - place), r) for other, r in enumerate(flat) if r is not None)
+            near = sorted((abs(x - place), r) for x, r in enumerate(flat) if r is not None and x // 2 != place // 2)
             ends[place // 2][place % 2] = near[0][1] if near else 0.0
     return [
         Size(number(part, "length"), fore or 0.0, aft or 0.0) for part, (fore, aft) in zip(parts, ends, strict=True)
@@ -118,7 +118,7 @@ def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     if part.tag in ASSEMBLIES:
         parts = airframe(part)
         inside += sum(mass(one, of, unknown) for one, of in zip(parts, sizes(parts), strict=True))
-    return (own if own is not None else _own_mass(part, size, unknown)) + copies(part) * inside
+    return (own if own is not None else own_mass(part, size, unknown)) + copies(part) * inside
 
 
 def copies(part: "Element") -> int:
@@ -139,7 +139,7 @@ def override(part: "Element") -> tuple[float | None, bool]:
     return entered, below.strip() == "true"
 
 
-def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
+def own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     """Mass of a part without what is in it; 0 if it is unknown. [kg]"""
     volume = VOLUMES.get(part.tag)
     if size is not None:
@@ -169,13 +169,19 @@ def _shell(part: "Element", size: Size) -> float:
     """Volume of the wall of a tube, nose or transition, and of the shoulders of a nose or transition. [m^3]"""
     filled = (part.findtext("thickness") or "").strip() == "filled"
     wall = math.inf if filled else number(part, "thickness")
-    along = (np.arange(STEPS) + 0.5) / STEPS
-    thin, wide = sorted((size.fore, size.aft))
-    outer = thin + (wide - thin) * _profile(part, along if size.fore == thin else 1 - along, wide - thin, size.length)
+    outer = outer_profile(part, size)
     slope = np.gradient(outer, size.length / STEPS) if size.length else 0.0 * outer
     inner = np.maximum(outer - wall * np.sqrt(1 + slope**2), 0.0)
     body = float(np.pi * (outer**2 - inner**2).mean() * size.length)
     return body + sum(_ring(part, f"{end}shoulder") for end in ("fore", "aft"))
+
+
+def outer_profile(part: "Element", size: Size) -> Float[Array, "step"]:
+    """Outer radius of a part of the airframe in the middle of each of `STEPS` slices, from its front. [m]"""
+    along = (np.arange(STEPS) + 0.5) / STEPS
+    thin, wide = sorted((size.fore, size.aft))
+    bent = _profile(part, along if size.fore == thin else 1 - along, wide - thin, size.length)
+    return np.asarray(thin + (wide - thin) * bent)
 
 
 def _profile(part: "Element", x: Float[Array, "step"], radius: float, length: float) -> Float[Array, "step"]:
@@ -248,8 +254,13 @@ def _planform(part: "Element") -> float:
         return (root + tip) / 2 * height
     if part.tag == "ellipticalfinset":
         return math.pi / 4 * root * height
-    points = [(_finite(p.get("x", "0")), _finite(p.get("y", "0"))) for p in part.iterfind("finpoints/point")]
+    points = fin_points(part)
     return abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], *points[:1]], strict=True))) / 2
+
+
+def fin_points(part: "Element") -> list[tuple[float, float]]:
+    """The outline of a freeform fin: along the body from the front of its root, and outward. [m]"""
+    return [(_finite(p.get("x", "0")), _finite(p.get("y", "0"))) for p in part.iterfind("finpoints/point")]
 
 
 def _parachute(part: "Element") -> float:

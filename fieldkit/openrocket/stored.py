@@ -33,6 +33,7 @@ USED_COLUMNS = (
     "vertical velocity",
     "cg location",
     "cp location",
+    "angle of attack",
 )
 """Columns of a stored simulation that are read."""
 MOST_COLUMNS = 500
@@ -50,11 +51,11 @@ class Simulation:
     """A simulation in a file.
 
     `dry_mass` is that of its rocket without motors [kg], `cd` its Cd on the diameter `reference` [m]; `apogee` is in m,
-    `top_speed` in m/s. `consistent` means that its drag force gives the same Cd on that diameter. `cg` and `cp` are its
-    centers of gravity and of pressure as it leaves the launch rod, from the tip of the nose [m]. `fresh` means that it
-    belongs to the current design, `default` that it used the default configuration. None means not stored; `cd`,
-    `apogee` and `top_speed` are None as well if the rocket tumbled, or the simulation was aborted, before apogee
-    (`upset`). `readable` means that the names of its columns are in English, the only language that is read.
+    `top_speed` in m/s. `consistent` means that its drag force gives the same Cd on that diameter. `cg` is its center of
+    gravity as it leaves the launch rod, `cp` that of pressure at small angles, from the tip of the nose [m]. `fresh`
+    means that it belongs to the current design, `default` that it used the default configuration. None means not
+    stored; `cd`, `apogee` and `top_speed` are None as well if the rocket tumbled, or the simulation was aborted, before
+    apogee (`upset`). `readable` means that the names of its columns are in English, the only language that is read.
     """
 
     name: str
@@ -165,13 +166,30 @@ def _dry_mass(values: StoredColumns) -> float | None:
 
 
 def _centers(values: StoredColumns, branch: "Element") -> tuple[float, float] | tuple[None, None]:
-    """The centers of gravity and of pressure in the first row off the launch rod in which both are known. [m]"""
+    """The center of gravity in the first row off the launch rod, with the motor nearly full, and the center of pressure
+    at the smallest angle of attack of the climb, or at its top speed if no angle is stored. [m]
+
+    OpenRocket's center of pressure moves forward with the angle of attack, which is large as a rocket leaves the rod in
+    wind; the static margin of guidance is that at small angles.
+    """
     time, cg, cp = (values.get(name) for name in ("time", "cg location", "cp location"))
     if time is None or cg is None or cp is None:
         return None, None
     off = min(_moments(branch, "launchrod"), default=0.0)
-    rows = np.flatnonzero((time >= off) & np.isfinite(cg) & np.isfinite(cp))
-    return (float(cg[rows[0]]), float(cp[rows[0]])) if rows.size else (None, None)
+    end = min(_moments(branch, "apogee"), default=math.inf)
+    rows = np.flatnonzero((time >= off) & (time < end) & np.isfinite(cg) & np.isfinite(cp))
+    if not rows.size:
+        return None, None
+    speed = values.get("total velocity", values.get("vertical velocity"))
+    angle = values.get("angle of attack")
+    fast = rows
+    if speed is not None and np.isfinite(speed[rows]).any():
+        fast = rows[np.nan_to_num(speed[rows]) >= MIN_COAST_SPEED_FRACTION * np.nanmax(speed[rows])]
+    if angle is not None and np.isfinite(angle[fast]).any():
+        best = fast[int(np.nanargmin(np.abs(angle[fast])))]
+    else:
+        best = fast[int(np.argmax(np.nan_to_num(speed[fast])))] if speed is not None else fast[0]
+    return float(cg[rows[0]]), float(cp[best])
 
 
 def _coast(values: StoredColumns, branch: "Element") -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:

@@ -7,6 +7,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plan import STAGED_TAG
 from fieldkit.flight.recovery import (
     DEVICES,
+    MAX_STABILITY,
     STABILITY,
     check_recovery,
     device_of,
@@ -56,8 +57,17 @@ def completed(
             rail_angle=settings.rail_angle,
             site_elevation=elevations[plan.site],
         )
-        found.append(_with_recovery(plan, own))
+        found.append(_with_margin(_with_recovery(plan, own), rocket))
     return found
+
+
+def _with_margin(plan: Flight, rocket: Rocket) -> Flight:
+    """A plan with the static margin of its design, unless it has its own; one that is not above zero counts as the
+    least that can be stored."""
+    design = rocket.design(plan.config)
+    if design is None or design.margin is None or recovery_column(plan, STABILITY):
+        return plan
+    return plan.with_changes(extra={**plan.extra, STABILITY: f"{max(design.margin, 1 / MAX_STABILITY):.2f}"})
 
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:

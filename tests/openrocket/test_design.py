@@ -227,8 +227,40 @@ BALANCED = """<simulations><simulation status="{status}"><name>Sim 1</name><flig
 <databranch name="Stage" types="Time,Total velocity,CG location,CP location,Mass">
 <event time="0.2" type="launchrod"/><datapoint>0,0,0.45,NaN,0.5</datapoint>
 <datapoint>0.1,3,0.45,0.40,0.5</datapoint><datapoint>0.2,9,0.449,NaN,0.5</datapoint>
-<datapoint>0.3,14,0.448,{cp},0.5</datapoint><datapoint>1,40,0.44,0.58,0.5</datapoint>
+<datapoint>0.3,14,0.448,{cp},0.5</datapoint><datapoint>1,40,0.44,{cp},0.5</datapoint>
 </databranch></flightdata></simulation></simulations>"""
+
+
+def test_a_nose_of_automatic_radius_has_that_of_its_tube() -> None:
+    """Version 15.03 and older store `auto` without a value; the tip of the nose is no neighbor of its base."""
+    stated, automatic = (
+        read_design(design().replace("<aftradius>0.033<", f"<aftradius>{text}<").encode(), "a.ork")
+        for text in ("0.033", "auto")
+    )
+    assert automatic.dry_mass == pytest.approx(stated.dry_mass)
+
+
+def test_the_margin_is_that_of_the_center_of_pressure_at_small_angles() -> None:
+    """As the rocket leaves the rod in wind, its center of pressure is far ahead of that at small angles."""
+    rows = "0.3,14,0.448,0.47,0.5,0.3", "0.6,40,0.446,0.56,0.5,0.04", "1.0,60,0.440,0.58,0.5,0.01", "2,5,0.43,0.3,0.5,0"
+    points = "".join(f"<datapoint>{row}</datapoint>" for row in ("0,0,0.45,NaN,0.5,NaN", *rows))
+    types = "Time,Total velocity,CG location,CP location,Mass,Angle of attack"
+    stored = f"""<simulations><simulation status="uptodate"><name>Sim 1</name><flightdata maxaltitude="240">
+<databranch name="Stage" types="{types}"><event time="0.2" type="launchrod"/>{points}</databranch></flightdata>
+</simulation></simulations>"""
+    found = read_design(design(rest=stored).encode(), "skylark.ork").start("Skylark", "A", "skylark.ork")
+    assert (found.cg, found.cp) == (0.448, 0.58)
+    assert found.margin == pytest.approx(2.0)
+
+
+def test_a_stored_margin_below_one_caliber_is_a_caution_of_every_plan(tmp_path: Path, run: Run) -> None:
+    file = tmp_path / "skylark.ork"
+    file.write_text(design(rest=BALANCED.format(status="uptodate", cp=0.50)))
+    run("ork", file)
+    (made,) = run("predict", "--rocket", "Skylark", "--motor", "F24-4W", "--json").document["predictions"]
+    (line,) = [one for one in made["safety"] if one["check"] == "stability"]
+    assert line["verdict"] == "caution"
+    assert line["text"].startswith("0.79 calibers") or line["text"].startswith("0.8 calibers")
 
 
 def test_the_centers_of_gravity_and_pressure_are_those_at_rod_exit() -> None:
@@ -238,8 +270,9 @@ def test_the_centers_of_gravity_and_pressure_are_those_at_rod_exit() -> None:
 
     assert (start("uptodate", 0.58).cg, start("uptodate", 0.58).cp) == (0.448, 0.58)
     assert start("uptodate", 0.58).margin == pytest.approx((0.58 - 0.448) / 0.066)
-    assert start("uptodate", 1.2).margin is None, "beyond the rocket, whose length is 0.8 m"
-    assert start("outdated", 0.58).margin is None, "of another design"
+    of_its_parts = start("outdated", 0.58)  # of another design
+    assert of_its_parts.cp not in (None, 0.58)
+    assert start("uptodate", 1.2) == of_its_parts, "beyond the rocket, whose length is 0.8 m"
 
 
 def test_a_rocket_starts_from_its_design_until_it_has_flown(tmp_path: Path) -> None:
