@@ -16,7 +16,7 @@ QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "
     "J": "energy"
 }
 """The quantity of a unit that is shown with SI."""
-ROUNDED, FINE, PER_WIND = "rounded", "fine", "per wind"
+ROUNDED_STYLE, FINE_STYLE, PER_WIND_STYLE = "rounded", "fine", "per wind"
 """Styles of amounts: with significant digits; with one decimal in every unit; a drift for each unit of wind [s]."""
 _BEGIN, _NEXT, _END = "\ue000", "\ue001", "\ue002"
 _MARKED = re.compile(f"{_BEGIN}([^{_END}]*){_END}")
@@ -35,8 +35,8 @@ class HasUnit(Protocol):
 class Amount:
     """An amount in a message: one value or two ends of a range [SI], the unit that is shown with SI, and its style.
 
-    `text` is the amount with its unit in SI. The style is a number of decimals, `ROUNDED` with a number of significant
-    digits, `FINE`, `PER_WIND`, or the standard deviation after `±`, in SI.
+    `text` is the amount with its unit in SI. The style is a number of decimals, `ROUNDED_STYLE` with a number of significant
+    digits, `FINE_STYLE`, `PER_WIND_STYLE`, or the standard deviation after `±`, in SI.
     """
 
     text: str
@@ -96,12 +96,12 @@ def of_unit(value: float, unit: str, to: float | None = None, digits: int = 4, s
     """A marked value [SI], or a range, with significant digits in a unit of SI, or one with another scale."""
     values, scale = (value,) if to is None else (value, to), scale or units.Unit(1.0)
     text = with_unit(" to ".join(rounded(scale.from_si(one), digits) for one in values), unit)
-    return _mark(Amount(text, values, unit, f"{ROUNDED} {digits}"))
+    return _mark(Amount(text, values, unit, f"{ROUNDED_STYLE} {digits}"))
 
 
 def fine(value: float, unit: str) -> str:
     """A marked length [m] with one decimal in every unit: `1.0 m`."""
-    return _mark(Amount(with_unit(f"{value:.1f}", unit), (value,), unit, FINE))
+    return _mark(Amount(with_unit(f"{value:.1f}", unit), (value,), unit, FINE_STYLE))
 
 
 def estimate(value: float, sd: float, unit: str) -> str:
@@ -114,7 +114,7 @@ def estimate(value: float, sd: float, unit: str) -> str:
 
 def per_wind(seconds: float) -> str:
     """A marked drift per unit of wind [s]: `103 m per m/s of wind` or `151 ft per mph of wind`."""
-    return _mark(Amount(f"{seconds:.0f} m per m/s of wind", (seconds,), "m", PER_WIND))
+    return _mark(Amount(f"{seconds:.0f} m per m/s of wind", (seconds,), "m", PER_WIND_STYLE))
 
 
 def _mark(one: Amount) -> str:

@@ -6,7 +6,17 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.flight import Column
-from fieldkit.messages import FINE, PER_WIND, QUANTITY, ROUNDED, Amount, TextWithAmounts, estimate, marked, message
+from fieldkit.messages import (
+    FINE_STYLE,
+    PER_WIND_STYLE,
+    QUANTITY,
+    ROUNDED_STYLE,
+    Amount,
+    TextWithAmounts,
+    estimate,
+    marked,
+    message,
+)
 from fieldkit.spelled_units import rounded as rounded
 from fieldkit.spelled_units import spelled as spelled
 from fieldkit.spelled_units import with_sd as with_sd
@@ -108,14 +118,14 @@ def _written(one: Amount, system: str) -> str:
     grams = {"kg": "g"}.get(one.unit, one.unit)
     if grams not in SYSTEMS[system]:
         return one.text
-    if one.style == PER_WIND:
+    if one.style == PER_WIND_STYLE:
         return ShownUnits(system).per_wind(one.values[0])
     unit = SYSTEMS[system][grams]
     scale = units.unit(_QUANTITY[grams], unit.replace(" ", ""))
-    if one.style == FINE:
+    if one.style == FINE_STYLE:
         return with_unit(f"{scale.from_si(one.values[0]):.1f}", unit)
-    if one.style.startswith(ROUNDED):
-        digits = int(one.style.removeprefix(ROUNDED))
+    if one.style.startswith(ROUNDED_STYLE):
+        digits = int(one.style.removeprefix(ROUNDED_STYLE))
         return with_unit(" to ".join(rounded(scale.from_si(value), digits) for value in one.values), unit)
     *low, high = (written(value, one.unit, system, int(one.style)) for value in one.values)
     return " to ".join([*(end.split()[0] for end in low), high])

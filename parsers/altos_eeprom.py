@@ -103,10 +103,10 @@ def _settings(log: bytes) -> tuple[str, int]:
     """The text above the first record, and the row of that record: the first of two in a row, because a setting may
     look like one."""
     lines = [line for _, block in blocks(log[:LARGEST_SETTINGS]) for line in block]
-    alike = [row for row, line in enumerate(lines, start=1) if HEX.match(line) or OLD_RECORD.match(line)]
-    if not alike:
+    records = [row for row, line in enumerate(lines, start=1) if HEX.match(line) or OLD_RECORD.match(line)]
+    if not records:
         raise DamagedLog("found no records, expected lines of hex bytes below the settings", row=len(lines) or 1)
-    row = next((one for one, other in pairwise(alike) if other == one + 1), alike[0])
+    row = next((one for one, other in pairwise(records) if other == one + 1), records[0])
     return "\n".join(lines[: row - 1]), row
 
 

@@ -24,7 +24,7 @@ SHOWN = re.compile(r"<text[^>]*>([^<]*)</text>")
         ("fieldkit/cli/motors.py", "Highest total impulse of a motor, in N s."),
         ("fieldkit/tui/loop/loop_page.py", "Accept"),
         ("models/effects/wear.py", "wear"),
-        ("fieldkit/services/sites.py", "{...}, {...}: found {...} m, expected 0 to {...} m"),
+        ("fieldkit/services/sites.py", "{...}, {...}: found {...}, expected {...}"),
     ],
 )
 def test_help_screens_and_refusals_are_listed(file: str, text: str) -> None:

@@ -44,7 +44,7 @@ _BEGIN_MARGIN, _END_MARGIN = 0.12, 0.15
 apogee or ejection it ends. [s]"""
 _DRAGS = (2e-4, 1e-2)
 """Range of b in which a fit starts: rockets from 40 kg and 150 mm to 0.05 kg and 40 mm. [1/m]"""
-_SLOWEST, _SLOWEST_PART = 5.0, 0.2
+_MIN_SPEED, _MIN_SPEED_FRACTION = 5.0, 0.2
 """Speed at which a coast ends [m/s], also as a fraction of its first speed [1]: drag is then a sixteenth of what it was
 at first, below the errors of every sensor, and the direction of the path is unknown."""
 _SLOW_SD, _SLOW_LENGTH = 0.15, 0.7
@@ -89,9 +89,9 @@ _OUTLIER = 4.0
 """Standard deviations beyond which an interval's residual gets a larger variance. [1]"""
 _OUTLIER_ROUNDS = 3
 """Rounds in which outliers are found: large ones hide smaller ones. [1]"""
-_ROUNDS, _SETTLED = 12, 1e-3
+_ROUNDS, _TOLERANCE = 12, 1e-3
 """Most rounds of linearization, and the largest relative change of b that ends them. [1]"""
-_NEGLIGIBLE, _MOST_KEPT = 0.05, 4
+_MIN_WEIGHT, _MOST_KEPT = 0.05, 4
 """Smallest weight, and number, of the noise settings that are kept. [1]"""
 _VAGUE_SD = 1.0
 """Standard deviation of the level of b relative to the reference while the noise settings are weighed. [1]"""
@@ -282,8 +282,8 @@ def _speeds(
     speeds = float(np.polyfit(step * last, height[last], 1)[0]) + gained - gained[middle]
     first = int(place[there][0])
     climbed = float(height[last[-1]] - height[first])
-    alike = SCALES[0] < climbed / max(step * float(speeds[first : last[-1]].sum()), 1.0) < SCALES[1]
-    return np.asarray(speeds) if alike and speeds[0] > _SLOWEST else None
+    consistent = SCALES[0] < climbed / max(step * float(speeds[first : last[-1]].sum()), 1.0) < SCALES[1]
+    return np.asarray(speeds) if consistent and speeds[0] > _MIN_SPEED else None
 
 
 def _first(time: Float[Array, "time"], height: Float[Array, "time"]) -> tuple[float, float, float]:
@@ -329,7 +329,7 @@ def _means(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Linear:
+class _LinearGaussian:
     """Residuals of the observations, and their derivatives with respect to relative drag and to the path's start."""
 
     left: Float[Array, "row"]
@@ -341,7 +341,7 @@ class _Linear:
     relative: Float[Array, "interval"]
 
 
-def _linearized(coast: _Coast, reference: float, relative: Array, start: Array) -> _Linear:
+def _linearized(coast: _Coast, reference: float, relative: Array, start: Array) -> _LinearGaussian:
     """The path with a relative drag from a start (height, speed), by the midpoint rule, and its derivatives.
 
     Derivation: the variation of the equations of motion, with the change of density neglected.
@@ -376,7 +376,7 @@ def _linearized(coast: _Coast, reference: float, relative: Array, start: Array) 
         rows.append([felt, np.stack([np.zeros(count), slows[:, count]], axis=-1)])
         left.append(coast.felt + drag)
     by_drag, by_start = (np.concatenate(part) for part in zip(*rows, strict=True))
-    return _Linear(np.concatenate(left), by_drag, by_start, middle, level, drag, relative)
+    return _LinearGaussian(np.concatenate(left), by_drag, by_start, middle, level, drag, relative)
 
 
 def _profile(coast: _Coast, lift: float) -> DragProfile | None:
@@ -395,10 +395,10 @@ def _profile(coast: _Coast, lift: float) -> DragProfile | None:
         if not 0.05 < level < 20:
             return None
         reference, relative = reference * level, relative / level
-        if np.abs(relative - before / level).max() < _SETTLED * 10 and abs(level - 1) < _SETTLED:
+        if np.abs(relative - before / level).max() < _TOLERANCE * 10 and abs(level - 1) < _TOLERANCE:
             break
     linear = _linearized(coast, reference, relative, start)
-    fast = linear.speed > max(_SLOWEST, _SLOWEST_PART * float(linear.speed[0]))
+    fast = linear.speed > max(_MIN_SPEED, _MIN_SPEED_FRACTION * float(linear.speed[0]))
     slow = int(np.argmin(fast)) if not fast.all() else fast.size
     if slow < _MIN_INTERVALS or linear.speed[0] < _MIN_SPEED_RATIO * linear.speed[slow - 1]:
         return None
@@ -412,7 +412,7 @@ def _profile(coast: _Coast, lift: float) -> DragProfile | None:
     found = [every.likelihood(relative, *setting) for setting in every.settings]
     weight = np.array([one.log_weight for one in found])
     weight = np.exp(weight - np.logaddexp.reduce(weight))
-    kept = [int(row) for row in np.argsort(-weight)[:_MOST_KEPT] if weight[row] > _NEGLIGIBLE]
+    kept = [int(row) for row in np.argsort(-weight)[:_MOST_KEPT] if weight[row] > _MIN_WEIGHT]
     total = float(weight[kept].sum())
     likelihoods = tuple(replace(found[row], log_weight=float(np.log(weight[row] / total))) for row in kept)
     time = coast.middles - lift
@@ -422,15 +422,15 @@ def _profile(coast: _Coast, lift: float) -> DragProfile | None:
 class _Covariances:
     """Covariances of the observations of a coast about its path, by their causes."""
 
-    def __init__(self, coast: _Coast, linear: _Linear, seen: Flags, outlying: Array | float) -> None:
+    def __init__(self, coast: _Coast, linear: _LinearGaussian, seen: Flags, outlying: Array | float) -> None:
         self._coast, self._linear, self._seen = coast, linear, seen
         count, both = coast.height.size, coast.felt is not None
         self._count = count
         time, speed = coast.middles, np.maximum(np.abs(linear.speed), 1.0)
-        apart = np.abs(time[:, None] - time)
-        self._ram_shape = np.exp(-apart / _RAM_TIME)
-        self._fast_shape = np.exp(-apart / _FAST_TIME)
-        self._drift = (_DRIFT_SD if coast.weighs else _DERIVED_DRIFT_SD) ** 2 * np.exp(-apart / _DRIFT_TIME)
+        distance = np.abs(time[:, None] - time)
+        self._ram_shape = np.exp(-distance / _RAM_TIME)
+        self._fast_shape = np.exp(-distance / _FAST_TIME)
+        self._drift = (_DRIFT_SD if coast.weighs else _DERIVED_DRIFT_SD) ** 2 * np.exp(-distance / _DRIFT_TIME)
         self._dynamic = linear.speed**2 / (2 * GRAVITY)
         slowed = np.minimum((speed[0] / speed) ** 2, _MOST_SLOWED)
         logs = np.log(speed)
@@ -440,7 +440,7 @@ class _Covariances:
         slow -= slow.mean(axis=1)[:, None]
         slow += np.outer(tilt, tilt)
         self._ramps = [ramp_matrix(count, lasts / coast.step) for lasts in SWITCH_TIMES]
-        near = np.exp(-apart / _OWN_TIME)
+        near = np.exp(-distance / _OWN_TIME)
         own = near @ linear.relative / near.sum(axis=-1)
         self._slow, self._own = slow, np.outer(own, own)
         own = [coast.height_variance, coast.felt_variance] if both else [coast.height_variance]
@@ -545,8 +545,8 @@ def step_sums(
 
 def ramp_matrix(count: int, width: float) -> Float[Array, "interval interval"]:
     """The matrix that averages values of intervals over a width, in intervals. [1]"""
-    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
-    weight = np.clip((max(width, 1.0) + 1) / 2 - apart, 0.0, 1.0)
+    distance = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    weight = np.clip((max(width, 1.0) + 1) / 2 - distance, 0.0, 1.0)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 

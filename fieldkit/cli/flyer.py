@@ -1,7 +1,7 @@
 """`fieldkit flyer`: the flyer's card, from which planning starts."""
 
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,9 +10,7 @@ from fieldkit.cli.planning import check_rules
 from fieldkit.cli.screen import AsJson, complain, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
 from fieldkit.quantities import ShownUnits
-
-if TYPE_CHECKING:
-    from fieldkit.settings import Settings
+from fieldkit.settings import BIRTH, CERTIFICATIONS, Settings, change_settings, read_settings
 
 app = typer.Typer()
 NOT_GIVEN = "not given"
@@ -34,8 +32,6 @@ def flyer(
     Safety checks use certification and age, plans the rules and the longest rail, and `motors --fit ROCKET --box` lists
     only motors in the box.
     """
-    from fieldkit.settings import BIRTH, CERTIFICATIONS, change_settings, read_settings
-
     if (motor is None) != (count is None):
         raise typer.BadParameter("found --motor or --count alone, expected both: --motor C6-5 --count 3")
     now = read_settings()
@@ -66,7 +62,7 @@ def flyer(
     _print(now)
 
 
-def _print(settings: "Settings") -> None:
+def _print(settings: Settings) -> None:
     card, shown = settings.flyer, ShownUnits(system())
     level = {None: NOT_GIVEN, 0: "none"}.get(card.certification, f"level {card.certification}")
     age = card.age()

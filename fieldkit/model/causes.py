@@ -26,14 +26,14 @@ MISREAD_LOG_SD = 1.2
 """The same for an error of a readout: from one digit to feet for meters. [1]"""
 OTHER_MOTOR_SD = 0.35
 """Standard deviation of the log impulse, and of the log burn time, of a motor other than the one recorded. [1]"""
-DEGREES_OF_TILT = 5.0
+DEGREES_OF_LAUNCH_ANGLE = 5.0
 """Launch angle of one unit of `tilt`, which is its square. [deg]"""
 EJECT_ERROR = 5.0
 """Error of a misread time to ejection, relative to the log ratio of any other readout. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Cause:
+class CauseKind:
     """A way in which one flight may differ from its rocket.
 
     `prevalence` is the prior probability for one flight [1], `median` the typical strength, and `tag` marks such a
@@ -52,23 +52,23 @@ class Cause:
         return float(np.exp(strength)) if " over " in self.unit else strength
 
 
-CAUSES: Mapping[str, Cause] = MappingProxyType(
+CAUSES: Mapping[str, CauseKind] = MappingProxyType(
     {
-        "weak_motor": Cause("a weak motor", 0.02, 0.1, "impulse over the motor's", "weak_launch"),
-        "other_motor": Cause("another motor", 0.005, 0.0, "impulse over the motor's", "weak_launch"),
-        "extra_drag": Cause("extra drag", 0.02, 0.5, "drag over the rocket's", "extra_drag"),
-        "arc": Cause("an arc", 0.025, 25.0, "deg from vertical", "off_axis"),
-        "early_ejection": Cause("an early ejection", 0.01, 0.0, "s before apogee", "early_ejection"),
-        "late_ejection": Cause("a late ejection", 0.005, 1.5, "s late"),
-        "mass": Cause("another mass", 0.005, 0.15, "mass over that recorded"),
-        "misread": Cause("a misread readout", 0.01, 0.3, "shown over expected", "altimeter_fault"),
+        "weak_motor": CauseKind("a weak motor", 0.02, 0.1, "impulse over the motor's", "weak_launch"),
+        "other_motor": CauseKind("another motor", 0.005, 0.0, "impulse over the motor's", "weak_launch"),
+        "extra_drag": CauseKind("extra drag", 0.02, 0.5, "drag over the rocket's", "extra_drag"),
+        "arc": CauseKind("an arc", 0.025, 25.0, "deg from vertical", "off_axis"),
+        "early_ejection": CauseKind("an early ejection", 0.01, 0.0, "s before apogee", "early_ejection"),
+        "late_ejection": CauseKind("a late ejection", 0.005, 1.5, "s late"),
+        "mass": CauseKind("another mass", 0.005, 0.15, "mass over that recorded"),
+        "misread": CauseKind("a misread readout", 0.01, 0.3, "shown over expected", "altimeter_fault"),
     }
 )
 """Every cause of a single flight by name. Certified motors of one type differ by up to 6.7% (NFPA 1125), so a weak one
 has lost more; a fin or a streamer adds half of the drag or more; a rocket that turns into the wind or leaves the rail
 slowly is often far from vertical."""
 NAMES = tuple(CAUSES)
-NORMAL = 1.0 - sum(cause.prevalence for cause in CAUSES.values())
+USUAL_PROBABILITY = 1.0 - sum(cause.prevalence for cause in CAUSES.values())
 """Prior probability that a flight has none. [1]"""
 _STEPS = np.linspace(-1.75, 2.25, 9)
 """Log strengths on a grid, in standard deviations around the median."""
@@ -98,8 +98,8 @@ class Signatures:
 def signatures(
     model: Model, at: Float[Array, "term"], values: Float[Array, "flight readout"], seen: Flags
 ) -> Signatures:
-    """The signatures of all causes at a point of a model's terms, where its readouts as compared are `values`; `seen`
-    marks the readouts that flights have.
+    """The signatures of all causes at a point of a model's terms, where its readouts as compared are `values` [1] or
+    [s]; `seen` marks the readouts that flights have. Terms are in their units.
 
     Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
     cannot be read.
@@ -125,7 +125,7 @@ def _simulated(model: Model, at: Float[Array, "term"], values: Float[Array, "fli
     rows: list[tuple[str, Array, dict[str, Array], Array]] = [
         ("weak_motor", -weak, {"thrust": -weak}, usual),
         ("extra_drag", drag, {"drag": drag}, usual),
-        ("arc", arc, {"tilt": (arc / DEGREES_OF_TILT) ** 2}, usual),
+        ("arc", arc, {"tilt": (arc / DEGREES_OF_LAUNCH_ANGLE) ** 2}, usual),
         *(("mass", side * mass, {"mass": side * mass}, usual) for side in (1, -1)),
     ]
     for stretch in _BURNS.tolist():

@@ -27,8 +27,11 @@ SEARCH_GRID = (0.15, 1.0)
 
 @cache
 def power(quantity: str, level: str) -> float:
-    """The power of the scale that multiplies the standard deviation of one random effect; 0 if documents do not tell
-    it, as the drag of a rocket. [1]"""
+    """The power of the scale that multiplies the standard deviation of one random effect; 0 if documents do not
+    state it, as the drag of a rocket. [1]
+
+    Derivation: the scale to this power takes `START` to `CERTIFIED_PRIOR`.
+    """
     start, exact = START.sd(quantity, level), CERTIFIED_PRIOR.sd(quantity, level)
     if not start or level not in LEVELS_OF_DOCUMENTS or (quantity == "drag" and level != "config"):
         return 0.0

@@ -52,7 +52,7 @@ class Effect:
     effect is strongly nonlinear. `explains` describes it to a flyer; `tell_apart` says what to fly or record to confirm
     it. `measured` is the standard deviation of the fitted value from a measurement on the ground, 0 if there is none.
     An effect with `needs_delay` acts only on motors with a delay. `quantity` is the quantity of the model to whose
-    logarithm the strength adds, and `shared_by` the groups of flights of several rockets on which it may do so alike;
+    logarithm the strength adds, and `shared_by` the groups of flights of several rockets on which it may act equally;
     empty for an effect of one rocket.
     """
 

@@ -1,7 +1,7 @@
 """Distributions as three numbers: 5, 50 and 95%.
 
 Some figures have no value in some draws, such as the duration of a flight that never leaves the pad; the quantiles of a
-figure without a value in any draw are None, so that whoever shows them has to decide what to say instead.
+figure without a value in any draw are None, so that a caller that shows them has to decide what to print instead.
 """
 
 import numpy as np

@@ -11,13 +11,17 @@ from fieldkit.quantities import percent
 
 CLEAR = 1.5
 """A readout departs clearly from this many standard deviations on. [1]"""
-LIKELY = 0.5
+MIN_LIKELY_FRACTION = 0.5
 """A cause is called the most likely from this fraction of the probability of all causes on. [1]"""
 MAX_CAUSES = 3
 """Maximum number of causes to list. [1]"""
 WORTH_SAYING = 0.2
 """Probability of being a one-off from which a flight that is not singled out gets more than its miss. [1]"""
-LONGER = {"burn_time": ("long", "short"), "coast_to_apogee": ("long", "short"), "apogee_to_eject": ("late", "early")}
+MORE_OR_LESS = {
+    "burn_time": ("long", "short"),
+    "coast_to_apogee": ("long", "short"),
+    "apogee_to_eject": ("late", "early"),
+}
 """Readouts in seconds, and the words for more and for less."""
 
 
@@ -45,14 +49,14 @@ def _flew(one: FlightBesideOthers) -> str:
 
 
 def _cause(one: FlightBesideOthers) -> str:
-    """The most likely cause with what speaks for it, or the possible ones with what would tell them apart."""
+    """The most likely cause with what speaks for it, or the possible ones with what would distinguish them."""
     first = one.causes[0]
     shown = ", ".join(_signs(one))
-    if first.probability >= LIKELY * one.probability:
+    if first.probability >= MIN_LIKELY_FRACTION * one.probability:
         return f"Most likely {_named(one, first)} ({percent(first.probability)})" + (f": {shown}" if shown else "")
     several = f"Possible: {_listed(one.causes)}"
     if set(one.departures) == {"apogee"}:
-        return f"{several}; the apogee alone does not tell, top speed and coast time would"
+        return f"{several}; the apogee alone does not decide, top speed and coast time would"
     return f"{several}: {shown}" if shown else several
 
 
@@ -81,12 +85,12 @@ def _signs(one: FlightBesideOthers) -> Iterator[str]:
             if name in ("top_speed", "coast_to_apogee"):
                 yield f"{title} as usual"
             continue
-        more, less = LONGER.get(name, ("high", "low"))
+        more, less = MORE_OR_LESS.get(name, ("high", "low"))
         word = more if miss > 0 else less
         value = one.flight.number(name)
         if name == "apogee_to_eject":
             yield f"{title} {abs(miss):.1f} s {word}"
-        elif name in LONGER and value is not None:
+        elif name in MORE_OR_LESS and value is not None:
             yield f"{title} {abs(value * expm1(-miss)):.1f} s {word}"
         else:
             yield f"{title} {abs(expm1(miss)):.0%} {word}"

@@ -49,7 +49,7 @@ _ANOTHER_PROBABILITY = 0.2
 """Probability that a flight with steps has one more. [1]"""
 _LEAST_SHOWN = 0.05
 """Smallest probability of steps that are reported. [1]"""
-_SHOWN = 40
+_MAX_STEPS_SHOWN = 40
 """Number of the most probable pairs of times that are averaged for drag along the coast. [1]"""
 
 
@@ -309,7 +309,7 @@ def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: t
         means.append(given.given(np.full(count, level)))
         variances.append(given.variance)
         weights.append((1 - member) * plain)
-        for row in np.argsort(-by_step)[:_SHOWN].tolist():
+        for row in np.argsort(-by_step)[:_MAX_STEPS_SHOWN].tolist():
             shape = one.ramp @ _shape(fine, row, count)
             means.append(given.given(level * (1 + amplitude[row] * shape)))
             variances.append(given.variance + (level * shape * spread) ** 2 / precision[row])
@@ -379,11 +379,11 @@ def _found(
         offset = spent[steps.last] - spent[steps.first]
         free = np.concatenate(([0.0], np.cumsum(taken != 0)))
         margin = max(1, round(_SHORTEST / profile.length))
-        apart = free[np.minimum(steps.last + margin, count)] == free[np.maximum(steps.first - margin, 0)]
+        separate = free[np.minimum(steps.last + margin, count)] == free[np.maximum(steps.first - margin, 0)]
         linear = level * one.pushed - level**2 * (one.joint + offset)
         precision = level**2 * one.both * spread**2 + 1
         gain = 0.5 * ((linear * spread + size / spread) ** 2 / precision - (size / spread) ** 2 - np.log(precision))
-        gain = np.where(apart, gain + steps.log_prior, -np.inf)
+        gain = np.where(separate, gain + steps.log_prior, -np.inf)
         odds = float(np.logaddexp.reduce(gain)) + np.log(_ANOTHER_PROBABILITY / (1 - _ANOTHER_PROBABILITY))
         if not odds > 0:
             break

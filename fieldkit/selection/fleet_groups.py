@@ -66,7 +66,8 @@ class SharedDifference:
         return tuple(TermName(quantity, "difference", group) for quantity in self.quantities)
 
     def terms(self, rocket: str, width: float = PRIOR_WIDTHS[-1]) -> tuple[Term, ...]:
-        """Its terms in the model of a rocket, with one of `PRIOR_WIDTHS`; none if it does not concern it."""
+        """Its terms in the model of a rocket, with one of `PRIOR_WIDTHS` [1]; none if it does not
+        concern it."""
         weight = self.members.get(rocket)
         if weight is None or not weight.any():
             return ()

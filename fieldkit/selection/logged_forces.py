@@ -33,7 +33,7 @@ _LEAST_THRUST = 0.3
 """Least certified thrust, as a fraction of its mean, beside which measured thrust is shown. [1]"""
 _GAIN_SD, _DRAG_SD = 0.02, 0.1
 """Relative errors of an accelerometer's gain and of the drag during a burn. [1]"""
-_EARLIEST, _LATEST = 0.05, 0.1
+_BEFORE_BURN, _AFTER_BURN = 0.05, 0.1
 """Time after lift-off and before the end of the certified thrust that is left out: rail and fading thrust. [s]"""
 NO_DRAG = "its log does not show the drag of the coast"
 _LEAST_EXPOSURE = 0.02
@@ -115,8 +115,8 @@ def thrust_profile(measured: Recorded, rocket: RocketInputs) -> ThrustProfile | 
     track, motor = beside.track, rocket.motor
     full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass
     least = _LEAST_THRUST * motor.total_impulse / motor.thrust_end / full
-    last = motor.thrust_end - _LATEST
-    used = (beside.thrust > least) & (track.time_from_liftoff > _EARLIEST) & (track.time_from_liftoff < last)
+    last = motor.thrust_end - _AFTER_BURN
+    used = (beside.thrust > least) & (track.time_from_liftoff > _BEFORE_BURN) & (track.time_from_liftoff < last)
     rows = np.flatnonzero(used)
     if rows.size < _THRUST_POINTS:
         return None

@@ -31,8 +31,8 @@ MAX_RESIDUAL = 2.5
 """Larger residuals count as this, because single flights may differ from the rest. [1]"""
 UNLISTED = 0.05
 """Prior probability that something acts which nothing of the search describes, a round judgment. [1]"""
-FITTING_P = 0.05
-"""p-value from which nothing is said to be left. [1]"""
+MIN_P = 0.05
+"""p-value from which nothing counts as left. [1]"""
 MIN_CHECKED = 0.05
 """Minimum probability of a hypothesis that is checked. [1]"""
 SEED = 23
@@ -78,7 +78,7 @@ def model_check(posterior: SetPosterior) -> ModelCheck:
     found = [(chance, fit_check(one.fit)) for chance, one in likely]
     p = sum(chance * one.p for chance, one in found) / sum(chance for chance, _ in found)
     best = found[0][1]
-    return ModelCheck(p, best.left if p < FITTING_P else None, best.pattern)
+    return ModelCheck(p, best.left if p < MIN_P else None, best.pattern)
 
 
 def fit_check(fit: Fit) -> ModelCheck:
@@ -101,7 +101,7 @@ def fit_check(fit: Fit) -> ModelCheck:
     clearness = (sizes[:, 0] - sizes[:, 1:].mean(axis=1)) / sizes[:, 1:].std(axis=1)
     vague = [pattern.vague for pattern in found]
     worst = found[int(np.lexsort((-clearness, vague, p[:, 0]))[0])]
-    return ModelCheck(total, worst.left if total < FITTING_P else None, worst.words)
+    return ModelCheck(total, worst.left if total < MIN_P else None, worst.words)
 
 
 def _residuals(fit: Fit) -> Float[Array, "history flight readout"]:

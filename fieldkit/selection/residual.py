@@ -23,7 +23,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 
 @dataclass(frozen=True, slots=True)
-class Pattern:
+class ColumnPattern:
     """Correlation of a readout's residuals with a column of the flights.
 
     `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups. `p_alone` is the
@@ -135,17 +135,17 @@ def fingerprint(trial: Trial) -> dict[str, float]:
     return {name: float(value) for name, value in zip(OBSERVED_READOUTS, shift, strict=True)}
 
 
-def patterns(diagnosis: Diagnosis) -> list[Pattern]:
+def patterns(diagnosis: Diagnosis) -> list[ColumnPattern]:
     """Correlations of every column with the apogee's residuals, the most informative first."""
     return _against(diagnosis, ("apogee",))
 
 
-def readout_patterns(diagnosis: Diagnosis) -> list[Pattern]:
+def readout_patterns(diagnosis: Diagnosis) -> list[ColumnPattern]:
     """Correlations of every column with the residuals of the other readouts, corrected for all tests together."""
     return _against(diagnosis, OBSERVED_READOUTS[1:])
 
 
-def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
+def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[ColumnPattern]:
     numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
     every = readout_residuals(diagnosis)
     found = [
@@ -155,7 +155,7 @@ def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
     ]
     corrected = holm([p for *_, p in found])
     rows = [
-        Pattern(against, statistic, p, alone, readout)
+        ColumnPattern(against, statistic, p, alone, readout)
         for (readout, against, statistic, alone), p in zip(found, corrected, strict=True)
     ]
     return sorted(rows, key=lambda row: (row.p, row.p_alone))

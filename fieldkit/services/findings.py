@@ -13,7 +13,7 @@ from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
 from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
 from fieldkit.selection.prior import UNEXPLAINED
-from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
+from fieldkit.selection.residual import ColumnPattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.selection.verdict import NAMING_PROBABILITY
@@ -79,8 +79,8 @@ class Findings:
     left_out: Compared
     forward: Compared
     ahead: Ahead
-    patterns: tuple[Pattern, ...]
-    readout_patterns: tuple[Pattern, ...]
+    patterns: tuple[ColumnPattern, ...]
+    readout_patterns: tuple[ColumnPattern, ...]
     spreads: tuple[ResidualDistribution, ...]
     fingerprints: tuple[tuple[Trial, tuple[FingerprintMark, ...]], ...]
     tests: tuple[Advice, ...]

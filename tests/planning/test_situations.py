@@ -20,8 +20,8 @@ def test_a_situation_has_the_right_verdict_for_the_right_reason(one: dict[str, s
     (made,) = json.loads(run("predict", *shlex.split(one["plan"]), "--json").out)["predictions"]
     found = [line for line in made["safety"] if line["check"] == one["check"]]
     assert [line["verdict"] for line in found] == [one["verdict"]], found
-    said = found[0]["text"] + found[0].get("rule", "")
-    assert one.get("says", "") in said, said
+    shown = found[0]["text"] + found[0].get("rule", "")
+    assert one.get("says", "") in shown, shown
 
 
 def test_every_situation_names_its_source_and_all_verdicts_occur() -> None:

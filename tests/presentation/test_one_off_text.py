@@ -1,4 +1,4 @@
-"""What flights beside the others of their rocket are said to be."""
+"""Flights compared with the others of their rocket, in words."""
 
 from math import log
 
@@ -26,16 +26,16 @@ def flight(
     )
 
 
-def test_a_likely_cause_is_said_with_what_speaks_for_it() -> None:
+def test_a_likely_cause_comes_with_its_evidence() -> None:
     one = flight(0.9, ("arc", 0.71), ("mass", 0.1), top_speed=(0.01, 0.05), coast_to_apogee=(log(5 / 5.9), 0.05))
     assert why(one) == ("Flight 8 flew 20% low. Most likely an arc (71%): top speed as usual, coast 0.9 s short.")
 
 
-def test_without_other_readouts_the_possible_causes_are_listed_with_what_would_tell() -> None:
+def test_without_other_readouts_the_possible_causes_are_listed_with_what_would_decide() -> None:
     one = flight(0.9, ("extra_drag", 0.31), ("weak_motor", 0.29), ("arc", 0.2), ("mass", 0.1))
     assert why(one) == (
         "Flight 8 flew 20% low. Possible: extra drag (31%), a weak motor (29%) or an arc (20%); "
-        "the apogee alone does not tell, top speed and coast time would."
+        "the apogee alone does not decide, top speed and coast time would."
     )
 
 

@@ -36,6 +36,7 @@ def found() -> PaperReport:
     return report()
 
 
+@pytest.mark.fast
 def test_the_published_parameters_give_the_published_apogees(flights: Reference) -> None:
     here = heights(flights, flights.published_cd, flights.published_alpha, paper.paper_burns())
     assert len(here) == 12

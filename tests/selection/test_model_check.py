@@ -12,7 +12,7 @@ from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import observe
 from fieldkit.physics.history import history_of
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.model_check import FITTING_P, UNLISTED, ModelCheck, fit_check
+from fieldkit.selection.model_check import MIN_P, UNLISTED, ModelCheck, fit_check
 from fieldkit.selection.verdict import NAMING_PROBABILITY, LoopVerdict, verdict_that_fits
 from fieldkit.shapes import Array
 from tests.seasons import season
@@ -37,7 +37,7 @@ def fitted(seed: int, bend: Callable[[Array], Array] = np.zeros_like, readout: s
 
 def test_right_models_are_rarely_rejected() -> None:
     p = np.array([fit_check(fitted(seed)).p for seed in range(12)])
-    assert (p < FITTING_P).mean() < 0.35
+    assert (p < MIN_P).mean() < 0.35
     assert np.median(p) > 0.15
 
 
@@ -51,13 +51,13 @@ def test_right_models_are_rarely_rejected() -> None:
 )
 def test_what_a_model_leaves_is_found_with_its_place(bend: Callable[[Array], Array], left: str) -> None:
     found = fit_check(fitted(3, bend, "coast_to_apogee"))
-    assert found.p < FITTING_P
+    assert found.p < MIN_P
     assert found.left == left
     assert "coast to apogee" in found.pattern
 
 
 def test_a_single_wild_flight_is_no_pattern() -> None:
-    assert fit_check(fitted(3, lambda order: -0.5 * (order == 7.0))).p > FITTING_P
+    assert fit_check(fitted(3, lambda order: -0.5 * (order == 7.0))).p > MIN_P
 
 
 def named(confidence: float) -> LoopVerdict:

@@ -19,6 +19,7 @@ from fieldkit.importing.reading import Note, Parsed
 from fieldkit.importing.tables.altos import sound
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, first_lines, is_cut, shown
+from fieldkit.quantities import counted
 from fieldkit.shapes import Int, Integers
 
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
@@ -145,7 +146,7 @@ def old_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash
             if record is not None:
                 records += record
             elif re.match(r"[A-Z] [0-9a-fA-F]", line):
-                expected = "two numbers" if layout.size == 8 else f"{layout.payload} bytes"
+                expected = "two numbers" if layout.size == 8 else counted(layout.payload, "byte")
                 damaged.add(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
     whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
     return Flash(settings, whole, tuple(damage(damaged, "records", log)))

@@ -53,7 +53,7 @@ class Budget:
         """Check the size that a sheet is about to have, on top of the sheets before. Raises DamagedLog."""
         if rows * columns + self._cells > MAX_CELLS:
             others = f" after {counted(self._cells, 'cell')} in other sheets" if self._cells else ""
-            size = f"{rows} rows of {columns} cells"
+            size = f"{counted(rows, 'row')} of {counted(columns, 'cell')}"
             raise DamagedLog(f"found {size} in a sheet{others}, expected at most {MAX_CELLS} cells")
 
     def finished(self, rows: int, columns: int) -> None:

@@ -20,7 +20,7 @@ from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.outlier_flights import readouts_used
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit, bounds_log_mass, flight_evidence, prior_precision
-from fieldkit.model.causes import NORMAL
+from fieldkit.model.causes import USUAL_PROBABILITY
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.simulated_readouts import shown
@@ -97,7 +97,7 @@ def _flown(
     terms, log_density = _drawn(fit, scales, rng, draws)
     likelihood, apogee = _log_likelihood(fit, scales, terms)
     if log_causes is not None:
-        likelihood = np.logaddexp(log(NORMAL) + likelihood, log_causes)
+        likelihood = np.logaddexp(log(USUAL_PROBABILITY) + likelihood, log_causes)
     return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1))
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve
-from fieldkit.model.causes import NAMES, NORMAL, Signatures, signatures
+from fieldkit.model.causes import NAMES, USUAL_PROBABILITY, Signatures, signatures
 from fieldkit.model.readout_data import Data
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -33,7 +33,7 @@ MAX_SCALES = 4
 """Number of pairs of scales that are kept for a flight. [1]"""
 LEAST_WEIGHT = 1e-3
 """Lowest weight of a flight in a fit. [1]"""
-CHANGED = 0.1
+CHANGE_PROBABILITY = 0.1
 """Prior probability that a rocket changes for good between two of its flights, a round judgment. [1]"""
 CHANGE_ROUNDS = 2
 """Updates of the weights of outliers in the fits before and after a change. [1]"""
@@ -117,7 +117,7 @@ def _log_mixture(weight: Float[Array, "flight"], log_causes: Float[Array, "fligh
     """What each flight adds to the lower bound of the log evidence of a mixture, beside its weighted log likelihood as
     a usual flight, from the log of prior probability times likelihood of all causes. [nat]"""
     rest = np.maximum(1 - weight, 1e-300)
-    usual = weight * (log(NORMAL) - np.log(weight))
+    usual = weight * (log(USUAL_PROBABILITY) - np.log(weight))
     return np.where(np.isfinite(log_causes), usual + rest * (log_causes - np.log(rest)), 0.0)
 
 
@@ -133,7 +133,7 @@ def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
         return found
     alone = [_log_evidence_of_two(fit, flown[:cut], flown[cut:]) for cut in cuts]
     cut = cuts[int(np.argmax(alone))]
-    odds = max(alone) + log(CHANGED / (len(flown) - 1)) - log(1 - CHANGED)
+    odds = max(alone) + log(CHANGE_PROBABILITY / (len(flown) - 1)) - log(1 - CHANGE_PROBABILITY)
     odds -= fit.log_evidence + found.log_mixture.sum()
     changed = float(1 / (1 + np.exp(-np.clip(odds, -500, 500))))
     end = slice(0, cut) if cut == leading else slice(cut, None)
@@ -240,7 +240,7 @@ def _probabilities(
         np.vstack([np.zeros(len(own)), part[possible, row][:, own]]) for part in (known.shift, known.spread)
     )
     log_joint = flight.log_likelihoods(shift, spread)
-    log_joint += np.concatenate([[np.log(NORMAL)], known.log_prior[possible, row]])
+    log_joint += np.concatenate([[np.log(USUAL_PROBABILITY)], known.log_prior[possible, row]])
     chance = np.exp(log_joint - np.logaddexp.reduce(log_joint))
     of = np.eye(len(NAMES))[known.cause[possible]]
     cause = chance[1:] @ of

@@ -197,7 +197,7 @@ def flight_evidence(
     log_det += density_constant(seen)
     if (
         data.normal is not None
-    ):  # the expected log likelihood: a flight that is none of the rocket's usual ones has none
+    ):  # the expected log likelihood: a flight that is not one of the rocket's usual ones adds nothing
         sharpness, log_det = sharpness * data.normal[:, None, None], log_det * data.normal
     return FlightEvidence(readouts, slope, miss, sharpness, log_det)
 
