@@ -35,8 +35,8 @@ class HasUnit(Protocol):
 class Amount:
     """An amount in a message: one value or two ends of a range [SI], the unit that is shown with SI, and its style.
 
-    `text` is the amount with its unit in SI. The style is a number of decimals, `ROUNDED_STYLE` with a number of significant
-    digits, `FINE_STYLE`, `PER_WIND_STYLE`, or the standard deviation after `±`, in SI.
+    `text` is the amount with its unit in SI. The style is a number of decimals, `ROUNDED_STYLE` with a number of
+    significant digits, `FINE_STYLE`, `PER_WIND_STYLE`, or the standard deviation after `±`, in SI.
     """
 
     text: str
