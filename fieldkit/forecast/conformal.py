@@ -14,6 +14,9 @@ MIN_FORECASTS_TO_CORRECT = 20
 """Minimum number of earlier forecasts for a correction: with fewer, the largest surprise would determine it. [1]"""
 LEVEL = 0.9
 """Nominal coverage of an interval. [1]"""
+MIN_FORECASTS_TO_NARROW = 100
+"""Minimum number of earlier forecasts for an interval to become narrower. Of fewer, the quantile that would narrow it
+has an error as large as the narrowing, and an interval that is too narrow costs more than one that is too wide. [1]"""
 MAX_STRETCH = 10.0
 """Largest factor: flights ten half intervals from the median are a fault in their records, and a larger factor would
 soon make an apogee infinite. [1]"""
@@ -36,12 +39,15 @@ def surprise(flown: float, interval: Sequence[float]) -> float:
 
 
 def stretch(surprises: Sequence[float]) -> float | None:
-    """The factor on the width of the next interval; None if there are too few flights. [1]"""
+    """The factor on the width of the next interval, at least 1 until `MIN_FORECASTS_TO_NARROW`; None if there are too
+    few flights. [1]"""
     count = len(surprises)
     if count < MIN_FORECASTS_TO_CORRECT:
         return None
     factor = sorted(surprises)[ceil((count + 1) * LEVEL) - 1]
-    return min(factor, MAX_STRETCH) if factor < float("inf") else None
+    if not factor < float("inf"):
+        return None
+    return min(factor if count >= MIN_FORECASTS_TO_NARROW else max(factor, 1.0), MAX_STRETCH)
 
 
 def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, float]:

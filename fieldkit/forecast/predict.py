@@ -17,6 +17,7 @@ from fieldkit.forecast.term_draws import term_draws
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
+from fieldkit.model.documents import with_documents
 from fieldkit.model.high_power import closer_to_designs
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
@@ -48,7 +49,7 @@ def forecast_model(
 ) -> Model:
     """The model for forecasting a rocket's next flight, by default with the learned hyperprior; arguments as in
     `rocket_model`. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel for a damaged card."""
-    return rocket_model(history, accepted, hyperprior or learned(), shared)
+    return rocket_model(history, accepted, with_documents(hyperprior or learned()), shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -176,7 +177,7 @@ def _drawn_with(
     flown_part = replace(part.part(slice(0, len(data.seen))).only(used), coarse=True)
     result = fit_robustly(flown_part, data, causes=True)
     part = replace(part, hyperprior=result.model.hyperprior)
-    own, scales = term_draws(part, used, result, draws, rng)
+    own, scales = term_draws(part, used, result, draws, rng, again=bool(flown))
     values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))
     values[:, terms] = own
     ends = np.array([term.mean for term in part.terms])

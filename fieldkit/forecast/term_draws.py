@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fieldkit.forecast.simulated_again import simulated_again
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.term_names import TermName
@@ -21,15 +22,23 @@ SINGLE_LEVELS = ("drift", "pattern")
 
 
 def term_draws(
-    model: Model, fitted: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
+    model: Model,
+    fitted: Sequence[int],
+    result: Fit,
+    draws: int,
+    rng: np.random.Generator,
+    *,
+    again: bool = False,
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 3"]]:
     """Draws of every term: terms that act on flown flights from their posterior, the others from their prior.
 
     Terms of a motor never flown are independent of the flights, so hundreds of motors do not slow down the fit. Terms
     of one kind, such as the thrust of each motor, use common random numbers: a motor gets the same draws among others
-    as alone.
+    as alone. With `again`, draws of the posterior are simulated again (`fieldkit.forecast.simulated_again`).
     """
     own, which = _sampled(result, draws, rng)
+    if again:
+        own, which = simulated_again(result, own, which)
     sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, fitted] = own

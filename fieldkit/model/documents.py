@@ -38,6 +38,11 @@ def power(quantity: str, level: str) -> float:
     return max(float(np.log(exact / start) / np.log(CERTIFIED_SCALE)), 0.0) if exact else 1.0
 
 
+def with_documents(hyperprior: Hyperprior) -> Hyperprior:
+    """A hyperprior of forecasts with the scale of documents unknown, at 1 until the fit has converged."""
+    return replace(hyperprior, documents=Scale((1.0,), 1.0, 1.0, half_cauchy=True))
+
+
 def _search_prior() -> Hyperprior:
     """The hyperprior of the search for effects: `START`, with the scale of documents unknown.
 

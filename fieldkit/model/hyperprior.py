@@ -101,6 +101,10 @@ class Hyperprior:
         """A copy with finer grids of `scatter` and `reading`, used to report a posterior once a fit has converged."""
         return replace(self, scatter=self.scatter.refined(), reading=self.reading.refined())
 
+    def with_refined_documents(self) -> "Hyperprior":
+        """A copy in which the scale of documents runs over its prior."""
+        return replace(self, documents=self.documents and self.documents.refined())
+
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
         """The scatter scale, reading scale and log prior weight of every point of the grid. [1], [1], [nat]"""
         scatter, reading, *_, log_prior = scale_grid(self.unknown_scales)
@@ -164,7 +168,7 @@ READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
 
 def _motors(median: float, log_sd: float) -> Scale:
     """The scale of the scatter of motors. One value during a fit, because a third grid would multiply its time."""
-    return Scale((median,), median, log_sd, ends=MOTOR_RANGE)
+    return Scale((median,), median, log_sd, ends=MOTOR_RANGE, points=4, half_cauchy=True)
 
 
 START = Hyperprior(
@@ -216,8 +220,8 @@ START = Hyperprior(
     fixed=(1.0, 0.3, 0.05, 0.5, 0.05, 0.5, 0.0, 0.0),
     ratio=(0.005, 0.05, 0.05, 0.15, 0.05, 0.0, 0.05, 0.03),
     unknown_area=0.2,
-    scatter=Scale(SCATTER_GRID, 1.0, 0.7),
-    reading=Scale(READING_GRID, 1.0, 0.7),
+    scatter=Scale(SCATTER_GRID, 1.0, 0.7, half_cauchy=True),
+    reading=Scale(READING_GRID, 1.0, 0.7, half_cauchy=True),
     motors=_motors(1.0, 0.7),
 )
 """The starting point of the fit: round figures chosen before any flight was seen. Cd is as in `CERTIFIED_PRIOR`. Motor
@@ -272,8 +276,12 @@ def read_card(text: str, name: str) -> Hyperprior:
             fixed=tuple(float(one["fixed"]) for one in noise),
             ratio=tuple(float(one["ratio"]) for one in noise),
             unknown_area=float(card["unknown_area"]),
-            scatter=Scale(SCATTER_GRID, float(card["scatter"]["median"]), float(card["scatter"]["log_sd"])),
-            reading=Scale(READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"])),
+            scatter=Scale(
+                SCATTER_GRID, float(card["scatter"]["median"]), float(card["scatter"]["log_sd"]), half_cauchy=True
+            ),
+            reading=Scale(
+                READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"]), half_cauchy=True
+            ),
             motors=_motors_of(card),
             opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
             tail=float(card["tail"]),

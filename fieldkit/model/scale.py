@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
-HALF_CAUCHY_GRID = np.geomspace(0.1, 2.2, 5)
+HALF_CAUCHY_GRID = np.geomspace(0.12, 2.5, 4)
 """A grid over the bulk of a half-Cauchy prior, relative to its median. [1]"""
 
 
@@ -64,13 +64,20 @@ class Scale:
         return np.asarray(-0.5 * (np.log(ratio) / self.log_sd) ** 2)
 
     @property
+    def _width(self) -> float:
+        return self.log_sd * sqrt(2)
+
+    @property
     def log_prior(self) -> Float[Array, "scale"]:
         """Log prior weight of each value of the grid, not normalized without a step. [nat]"""
         log_density = self.log_density
         if not self.step:
             return np.asarray(log_density)
-        low, high = np.log(np.array(self.range) / self.median) / (self.log_sd * sqrt(2))
-        inside = self.log_sd * sqrt(pi / 2) * (erf(high) - erf(low))
+        low, high = np.array(self.range) / self.median
+        if self.half_cauchy:
+            inside = float(np.arctan(high) - np.arctan(low))
+        else:
+            inside = self.log_sd * sqrt(pi / 2) * (erf(log(high) / self._width) - erf(log(low) / self._width))
         return np.asarray(log_density + log(self.step / inside))
 
 

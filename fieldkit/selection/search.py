@@ -106,7 +106,7 @@ def checked(
     """The posterior with the evidence of its probable hypotheses checked by the simulator.
 
     A hypothesis is probable if its log odds against the best are within `window` [nat]; the plain model is always
-    checked. The others get the smallest correction of the probable sets that share most effects with them. Corrections
+    checked. The others get the mean correction of the probable sets that share most effects with them. Corrections
     of improbable sets are not used: far from the flights the error of a linear fit may be tens of nats. Raises
     ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
     read.
@@ -141,9 +141,10 @@ def _likely(posterior: SetPosterior, window: float) -> list[tuple[Hypothesis, Fi
 
 
 def _borrowed(members: Members, lent: Mapping[Members, float]) -> float:
-    """The smallest correction of the checked sets that share the most effects with a set. [nat]"""
+    """The mean correction of the checked sets that share the most effects with a set. [nat]"""
     shared = {own: len(own & members) for own in lent}
-    return min(lent[own] for own, count in shared.items() if count == max(shared.values()))
+    most = max(shared.values())
+    return float(np.mean([lent[own] for own, count in shared.items() if count == most]))
 
 
 def _singles(

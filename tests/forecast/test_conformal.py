@@ -12,6 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.conformal import (
     MAX_STRETCH,
     MIN_FORECASTS_TO_CORRECT,
+    MIN_FORECASTS_TO_NARROW,
     saved_surprises,
     stretch,
     stretched,
@@ -51,6 +52,11 @@ def test_a_flight_at_the_end_of_its_interval_has_a_ratio_of_one() -> None:
 def test_too_few_forecasts_change_nothing() -> None:
     assert stretch([3.0] * (MIN_FORECASTS_TO_CORRECT - 1)) is None
     assert stretch([3.0] * MIN_FORECASTS_TO_CORRECT) == 3.0
+
+
+def test_an_interval_narrows_only_after_a_hundred_forecasts() -> None:
+    assert stretch([0.4] * (MIN_FORECASTS_TO_NARROW - 1)) == 1.0
+    assert stretch([0.4] * MIN_FORECASTS_TO_NARROW) == pytest.approx(0.4)
 
 
 def test_an_interval_is_stretched_about_its_median_by_ratio() -> None:

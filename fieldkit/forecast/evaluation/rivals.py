@@ -17,6 +17,10 @@ DRAWS = 400
 FEWEST_RATIOS = 3
 """Minimum number of ratios for a spread of the scalar correction. [1]"""
 
+PRIOR_FLIGHTS, PRIOR_SD = 4.0, 0.15
+"""Prior of the scatter of the last-flight rule: as many flights, with that standard deviation of the log ratio, a round
+figure. [1]"""
+
 RivalDraws = Float[Array, "draw"]
 Rival = Callable[[Sequence[Simulated], Simulated], RivalDraws | None]
 
@@ -50,6 +54,36 @@ def last_on_motor(earlier: Sequence[Simulated], plan: Simulated) -> RivalDraws |
     return _flown(same[-1]) if same else scalar(earlier, plan)
 
 
+def last_flight(earlier: Sequence[Simulated], plan: Simulated) -> RivalDraws | None:
+    """The apogee of the rocket's last flight on the same motor type, or else the simulation times its last ratio, with
+    the scatter that this rule had on the earlier flights of all rockets.
+
+    The log of the next apogee over the rule's is a Student t around zero, whose scale has a scaled inverse chi-squared
+    prior that counts as `PRIOR_FLIGHTS` flights with `PRIOR_SD` (Gelman et al., Bayesian Data Analysis, 3rd edition,
+    2013, section 2.6).
+    """
+    middle = _rule(earlier, plan)
+    if middle is None:
+        return None
+
+    from scipy.special import stdtrit  # only `score` and mixed forecasts need it, and it takes 0.1 s to import
+
+    past = [(one.flight.apogee, _rule(earlier[:row], one)) for row, one in enumerate(earlier)]
+    misses = np.array([np.log(flown / ruled) for flown, ruled in past if flown and ruled])
+    freedom = PRIOR_FLIGHTS + len(misses)
+    sd = np.sqrt((PRIOR_FLIGHTS * PRIOR_SD**2 + (misses**2).sum()) / freedom)
+    return np.asarray(middle * np.exp(sd * stdtrit(freedom, (np.arange(DRAWS) + 0.5) / DRAWS)))
+
+
+def _rule(earlier: Sequence[Simulated], plan: Simulated) -> float | None:
+    """The last apogee on the same motor type, or else the simulation times the last ratio; None for a first flight.
+    [m]"""
+    before = own(earlier, plan)
+    same = [one.flight.apogee for one in before if one.found.motor is plan.found.motor and one.flight.apogee]
+    ratios = [one.ratio for one in before if np.isfinite(one.ratio)]
+    return same[-1] if same else plan.simulated * ratios[-1] if ratios else None
+
+
 def flight_before(earlier: Sequence[Simulated], plan: Simulated) -> RivalDraws | None:
     """The apogee of the rocket's previous flight, on any motor."""
     same = own(earlier, plan)
@@ -64,6 +98,7 @@ RIVALS: Mapping[str, Rival] = {
     "uncalibrated": uncalibrated,
     "scalar": scalar,
     "last_on_motor": last_on_motor,
+    "last_flight": last_flight,
     "flight_before": flight_before,
     "fleet_ratio": fleet_ratio,
 }
@@ -73,6 +108,7 @@ LABELS: Mapping[str, str] = {
     "uncalibrated": "uncalibrated",
     "scalar": "scalar correction",
     "last_on_motor": "last on motor, else scalar",
+    "last_flight": "last on motor, else last ratio",
     "flight_before": "flight before",
     "fleet_ratio": "fleet ratio",
     MIXTURE: "mixed with rivals",

@@ -15,7 +15,7 @@ import numpy as np
 from fieldkit.forecast.conformal import are_numbers
 from fieldkit.shapes import Array, Float
 
-STACKED_RIVALS = ("fleet_ratio", "scalar")
+STACKED_RIVALS = ("fleet_ratio", "scalar", "last_flight")
 """Rivals in the mixture: those with a spread, because a single number has no density."""
 MODEL_ALONE = (1.0, *(0.0 for _ in STACKED_RIVALS))
 """The weights of a forecast that is not mixed. [1]"""

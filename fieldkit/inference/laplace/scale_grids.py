@@ -36,10 +36,17 @@ def around_mode(result: Fit) -> Fit:
         if number >= MIN_ROUNDS and all(map(_contains_mode, scales, alone)):
             break
         known = [_updated(*some) for some in zip(known, scales, alone, strict=True)]
-        moved = result.model.hyperprior.with_scales(*map(_moved, scales, known))
+        grids = [*map(_moved, scales, known)]
+        if result.model.hyperprior.documents:  # few terms tell it, so its posterior is as wide as its prior
+            grids[-1] = scales[-1]
+        moved = result.model.hyperprior.with_scales(*grids)
         outliers = None if result.flight_weight is None else flight_weights(result)
         result = solve(replace(result.model, hyperprior=moved), result.data, result.tangent, outliers)
-    return result
+    if result.model.hyperprior.documents is None:
+        return result
+    hyperprior = result.model.hyperprior.with_refined_documents()
+    outliers = None if result.flight_weight is None else flight_weights(result)
+    return solve(replace(result.model, hyperprior=hyperprior), result.data, result.tangent, outliers)
 
 
 def with_probable_motors(result: Fit) -> Fit:
@@ -63,8 +70,6 @@ def _marginals(result: Fit) -> list[Float[Array, "value"]]:
 
 def _contains_mode(scale: Scale, log_weight: Float[Array, "value"]) -> bool:
     """Whether the most probable value is inside the grid, or the grid ends there because the prior does."""
-    if scale.half_cauchy:
-        return True
     best, (first, last) = int(np.argmax(log_weight)), scale.range
     half = np.exp(scale.step / 2) * (1 + 1e-9)
     ends = {0: scale.grid[0] <= first * half, len(scale.grid) - 1: scale.grid[-1] * half >= last}
@@ -87,9 +92,7 @@ def _updated(known: Known, scale: Scale, log_weight: Float[Array, "value"]) -> K
 
 
 def _moved(scale: Scale, known: Known) -> Scale:
-    """The scale on a grid around its mode; a known scale keeps its value, and a half-Cauchy one spans its prior."""
-    if scale.half_cauchy:
-        return scale.refined()
+    """The scale on a grid around its mode; a known scale keeps its only value."""
     return scale if scale.range[0] == scale.range[1] else scale.between(*_interval(scale, known))
 
 

@@ -13,6 +13,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, against, judged_report, tally
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.evaluation.rivals import LABELS, MIXTURE
+from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS
 from fieldkit.ledger import Ledger
 from fieldkit.presentation.report.score import check_picture, write_picture
 from fieldkit.presentation.score_text import (
@@ -164,7 +165,7 @@ def test_a_whole_ledger_or_one_rocket_can_be_scored(tmp_path: Path, monkeypatch:
         "calibration",
         "kept",
     } <= whole.keys()
-    assert whole["stacking"]["weights"] == {"fieldkit": 1.0, "fleet_ratio": 0.0, "scalar": 0.0}
+    assert whole["stacking"]["weights"] == {"fieldkit": 1.0, **dict.fromkeys(STACKED_RIVALS, 0.0)}
     assert whole["flights"][0]["persistence"] == 210.0
     assert {one["rival"] for one in whole["rivals"]} >= {"uncalibrated", "scalar", "fleet_ratio", "stacked"}
     one = run("score", "--rocket", "Luna", "--json").document

@@ -58,6 +58,19 @@ def test_the_last_flight_on_the_motor_is_repeated_or_else_scaled() -> None:
     assert flight_before([], flown(None)) is None
 
 
+def test_the_last_flight_rule_scatters_as_it_did_on_all_rockets() -> None:
+    def width(apogees: list[float]) -> float:
+        others = [flown(apogee, rocket="Luna") for apogee in apogees]
+        draws = forecast_by("last_flight", [*others, flown(220.0), flown(240.0)], flown(None, 210.0))
+        assert np.median(draws) == pytest.approx(240.0)
+        return float(np.log(np.quantile(draws, 0.95) / np.quantile(draws, 0.05)))
+
+    assert width([200.0, 201.0] * 20) < 0.3 < 0.6 < width([200.0, 300.0] * 20)
+    scaled = forecast_by("last_flight", [flown(220.0), flown(240.0)], flown(None, 400.0, motor="F39-6T"))
+    assert np.median(scaled) == pytest.approx(400 * 1.2)
+    assert not forecast_by("last_flight", [flown(500.0, rocket="Luna")], flown(None, 210.0))
+
+
 def test_a_flight_that_the_simulation_leaves_on_the_pad_has_no_ratio() -> None:
     earlier = [flown(220.0), flown(100.0, 0.0)]
     assert forecast_by("scalar", earlier, flown(None, 210.0)) == pytest.approx([231.0])

@@ -55,32 +55,34 @@ def test_few_flights_do_not_move_the_weights_and_many_favor_the_better_method() 
 
 
 def test_the_model_forecasts_alone_until_a_rival_has_the_higher_total() -> None:
-    ahead, behind = ScoredForecast(False, (0.0, 9.0, 0.0)), ScoredForecast(False, (0.0, -0.1, -9.0))
+    ahead, behind = (ScoredForecast(False, (0.0, own, -9.0, -9.0)) for own in (9.0, -0.1))
     assert weights_after([ahead] * (MIN_FORECASTS_TO_STACK - 1), first=False) == MODEL_ALONE
     assert weights_after([ahead] * 60, first=False)[1] > 0.8
     assert weights_after([behind] * 60, first=False) == MODEL_ALONE
 
 
 def test_first_flights_and_later_ones_have_weights_of_their_own() -> None:
-    scores = [ScoredForecast(first, (0.0, 2.0 if first else -2.0, 0.0)) for first in (True, False) for _ in range(30)]
+    scores = [
+        ScoredForecast(first, (0.0, 2.0 if first else -2.0, -1.0, -1.0)) for first in (True, False) for _ in range(30)
+    ]
     assert weights_after(scores, first=True)[1] > 0.5
     assert weights_after(scores, first=False) == MODEL_ALONE
 
 
 def test_saved_scores_are_read_and_damaged_ones_left_out() -> None:
-    good = {"earlier": 0, "log_scores": [1.0, 2.0, 3.0]}
+    good = {"earlier": 0, "log_scores": [1.0, 2.0, 3.0, 4.0]}
     bad: list[dict[str, object]] = [
         {},
         {"log_scores": None},
         {"log_scores": [1.0]},
-        {"log_scores": [1.0, float("nan"), 2.0]},
-        {"log_scores": [1.0, 1e308, 2.0]},
-        {"log_scores": [1.0, 10**400, 2.0]},
-        {"log_scores": ["1", "2", "3"]},
-        {"log_scores": [[1.0], 2.0, 3.0]},
-        {"log_scores": [None, 2.0, 3.0]},
+        {"log_scores": [1.0, float("nan"), 2.0, 3.0]},
+        {"log_scores": [1.0, 1e308, 2.0, 3.0]},
+        {"log_scores": [1.0, 10**400, 2.0, 3.0]},
+        {"log_scores": ["1", "2", "3", "4"]},
+        {"log_scores": [[1.0], 2.0, 3.0, 4.0]},
+        {"log_scores": [None, 2.0, 3.0, 4.0]},
     ]
-    assert saved_scores([good, *bad]) == [ScoredForecast(True, (1.0, 2.0, 3.0))]
+    assert saved_scores([good, *bad]) == [ScoredForecast(True, (1.0, 2.0, 3.0, 4.0))]
 
 
 def test_without_a_difference_the_weights_keep_their_prior() -> None:

@@ -12,6 +12,7 @@ from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, _s
 from fieldkit.inference.laplace.outlier_weights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
 from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.term_names import TermName
@@ -34,9 +35,8 @@ def fitted(readouts: int = 6) -> Fit:
 def _season() -> tuple[Model, Data]:
     flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
-    return base_model(history_of(flights, found)), observe(
-        history_of(flights, found, used_in_fit=[True] * len(flights))
-    )
+    history = history_of(flights, found, used_in_fit=[True] * len(flights))
+    return base_model(history, CERTIFIED_PRIOR), observe(history, CERTIFIED_PRIOR)
 
 
 @cache
@@ -61,7 +61,7 @@ def test_the_fits_lower_bound_is_close_below_the_evidence() -> None:
 def test_a_model_in_which_a_flight_cannot_lift_off_has_no_evidence() -> None:
     model, data = _season()
     heavy = [one.with_changes(dry_mass=9.0) if row == 2 else one for row, one in enumerate(model.flights)]
-    result = fit(base_model(history_of(heavy, model.found)), data, outlier_flights=True)
+    result = fit(base_model(history_of(heavy, model.found), CERTIFIED_PRIOR), data, outlier_flights=True)
     assert np.isnan(result.tangent.values[2]).all()
     found = sampled(result, np.random.default_rng(1))
     assert -3 * found.error < found.log_evidence - result.log_evidence < 2.5

@@ -23,8 +23,8 @@ def fitted(readouts: int) -> Fit:
     """A fit of a season's flights with some of the readouts."""
     flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:readouts])
     flights = [flight for flight, _ in flown]
-    model = base_model(history_of(flights, [motor for _, motor in flown]))
-    return fit(model, observe(model.history.using([True] * len(flights))), outlier_flights=True)
+    model = base_model(history_of(flights, [motor for _, motor in flown]), CERTIFIED_PRIOR)
+    return fit(model, observe(model.history.using([True] * len(flights)), CERTIFIED_PRIOR), outlier_flights=True)
 
 
 def midpoints(low: float, high: float, count: int = 30) -> tuple[float, ...]:
