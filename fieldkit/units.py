@@ -178,8 +178,8 @@ CUSTOMARY_UNITS = frozenset({"ft", "in", "yd", "mi", "mph", "fps", "ft/s", "lb",
 """Units of flyers who write a decimal point."""
 _SMALLER_UNIT = {"ft": "in", "lb": "oz", "kg": "g", "min": "s", "m": "cm"}
 """The unit that may follow a larger one, as in `12 ft 6 in`."""
-MAX_TYPED_VALUE = 1e30
-"""Limit of the magnitude of a typed number, in SI."""
+MIN_TYPED_VALUE, MAX_TYPED_VALUE = 1e-12, 1e30
+"""Limits of the magnitude of a typed number other than zero, in SI."""
 
 
 @lru_cache(maxsize=1024)
@@ -275,10 +275,10 @@ def _in_two(text: str, quantity: str) -> float | None:
 
 
 def _bounded(value: float, text: str) -> float:
-    """The value. Raises BadValue if it is too large."""
+    """The value, zero if no instrument could tell it from zero. Raises BadValue if it is too large."""
     if not abs(value) < MAX_TYPED_VALUE:
         raise BadValue(f"found {text.strip()[:20]!r}, expected a plausible number")
-    return value
+    return value if abs(value) >= MIN_TYPED_VALUE else 0.0
 
 
 def render(value: float, quantity: str, suffix: str) -> str:

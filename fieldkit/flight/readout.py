@@ -21,8 +21,8 @@ SOURCES: Mapping[str, str] = MappingProxyType(
     }
 )
 """Allowed sources of a readout."""
-MIN_SD, MAX_SD = 1e-6, 1e6
-"""Smallest and largest possible standard deviation of a readout in its column's own unit: micrometers and microseconds
+MIN_SD, MAX_SD = 1e-9, 1e6
+"""Smallest and largest possible standard deviation of a readout in its column's own unit: nanometers and nanoseconds
 are below what any altimeter resolves, and squares and reciprocals of numbers between them are finite."""
 SENSORS = ("baro", "accel", "gps")
 """Sources that are sensors whose samples gave the readout."""

@@ -120,7 +120,7 @@ def test_any_ledger_gets_finite_figures_or_a_line(
     rows = []
     for number in range(data.draw(st.integers(1, 6))):
         cells = [f"{data.draw(st.one_of(st.sampled_from(READOUTS[c]), st.floats(*READOUTS[c]))):.6g}" for c in columns]
-        cells += [f"{10 ** data.draw(st.floats(-6, 6)):.6g}" for _ in stated]
+        cells += [f"{10 ** data.draw(st.floats(-8.9, 6)):.6g}" for _ in stated]
         mass = data.draw(st.sampled_from(["", "310", "0.1", "1000000"]))
         motor = data.draw(st.sampled_from(["F24-4W", "A8-3", "E35-5W"]))
         rows.append(",".join([str(number), "Astra", mass, motor, *cells]))
@@ -139,7 +139,7 @@ def sd_of(column: str) -> str:
     return f"{name}_sd_{unit}"
 
 
-@pytest.mark.parametrize("sd", ["1e-300", "0", "1e300", "-1", "1e-7"])
+@pytest.mark.parametrize("sd", ["1e-300", "0", "1e300", "-1", "1e-10"])
 def test_a_standard_deviation_beyond_its_limits_is_refused_by_row_and_column(
     sd: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

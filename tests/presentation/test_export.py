@@ -24,7 +24,7 @@ def number(name: str) -> st.SearchStrategy[float | None]:
     """An SI value that the column may have."""
     column = next(column for column in COLUMNS if column.name == name)
     scale = units.unit(column.quantity, column.unit)
-    return st.none() | st.floats(*LIMITS[name]).map(scale.to_si)
+    return st.none() | st.floats(*LIMITS[name]).filter(lambda x: x == 0 or abs(x) >= 1e-9).map(scale.to_si)
 
 
 def by_name(flight: Flight) -> tuple[str, str]:
