@@ -51,7 +51,8 @@ def finals(
     json: AsJson = False,
     **given: str | None,
 ) -> None:
-    """Find the mass and parachute for each target that the finals may announce."""
+    """Find the mass and parachute for each target that the finals of the American Rocketry Challenge (TARC) may
+    announce."""
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
@@ -139,7 +140,8 @@ def contest(
     json: AsJson = False,
     **given: str | None,
 ) -> None:
-    """Score flights by a season's rule; with --motor, also forecast the points of a plan."""
+    """Score flights by a season of the American Rocketry Challenge (TARC); with --motor, also forecast the points of a
+    plan."""
     from fieldkit.planning.contest import copy_season, declared_score, score
     from fieldkit.planning.contest_day import read_declared, read_window
     from fieldkit.planning.contest_flight import judged_duration

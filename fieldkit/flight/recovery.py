@@ -35,7 +35,11 @@ RECOVERY_COLUMNS = {
         "Diameter of the parachute laid flat, the main if there are two: 450mm, 18in.",
     ),
     "opening_time": ("time", "s", "Time from the charge to an open parachute; default: half a second."),
-    "wind_aloft": ("speed", "mps", "Wind speed aloft; --wind is that at the pad: 10m/s, 20mph."),
+    "wind_aloft": (
+        "speed",
+        "mps",
+        "Wind speed aloft, the same as --wind for one that does not grow with height: 10m/s, 20mph.",
+    ),
     "wind_aloft_height": ("length", "m", "Height of the wind aloft above the pad: 300m, 1000ft."),
     "wind_aloft_turn": ("angle", "deg", "Degrees clockwise from the wind at the pad to the wind aloft."),
 }

@@ -3,14 +3,17 @@
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
+from statistics import median
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.balance import Balance, balance
+from fieldkit.openrocket.implied import implied_cds
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
+from fieldkit.quantities import counted
 from fieldkit.rocket import Configuration
 
 if TYPE_CHECKING:
@@ -117,6 +120,8 @@ def _design(root: "Element", source: str) -> Design:
     notes: list[str] = []
     weight, mass_by = _mass(rocket, stages, stored, notes)
     cd, cd_by = _drag(rocket, stages, stored, diameter, notes)
+    if cd is None and weight and len(stages) == 1:
+        cd, cd_by = _implied(root, weight, diameter, notes)
     if len(stages) > 1:
         notes.append(f"it has {len(stages)} stages, treated as one: staged flights are not forecast")
     if any(part.tag in ("podset", "parallelstage") for part in everything(rocket)):
@@ -202,6 +207,18 @@ def _drag(
     if max(found) > (1 + REPORTED_CD_DIFFERENCE) * min(found):
         notes.append(f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}")
     return found[0], f"the coast of the simulation {one.name}"
+
+
+def _implied(root: "Element", weight: float, diameter: float, notes: list[str]) -> tuple[float | None, str]:
+    """The median Cd with which the rocket, of a mass [kg] and a diameter [m], reaches the stored apogees; nothing
+    without one. [1]"""
+    found = implied_cds(root, weight, diameter)
+    if not found:
+        return None, ""
+    notes[:] = [note for note in notes if not note.startswith("no Cd:")]
+    each = ", ".join(f"{one.cd:.2f} on {one.motor}" for one in found)
+    notes.append(f"the Cd is not stored; the stored apogees imply {each}")
+    return median(one.cd for one in found), f"the apogees of {counted(len(found), 'simulation')}"
 
 
 def _on(cd: float, reference: float, diameter: float) -> float:
