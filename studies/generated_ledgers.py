@@ -20,8 +20,7 @@ from fieldkit.model.scale import Scale
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, Motor, catalogue
-from fieldkit.physics.history import groups, history_of
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup, groups, history_of
 from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 

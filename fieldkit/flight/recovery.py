@@ -219,6 +219,50 @@ def stability(flight: Flight) -> float | None:
     return margin
 
 
+@dataclass(frozen=True, slots=True)
+class LaunchConditions:
+    """What the further columns of a flight tell about its climb, None if not recorded.
+
+    `rail_direction` is as in the function of this name [rad]; `wind_aloft` [m/s] at `wind_aloft_height` [m] is turned
+    to the right of the wind at the pad by `wind_aloft_turn` [rad]. `opening_time` is the time from the charge to an
+    open parachute [s], `stability` the static margin [body diameters], and `dual` whether a main opens after a drogue.
+    """
+
+    rail_direction: float = 0.0
+    wind_aloft: float | None = None
+    wind_aloft_height: float | None = None
+    wind_aloft_turn: float = 0.0
+    opening_time: float = OPENING_TIME
+    stability: float | None = None
+    dual: bool = False
+
+
+AS_USUAL = LaunchConditions()
+"""The conditions of a flight without further columns."""
+
+
+def launch_conditions(flight: Flight) -> LaunchConditions:
+    """The further columns of a flight, read. The direction of a vertical rail and a static margin that is no number do
+    not matter; raises BadValue for a wind aloft, an opening time or the direction of a tilted rail that cannot be
+    read."""
+    if not flight.extra:
+        return AS_USUAL
+    try:
+        margin = stability(flight)
+    except BadValue:
+        margin = None
+    opening = recovery_figure(flight, "opening_time")
+    return LaunchConditions(
+        rail_direction(flight) if flight.rail_angle else 0.0,
+        recovery_figure(flight, "wind_aloft"),
+        recovery_figure(flight, "wind_aloft_height"),
+        recovery_figure(flight, "wind_aloft_turn") or 0.0,
+        OPENING_TIME if opening is None else max(opening, 0.0),
+        margin,
+        recovery_column(flight, "main_altitude") is not None,
+    )
+
+
 def rail_direction(flight: Flight) -> float:
     """Direction of the rail: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
 

@@ -212,7 +212,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
 
     With `paired`, all flights share random draws, so that they differ only by their plans. Delays scatter within the
     tolerance of makers (`fieldkit.motors.delay_tolerance`), whatever the scatter of the rocket. Raises ImpossibleFlight
-    for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    for a flight without a dry mass.
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
     scale = {"scatter": fitted.scales[:, :1], "motors": fitted.scales[:, 2:]}

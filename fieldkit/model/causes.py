@@ -101,8 +101,7 @@ def signatures(
     """The signatures of all causes at a point of a model's terms, where its readouts as compared are `values` [1] or
     [s]; `seen` marks the readouts that flights have. Terms are in their units.
 
-    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
-    cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     usable = seen & np.isfinite(values)
     found = [*_simulated(model, at, values), *_ejections(model, at, values), *_misread(usable)]

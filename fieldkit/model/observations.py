@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
+from fieldkit.flight.recovery import recovery_column
 from fieldkit.motors import Found, Motor
-from fieldkit.physics.setups import delays, dry_masses, readouts_on_one_device, recorded
+from fieldkit.physics.setups import delays, dry_masses, recorded
 from fieldkit.shapes import Array, Float
 
 CD_RANGE = (0.2, 1.5)
@@ -112,6 +113,16 @@ def figures(motor: Motor) -> Float[Array, "figure"]:
             motor.diameter,
         ]
     )
+
+
+def readouts_on_one_device(flights: Sequence[Flight], names: Sequence[str]) -> Float[Array, "flight readout"]:
+    """Readouts of every flight in SI, nan if missing. A duration on a drogue and a main counts as missing, because the
+    simulated descent is on one device."""
+    values = np.stack([recorded(flights, name) for name in names], axis=-1)
+    two = np.array([recovery_column(flight, "main_altitude") is not None for flight in flights], bool)
+    if "duration" in names:
+        values[two, names.index("duration")] = np.nan
+    return values
 
 
 def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:

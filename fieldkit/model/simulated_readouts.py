@@ -34,7 +34,7 @@ def shown(
     """Altimeter readouts of every flight, in SI, and a few figures that it does not show.
 
     `scatter` acts on single flights. A flight that does not leave the pad is nan throughout. Raises ImpossibleFlight
-    for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    for a flight without a dry mass.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
     flown = fly_unique(setup)

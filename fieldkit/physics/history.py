@@ -7,11 +7,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.recovery import LaunchConditions, launch_conditions
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics import setups
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import STEPS
+from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
 T = TypeVar("T")
@@ -32,6 +34,7 @@ class History:
     flown: int
     flight_index: tuple[int, ...]
     used_in_fit: tuple[bool, ...]
+    conditions: tuple[LaunchConditions, ...]
     own_area: Float[Array, "flight"] | None = None
     _known: dict[object, Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
@@ -67,10 +70,10 @@ class History:
 
     def setup(self, steps: int = STEPS, knots: int | None = None, stride: float = 1.0) -> Setup:
         """The flights as recorded, to be simulated with the drag of a coefficient of 1; arguments and errors as in
-        `fieldkit.physics.setups.field_setup`. [SI]"""
+        `fieldkit.physics.setups.setup_of`. [SI]"""
         return self.once(
             ("setup", steps, knots, stride),
-            lambda: setups.field_setup(self.flights, self.found, self.area, 1.0, steps, knots, stride),
+            lambda: setups.setup_of(self.flights, self.found, self.conditions, self.area, 1.0, steps, knots, stride),
         )
 
     def once(self, name: object, compute: Callable[[], T]) -> T:
@@ -92,7 +95,7 @@ class History:
     def part(self, rows: slice) -> "History":
         """Only some of the flights, each with the area it has among all."""
         past = range(len(self.flights))[rows]
-        own = {name: getattr(self, name)[rows] for name in ("flights", "found", "flight_index")}
+        own = {name: getattr(self, name)[rows] for name in ("flights", "found", "flight_index", "conditions")}
         used = tuple(self.used_in_fit[row] for row in past if row < self.flown)
         return replace(self, **own, flown=len(used), used_in_fit=used, own_area=self.area[rows])
 
@@ -105,11 +108,13 @@ def history_of(
     used_in_fit: Sequence[bool] | None = None,
 ) -> History:
     """The history of a rocket whose first `flown` flights, by default all, have flown, and by default the clean ones
-    are used in the fit. The flight index counts from 0 by default."""
+    are used in the fit. The flight index counts from 0 by default. Text is read here. Raises BadValue for a recovery
+    figure or rail direction that cannot be read."""
     count = len(flights) if flown is None else flown
     used = [flight.clean for flight in flights[:count]] if used_in_fit is None else used_in_fit
     order = range(len(flights)) if flight_index is None else flight_index
-    return History(tuple(flights), tuple(found), count, tuple(order), tuple(map(bool, used)))
+    conditions = tuple(launch_conditions(flight) for flight in flights)
+    return History(tuple(flights), tuple(found), count, tuple(order), tuple(map(bool, used)), conditions)
 
 
 def flown_and_planned(
@@ -117,7 +122,8 @@ def flown_and_planned(
     planned: Sequence[tuple[Flight, Found]] = (),
     flight_index: Sequence[int] | None = None,
 ) -> History:
-    """The history of flown flights with their motors and of plans, each with its flight index, by default the next."""
+    """The history of flown flights with their motors and of plans, each with its flight index, by default the next.
+    Errors as in `history_of`."""
     both, count = [*flown, *planned], len(flown)
     order = [*range(count), *(flight_index or [count] * len(planned))]
     return history_of([flight for flight, _ in both], [found for _, found in both], count, order)
@@ -126,9 +132,32 @@ def flown_and_planned(
 def together(histories: Sequence[History]) -> History:
     """The flights of several rockets as one history without past, to be simulated in one batch, each with its own
     area."""
-    flights = [flight for one in histories for flight in one.flights]
-    both = history_of(flights, [motor for one in histories for motor in one.found], flown=0)
-    return replace(both, own_area=np.concatenate([one.area for one in histories]))
+    flights, found, conditions = (
+        tuple(each for one in histories for each in getattr(one, name)) for name in ("flights", "found", "conditions")
+    )
+    area = np.concatenate([one.area for one in histories])
+    return History(flights, found, 0, tuple(range(len(flights))), (), conditions, area)
+
+
+def field_setup(
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    drag_area: Float[Array, "*draw flight"],
+    thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
+    steps: int = STEPS,
+    knots: int | None = None,
+    stride: float = 1.0,
+) -> Setup:
+    """Flights of any rockets as in `setup_of`. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a
+    rail direction, a wind or an opening time that cannot be read.
+    """
+    conditions = [launch_conditions(flight) for flight in flights]
+    return setups.setup_of(flights, found, conditions, drag_area, thrust_factor, steps, knots, stride)
+
+
+def recorded_wind(flight: Flight) -> WindProfile:
+    """Wind profile of a flight; calm if none was recorded. Raises BadValue for one that cannot be read."""
+    return setups.wind_profile(flight.wind, launch_conditions(flight))
 
 
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:

@@ -12,19 +12,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from fieldkit.errors import BadValue, ImpossibleFlight
+from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import (
-    DESCENT_SPEED,
-    OPENING_TIME,
-    rail_direction,
-    recovery_column,
-    recovery_figure,
-    stability,
-)
+from fieldkit.flight.recovery import DESCENT_SPEED, LaunchConditions
 from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
-from fieldkit.physics.atmosphere import WIND_EXPONENT, altimeter_gain, pad_air, standard_temperature
+from fieldkit.physics.atmosphere import altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import STEPS, Burns, burns
 from fieldkit.physics.wind import WindProfile
@@ -51,16 +44,6 @@ def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
     return np.array([np.nan if value is None else value for value in values], float)
 
 
-def readouts_on_one_device(flights: Sequence[Flight], names: Sequence[str]) -> Float[Array, "flight readout"]:
-    """Readouts of every flight in SI, nan if missing. A duration on a drogue and a main counts as missing, because the
-    simulated descent is on one device."""
-    values = np.stack([recorded(flights, name) for name in names], axis=-1)
-    two = np.array([recovery_column(flight, "main_altitude") is not None for flight in flights], bool)
-    if "duration" in names:
-        values[two, names.index("duration")] = np.nan
-    return values
-
-
 def differs_from_zero(flights: Sequence[Flight], name: str) -> bool:
     """Whether a condition is recorded for some flight and not zero for all, so that an effect of it acts."""
     column = recorded(flights, name)
@@ -76,9 +59,10 @@ def delays(flights: Sequence[Flight], found: Sequence[Found]) -> Float[Array, "f
     return np.array([delay if delay and np.isfinite(delay) else np.nan for delay in stated], float)
 
 
-def field_setup(
+def setup_of(
     flights: Sequence[Flight],
     found: Sequence[Found],
+    conditions: Sequence[LaunchConditions],
     drag_area: Float[Array, "*draw flight"],
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
     steps: int = STEPS,
@@ -86,18 +70,18 @@ def field_setup(
     stride: float = 1.0,
 ) -> Setup:
     """Flights on their motors, one entry per flight along the last axis, in SI units; `steps` and `knots` as in
-    `burns`, `stride` as in `Setup`.
-
-    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a rail direction, a wind or an opening time
-    that cannot be read.
+    `burns`, `stride` as in `Setup`. Raises ImpossibleFlight for a flight without a dry mass.
     """
     motors = {motor: row for row, motor in enumerate(dict.fromkeys(item.motor for item in found))}
-    along, across = rail_angles(flights)
-    wind_power, wind_top = wind_laws(flights)
-    conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
+    along, across = rail_angles(recorded(flights, "rail_angle"), conditions)
+    wind_power, wind_top = _wind_laws(flights, conditions)
+    opening = [one.opening_time for one in conditions]
+    elevation, temperature, pressure = (
+        recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")
+    )
     return Setup(
         burns=_burns(tuple(motors), steps, knots),
-        air=pad_air(conditions[0], conditions[1], conditions[2], recorded(flights, "humidity")),
+        air=pad_air(elevation, temperature, pressure, recorded(flights, "humidity")),
         motor=np.array([motors[item.motor] for item in found]),
         dry_mass=dry_masses(flights),
         drag_area=np.asarray(drag_area, float),
@@ -105,65 +89,52 @@ def field_setup(
         rail_length=np.nan_to_num(recorded(flights, "rail_length"), nan=RAIL_LENGTH),
         rail_angle=along,
         rail_across=across,
-        turn_length=turn_lengths(flights),
+        turn_length=turn_lengths(flights, conditions),
         wind_power=wind_power,
         wind_top=wind_top,
-        opening_time=opening_times(flights),
+        opening_time=np.array(opening if len(set(opening)) > 1 else opening[:1]),
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
-        altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
+        altimeter_gain=altimeter_gain(elevation, temperature, pressure),
         recorded_wind=np.nan_to_num(recorded(flights, "wind"), nan=USUAL_WIND),
-        temperature_recorded=np.isfinite(conditions[1]),
+        temperature_recorded=np.isfinite(temperature),
         stride=stride,
     )
 
 
-def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
+def rail_angles(
+    recorded_angle: Float[Array, "flight"], conditions: Sequence[LaunchConditions]
+) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
     """Angle of every rail from vertical, away from the wind and across it to the right; 0 if not recorded. [rad]
 
-    A recorded angle points into the wind by default; a negative one points away from it. Raises BadValue for a
-    direction that cannot be read.
+    A recorded angle points into the wind by default; a negative one points away from it.
     """
-    angle = np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0)
-    turned = [row for row, flight in enumerate(flights) if angle[row] and flight.extra.get("rail_direction")]
-    if not turned:
+    angle, direction = np.nan_to_num(recorded_angle, nan=0.0), np.array([one.rail_direction for one in conditions])
+    if not direction.any():
         return 0.0 - angle, np.zeros(1)
-    direction = np.zeros(len(flights))
-    direction[turned] = [rail_direction(flights[row]) for row in turned]
     across = np.round(np.sin(direction), 12) * angle
     return 0.0 - angle * np.round(np.cos(direction), 12), across if across.any() else np.zeros(1)
 
 
-def wind_profile(flight: Flight) -> WindProfile:
-    """Wind profile of a flight; calm if none was recorded. Raises BadValue."""
-    aloft, height = recovery_figure(flight, "wind_aloft"), recovery_figure(flight, "wind_aloft_height")
-    turn = recovery_figure(flight, "wind_aloft_turn") or 0.0
-    if aloft is None:
-        return WindProfile(flight.wind or 0.0)
-    return WindProfile(flight.wind or 0.0, aloft, height or WIND_ALOFT_HEIGHT, turn)
+def wind_profile(surface: float | None, conditions: LaunchConditions) -> WindProfile:
+    """The wind profile above a wind at the pad [m/s]; calm if none was recorded."""
+    if conditions.wind_aloft is None:
+        return WindProfile(surface or 0.0)
+    height = conditions.wind_aloft_height or WIND_ALOFT_HEIGHT
+    return WindProfile(surface or 0.0, conditions.wind_aloft, height, conditions.wind_aloft_turn)
 
 
-def wind_laws(flights: Sequence[Flight]) -> tuple[Float[Array, "#flight"], Float[Array, "#flight"]]:
+def _wind_laws(
+    flights: Sequence[Flight], conditions: Sequence[LaunchConditions]
+) -> tuple[Float[Array, "#flight"], Float[Array, "#flight"]]:
     """Exponent of the wind's power law [1] and the height above which the wind is constant [m], for every flight.
 
-    Climb and descent follow the wind profile; only the descent includes the change of direction with height. Raises
-    BadValue for a wind aloft that cannot be read.
+    Climb and descent follow the wind profile; only the descent includes the change of direction with height.
     """
-    if not any(flight.extra for flight in flights):
-        return np.full(1, WIND_EXPONENT), np.full(1, np.inf)
-    laws = [wind_profile(flight).law for flight in flights]
+    laws = [wind_profile(flight.wind, one).law for flight, one in zip(flights, conditions, strict=True)]
     if len(set(laws)) == 1:
         laws = laws[:1]
     return np.array([power for power, _ in laws]), np.array([top for _, top in laws])
-
-
-def opening_times(flights: Sequence[Flight]) -> Float[Array, "#flight"]:
-    """Time from the charge to an open parachute for every flight; 0.5 s if not recorded. [s] Raises BadValue."""
-    recorded_times = {recovery_figure(flight, "opening_time") if flight.extra else None for flight in flights}
-    if recorded_times <= {None}:
-        return np.full(1, OPENING_TIME)
-    times = [recovery_figure(flight, "opening_time") for flight in flights]
-    return np.array([OPENING_TIME if time is None else max(time, 0.0) for time in times])
 
 
 def at_elevation(setup: Setup, higher: Float[Array, "*#draw"]) -> Setup:
@@ -187,7 +158,7 @@ def _standard_density(elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"
     return pad_air(elevation, unknown, unknown, unknown).density
 
 
-def turn_lengths(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+def turn_lengths(flights: Sequence[Flight], conditions: Sequence[LaunchConditions]) -> Float[Array, "flight"]:
     """Distance off the rail over which each rocket turns into the relative wind. [m]
 
     A quarter of its pitching wavelength, 2 pi sqrt(2 I / (rho A C s)) (Mandell, Caporaso and Bengen, Topics in Advanced
@@ -197,7 +168,10 @@ def turn_lengths(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     to within 10% (`tests/physics/test_descent.py`). Raises ImpossibleFlight for a flight without a dry mass.
     """
     size = dry_masses(flights) / diameters(flights)
-    return np.asarray(TURN_FACTOR * np.sqrt(size * USUAL_STABILITY / np.array([_stability(one) for one in flights])))
+    return np.asarray(
+        TURN_FACTOR
+        * np.sqrt(size * USUAL_STABILITY / np.array([one.stability or USUAL_STABILITY for one in conditions]))
+    )
 
 
 def diameters(flights: Sequence[Flight]) -> Float[Array, "flight"]:
@@ -246,14 +220,6 @@ def diameter_known(flights: Sequence[Flight], flown: int | None = None) -> bool:
     every plan has one."""
     known = np.isfinite(recorded(flights, "diameter"))
     return bool(known.all() if flown == 0 else known[:flown].any())
-
-
-def _stability(flight: Flight) -> float:
-    """Static margin in body diameters; the default if no positive one is recorded."""
-    try:
-        return stability(flight) or USUAL_STABILITY
-    except BadValue:
-        return USUAL_STABILITY
 
 
 def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:

@@ -10,7 +10,8 @@ from fieldkit.flight import BY_NAME, READOUTS, Flight
 from fieldkit.motors import Found
 from fieldkit.physics import paper
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup, recorded
+from fieldkit.physics.history import field_setup
+from fieldkit.physics.setups import recorded
 from fieldkit.physics.state import FlightResult, Setup
 
 ASCENT = ("apogee", "top_speed", "burn_time", "peak_accel", "avg_accel", "coast_to_apogee")

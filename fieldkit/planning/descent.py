@@ -10,7 +10,7 @@ import numpy as np
 from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.descent import DescentResult, Devices, descend, filling
-from fieldkit.physics.setups import wind_profile
+from fieldkit.physics.history import recorded_wind
 from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.flown_descent import air_at_pads, landing_mass
@@ -39,7 +39,7 @@ def descents(
     sideways = (np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     fills = filling(np.array(mass), air.density)
     devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time, fills)
-    return descend(prediction.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan), sideways)
+    return descend(prediction.true_apogee, wait, terminal, devices, air, wind or recorded_wind(plan), sideways)
 
 
 def durations(

@@ -15,7 +15,8 @@ from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
 from fieldkit.physics.descent import Devices, fall_time, filling, lag, opening_time, sink
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup, recorded
+from fieldkit.physics.history import field_setup
+from fieldkit.physics.setups import recorded
 from fieldkit.planning.contest_flight import judged_duration
 from fieldkit.shapes import Array
 from fieldkit.units import STANDARD_GRAVITY

@@ -112,9 +112,7 @@ def forecast_plans(
     paired: bool = True,
 ) -> list[Prediction]:
     """Simulate the plans of a fit as in `fly_ahead`, corrected by the results of earlier forecasts. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
-    """
+    ImpossibleFlight for a flight without a dry mass."""
     made = fly_ahead(fitted, paired=paired)
     corrected = rocket.earlier.corrected(made)
     return [replace(one, left_out=(*rocket.excluded, *one.left_out)) for one in corrected]

@@ -14,7 +14,7 @@ from fieldkit.flight.recovery import DIRECTIONS, stability
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.physics.descent import DescentResult
-from fieldkit.physics.setups import wind_profile
+from fieldkit.physics.history import recorded_wind
 from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import descents
@@ -253,6 +253,6 @@ __all__ = [
     "landing",
     "profile_in_words",
     "rail_choices",
-    "wind_profile",
+    "recorded_wind",
     "wind_that_holds",
 ]

@@ -9,7 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.recovery import Recovery, recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.physics.setups import wind_profile
+from fieldkit.physics.history import recorded_wind
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
@@ -61,7 +61,7 @@ def landing_in_words(
     if plan.wind is None:
         yield "  wind      not given: use --wind for the pad, --wind-aloft for higher up"
         return
-    yield f"  wind      {profile_in_words(wind_profile(plan), shown)}"
+    yield f"  wind      {profile_in_words(recorded_wind(plan), shown)}"
     if not rail:
         yield f"  recommended rail: none: {no_rail}"
         return

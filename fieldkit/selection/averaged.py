@@ -64,8 +64,7 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
 
     If the importance weights are unreliable, the fit is repeated without the flight; if they are for more than
     `MAX_REFITS` flights, only without those with the most influence, as the shape of the weights' tail shows it. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
+    ImpossibleFlight for a flight without a dry mass.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     forecasts = [_sampled(one) for one in some]

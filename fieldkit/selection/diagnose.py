@@ -131,9 +131,8 @@ def diagnose(
     """Evaluate everything that could be missing from a model, using the flights in the fit.
 
     `given` are effects that are present whatever the evidence, and `declined` those that are absent; `logged` are
-    candidates that logs show (`fieldkit.selection.logged_forces`). Raises
-    UnknownEffect for an unknown effect, or one that these flights cannot show, ImpossibleFlight for a flight without a
-    dry mass, BadValue for a recovery figure or rail direction that cannot be read. Flights are simulated with the
+    candidates that logs show (`fieldkit.selection.logged_forces`). Raises UnknownEffect for an unknown effect, or one
+    that these flights cannot show, ImpossibleFlight for a flight without a dry mass. Flights are simulated with the
     coarse settings of forecasts.
     """
     model = replace(model, coarse=True)

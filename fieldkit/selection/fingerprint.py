@@ -36,9 +36,7 @@ class FingerprintMark:
 
 def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
     """The ten readouts, and those from logs that some flight has, under one effect at its fitted strength, with the
-    sign of flights that show more of it. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a
-    recovery figure or rail direction that cannot be read.
-    """
+    sign of flights that show more of it. Raises ImpossibleFlight for a flight without a dry mass."""
     plain, seen = diagnosis.base.fit, diagnosis.data.seen
     readings = _with_and_without(trial)
     shift = _shift(readings)

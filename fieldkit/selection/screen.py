@@ -50,7 +50,7 @@ def screened(
 
     The prior of omitted places is added to the fitted ones in proportion to their probability. Effects whose log Bayes
     factor against the model is below their `worth` are left out. Raises ImpossibleFlight for a flight without a dry
-    mass and BadValue for a recovery figure or rail direction that cannot be read.
+    mass.
     """
     columns = _columns(families, near)
     found = {}

@@ -58,8 +58,7 @@ def explore(
     model: Model, data: Data, families: Families, on_progress: ReportProgress = no_op, *, pairs: bool = True
 ) -> SetPosterior:
     """The posterior over everything that was tried; without `pairs` each effect alone. Raises ImpossibleFlight for a
-    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
-    """
+    flight without a dry mass."""
     plain, singles, couples = _singles(model, data, families, part(on_progress, 0.0, 0.5))
     sets = {frozenset[str](): [Hypothesis((), plain)]}
     for name in families:
@@ -91,9 +90,7 @@ def explore(
 
 def chain(plain: Fit, data: Data, families: Families, given: Sequence[str]) -> list[Hypothesis]:
     """Given effects, each tried in all its places together with the earlier ones in their most probable places. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
-    """
+    ImpossibleFlight for a flight without a dry mass."""
     found = [Hypothesis((), plain)]
     for name in given:
         (found,) = _expanded(found, data, {name: families[name]}, -np.inf).values()
@@ -108,8 +105,7 @@ def checked(
     A hypothesis is probable if its log odds against the best are within `window` [nat]; the plain model is always
     checked. The others get the mean correction of the probable sets that share most effects with them. Corrections
     of improbable sets are not used: far from the flights the error of a linear fit may be tens of nats. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
+    ImpossibleFlight for a flight without a dry mass.
     """
     plain, likely = posterior.best(frozenset()), _likely(posterior, window)
     every = [*likely, *([] if any(one is plain for one, _ in likely) else [(plain, around_mode(plain.fit))])]

@@ -75,7 +75,7 @@ def try_all(
     model.
 
     Candidates with negligible evidence compared with the best of their effect are dropped. Raises ImpossibleFlight for
-    a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    a flight without a dry mass.
     """
     families = worthy.families
     if not families:
@@ -115,9 +115,7 @@ def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[
 
 def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
     """A model refitted from the end points of its trials: an effect without influence may have led the other terms to a
-    better optimum and must not get the credit. Raises ImpossibleFlight for a flight without a dry mass and BadValue for
-    a recovery figure or rail direction that cannot be read.
-    """
+    better optimum and must not get the credit. Raises ImpossibleFlight for a flight without a dry mass."""
     count = len(model.terms)
     best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.fit.log_evidence)}
     likely = sorted(best.values(), key=lambda trial: -trial.fit.log_evidence)[:MAX_RESTARTS]

@@ -12,7 +12,8 @@ import numpy as np
 from fieldkit.motors import catalogue
 from fieldkit.physics import paper
 from fieldkit.physics.flight import apogees
-from fieldkit.physics.setups import delays, field_setup
+from fieldkit.physics.history import field_setup
+from fieldkit.physics.setups import delays
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import Burns
 from fieldkit.reference.exact import exact_means, lowest_in

@@ -14,7 +14,7 @@ from fieldkit.flight import Flight
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.state import Setup
 from fieldkit.reference.flights import Reference
 from fieldkit.shapes import Array, Flags, Float

@@ -23,9 +23,8 @@ from fieldkit.model.sources import has_logs
 from fieldkit.motors import Motor, catalogue
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.flight import fly as simulate
-from fieldkit.physics.history import history_of
+from fieldkit.physics.history import field_setup, history_of
 from fieldkit.physics.logged import burn_impulse, coast_drag
-from fieldkit.physics.setups import field_setup
 from fieldkit.presentation.export import csv_table, document
 from tests.analysis.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 

@@ -20,7 +20,7 @@ from fieldkit.motors import catalogue
 from fieldkit.physics import paper
 from fieldkit.physics.effect import effects
 from fieldkit.physics.flight import apogees, fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.state import Setup
 from tests.physics.simulated import rocket
 

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import COLUMNS, Flight
+from fieldkit.flight.recovery import launch_conditions
 from fieldkit.motors import catalogue
 from fieldkit.physics.burn import burn
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.physics.flight import fly
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.rail import rail_exit_speed
-from fieldkit.physics.setups import field_setup, turn_lengths
+from fieldkit.physics.setups import turn_lengths
 from fieldkit.physics.state import FlightResult
 from fieldkit.plugins import plugin_folder
 
@@ -211,11 +213,12 @@ def test_base_drag_does_not_act_in_the_burn_and_a_coast_without_drag_is_as_in_va
 def test_a_heavy_rocket_turns_into_the_wind_later_and_a_stable_one_sooner() -> None:
     light, wide = FLIGHTS[0], FLIGHTS[0].with_changes(diameter=4 * 0.066)
     heavy, stable = light.with_changes(dry_mass=4 * 0.322), light.with_changes(extra={"stability_cal": "8"})
-    lengths = turn_lengths([light, heavy, wide, stable])
+    flights = [light, heavy, wide, stable]
+    lengths = turn_lengths(flights, [launch_conditions(one) for one in flights])
     np.testing.assert_allclose(lengths / lengths[0], [1.0, 2.0, 0.5, 0.5])
     assert 2.0 < lengths[0] < 5.0, "a quarter of the pitching wavelength of an ordinary model"
     unknown = light.with_changes(extra={"stability_cal": "about two"})
-    assert turn_lengths([unknown])[0] == lengths[0]
+    assert turn_lengths([unknown], [launch_conditions(unknown)])[0] == lengths[0]
     low, high = (flown("wind", 1.0, (one.with_changes(wind=8.0),))["apogee"][0] for one in (stable, light))
     assert low < high
 

@@ -12,7 +12,7 @@ from fieldkit.motors import PLUGGED_DELAY, Found, Motor, catalogue
 from fieldkit.motors.motor import impulse
 from fieldkit.motors.several import Booster, names_several
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.state import FlightResult
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.safety import thrust_to_weight

@@ -21,7 +21,7 @@ from fieldkit.motors.motor import impulse
 from fieldkit.motors.several import Booster, resolve_several
 from fieldkit.openrocket import read_design
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.state import FlightResult, Force, State
 from fieldkit.shapes import Array
 from tests.openrocket.designs import Example, design, examples

@@ -25,7 +25,7 @@ from fieldkit.physics.descent import (
     sink,
 )
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.wind import WindProfile
 from fieldkit.units import DEGREE
 from tests.recorded_curves import recorded

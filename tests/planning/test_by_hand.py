@@ -12,7 +12,7 @@ from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.model.simulated_readouts import COARSE_SETTINGS, shown
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.descent import durations

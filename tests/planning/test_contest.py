@@ -17,7 +17,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import copy_season, declared_score, score, season, season_of, seasons

@@ -8,7 +8,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 from fieldkit.planning.descent_rate import fall_of
 from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.landing import CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY, Landing, landing

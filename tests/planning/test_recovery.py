@@ -15,11 +15,12 @@ from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
+from fieldkit.model.observations import readouts_on_one_device
 from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.descent import Devices, descend, filling
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup, readouts_on_one_device
+from fieldkit.physics.history import field_setup
 from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.descent import descents, durations

@@ -13,7 +13,8 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup, reference_area
+from fieldkit.physics.history import field_setup
+from fieldkit.physics.setups import reference_area
 from fieldkit.shapes import Array, Float
 
 NOMINAL_CD = 0.6

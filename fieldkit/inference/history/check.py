@@ -70,8 +70,7 @@ def check(answer: QuickAnswer, draws: int = DRAWS, seed: int = 0) -> Check:
     """Weight the network's draws for the plan of a history by the forecast model, with more draws if the check of the
     first fails.
 
-    Raises ValueError for a history of several plans, ImpossibleFlight for a flight without a dry mass, BadValue for a
-    recovery figure or rail direction that cannot be read.
+    Raises ValueError for a history of several plans, ImpossibleFlight for a flight without a dry mass.
     """
     linear = answer.summary.forecast
     if len(linear.model.flights) != linear.flown + 1:

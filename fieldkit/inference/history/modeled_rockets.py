@@ -41,7 +41,8 @@ def modeled_rocket(
     rng: np.random.Generator, choice: Stock, candidates_of: Candidates, flights: int | None
 ) -> ModeledRocket:
     """A random rocket with `flights` flights, by default a random number. Raises ImpossibleFlight for a flight without
-    a dry mass and DamagedModel if the hyperprior cannot be read.
+    a dry mass, BadValue for a recovery figure or rail direction that cannot be read, and DamagedModel if the hyperprior
+    cannot be read.
     """
     rocket = draw_rocket(rng, choice, flights)
     selects = bool(rng.uniform() < SELECTION_WORLD)

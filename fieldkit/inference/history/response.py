@@ -79,8 +79,7 @@ def respond(history: History, acting: Collection[str] | None = None) -> FlightRe
     """The response of flights and plans to the `acting` effects, by default all, with coarse thrust curves and steps,
     from one batch of simulated flights.
 
-    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
-    cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     known = {name: effect for name, effect in effects().items() if acting is None or name in acting}
     count = len(history.flights)

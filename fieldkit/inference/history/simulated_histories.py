@@ -75,7 +75,8 @@ def simulated_histories(
 
     `inclusion` has the independent prior probabilities of each effect and of `UNEXPLAINED`; an effect that some flights
     cannot show does not change them. `flights` is the number of flights of each, random by default. Raises
-    ImpossibleFlight for a flight without a dry mass and DamagedModel if the hyperprior cannot be read.
+    ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be
+    read, and DamagedModel if the hyperprior cannot be read.
     """
     some = [modeled_rocket(rng, choice, candidates_of, flights) for _ in range(rockets)]
     kinds = [[_lacks(rng, one, inclusion) for _ in range(draws)] for one in some]

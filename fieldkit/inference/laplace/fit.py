@@ -71,13 +71,13 @@ def fit(
     near: bool = False,
     outlier_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearized at its mean; `start` is the starting point, in the units
-    of the terms.
+    """The posterior of a model given data, linearized at its mean; `start` is the starting point, in the units of the
+    terms.
 
     Without one, the best of several fits from different opening times of the parachute is returned, because readouts
     have a kink when ejection is at apogee. With `near`, the fit converges to the tolerance of a forecast. With
     `outlier_flights`, the noise of single flights follows a Student t. Raises ImpossibleFlight for a flight without a
-    dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    dry mass.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
@@ -107,8 +107,7 @@ def fit_lanes(
 
     `angle_slope` is from `launch_angle_slope`. `on_progress` is called with the fraction done. With an initial
     `flight_weight` [1], the noise of single flights follows a Student t. `scales` are the scales that matter at the
-    first point, by default all. Raises ImpossibleFlight for a flight without a
-    dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    first point, by default all. Raises ImpossibleFlight for a flight without a dry mass.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [DampedSteps(np.asarray(lane.start, float)) for lane in lanes]
@@ -218,8 +217,7 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
 
 def refits_without(whole: Fit, rows: Sequence[int]) -> list[Fit]:
     """Fits without each of some flights, in parallel, starting from the fit to all of them. Raises ImpossibleFlight for
-    a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
-    """
+    a flight without a dry mass."""
     every = tuple(range(len(whole.model.terms)))
     angle_slope = known_angle_slope(whole.model, whole.tangent)
     likely = probable_scales(whole)
@@ -253,8 +251,7 @@ def fit_robustly(model: Model, data: Data, *, causes: bool = False) -> Fit:
     terms and scatter do not explain, so a misread peak does not make its flight's apogee an outlier. The log evidence
     is a lower bound. With `causes`, every flight has the weight of its probability of being one of the rocket's usual
     ones (`fieldkit.inference.laplace.one_offs`). The result has finer grids of scales than the fit. Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
+    ImpossibleFlight for a flight without a dry mass.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):

@@ -27,8 +27,7 @@ from fieldkit.model.rocket_model import apogee_scatter, base_model
 from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.physics.flight import fly
-from fieldkit.physics.history import history_of
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup, history_of
 from fieldkit.shapes import Array, Float
 
 MASS_GRID = np.geomspace(0.2, 10.0, 40)

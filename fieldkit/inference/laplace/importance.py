@@ -69,8 +69,7 @@ def sampled(fit: Fit, rng: Generator, draws: int = DRAWS, *, causes: bool = Fals
     the weights of the first are unreliable.
 
     With `causes`, every flight may also be a one-off: its likelihood is a mixture (`OneOffs.log_causes`). Raises
-    ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be
-    read.
+    ImpossibleFlight for a flight without a dry mass.
     """
     scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
     log_causes = one_offs(fit).log_causes if causes else None

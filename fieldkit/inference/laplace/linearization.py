@@ -38,9 +38,7 @@ class Tangent:
 
 def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
     """The effect of one unit of launch angle on the readouts, zero if the model has none. It needs planar flight and is
-    simulated separately. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or
-    rail direction that cannot be read.
-    """
+    simulated separately. Raises ImpossibleFlight for a flight without a dry mass."""
     if all(kind.bends != "tilt" for kind in model.scatter):
         return np.zeros((len(model.flights), len(OBSERVED_READOUTS)))
     upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _tilts(model)}))
@@ -59,8 +57,7 @@ def known_angle_slope(model: Model, near: Tangent) -> Float[Array, "flight reado
 def coast_times(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
     """The time from burnout to apogee of flights at a point. [s]
 
-    Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or rail direction that
-    cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     return np.asarray(shown(model, at[None], {})["coast_time"][0])
 
@@ -80,8 +77,7 @@ def tangents(
     A lane has the numbers of its terms and their values, in the units of the terms; `angle_slope` is from
     `launch_angle_slope`. Terms that act on the same property share a column, scaled by their weights on each flight:
     drag of a rocket and drag of one of its configurations differ only in the flights they act on. The bias of a reading
-    needs no simulation. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure or
-    rail direction that cannot be read.
+    needs no simulation. Raises ImpossibleFlight for a flight without a dry mass.
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)

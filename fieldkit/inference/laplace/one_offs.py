@@ -78,7 +78,7 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
     """The probabilities of all flights in a fit; with `data`, also of flights that the fit does not use.
 
     `known` are the signatures at the point of the fit, if they were computed before. Raises ImpossibleFlight for a
-    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    flight without a dry mass.
     """
     data = data or fit.data
     if known is None:

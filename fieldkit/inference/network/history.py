@@ -109,8 +109,7 @@ def quick_answer(
     """The network's answer for one history, by default the shipped network's; other arguments as in `modeled`.
 
     Effects that the network was not trained with are not in the answer. Raises ImpossibleFlight for a flight without a
-    dry mass, DamagedModel if the network cannot be loaded, BadValue for a recovery figure or rail direction that cannot
-    be read.
+    dry mass, DamagedModel if the network cannot be loaded.
     """
     network = ensemble or load_history()
     ready = prepared(history, candidates_of, shared)

@@ -16,7 +16,7 @@ from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.motors import PLUGGED_DELAY
-from fieldkit.physics.setups import wind_profile
+from fieldkit.physics.history import recorded_wind
 from fieldkit.planning.air import air_of
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
 from fieldkit.planning.landing import profile_in_words
@@ -148,7 +148,7 @@ def _day(plan: Flight, shown: ShownUnits) -> tuple[str, ...]:
     """Site and weather of a plan, in words."""
     return (
         plan.site or "site not named",
-        "wind not given" if plan.wind is None else f"wind {profile_in_words(wind_profile(plan), shown)}",
+        "wind not given" if plan.wind is None else f"wind {profile_in_words(recorded_wind(plan), shown)}",
         f"temperature {'not given' if plan.temperature is None else shown.temperature(plan.temperature)}",
         f"air {air_of(plan).words(shown.system)}",
     )

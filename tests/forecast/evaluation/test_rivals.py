@@ -13,7 +13,8 @@ from fieldkit.forecast.evaluation.uncalibrated import NOMINAL_CD, Simulated, sim
 from fieldkit.model.hyperprior import learned
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup, reference_area
+from fieldkit.physics.history import field_setup
+from fieldkit.physics.setups import reference_area
 
 F24, F39 = (catalogue().resolve(name) for name in ("F24-4W", "F39-6T"))
 

@@ -18,7 +18,7 @@ from fieldkit.inference.laplace.high_power import (
 from fieldkit.model.hyperprior import DESIGN_DRAG, START
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
-from fieldkit.physics.setups import field_setup
+from fieldkit.physics.history import field_setup
 
 DIAMETER = 0.1016
 FRESH = replace(START, high_power=1.0, design_drag=DESIGN_DRAG)

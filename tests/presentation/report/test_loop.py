@@ -49,7 +49,7 @@ HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
 def windy() -> list[Flight]:
     """Twelve flights on two motors that lose height to the wind, simulated by the model with rounded readings."""
     from fieldkit.physics.flight import fly
-    from fieldkit.physics.setups import field_setup
+    from fieldkit.physics.history import field_setup
 
     rng = np.random.default_rng(5)
     wind = rng.uniform(0.5, 8.0, 12)
