@@ -155,13 +155,14 @@ def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[s
     from fieldkit.motors import catalogue
     from fieldkit.selection.diagnose import diagnose
     from fieldkit.selection.extended_model import rocket_model
-    from fieldkit.selection.logged_forces import logged_forces, step_candidate
+    from fieldkit.selection.logged_forces import logged_forces, step_candidate, without_coast_drag
 
     motors = [catalogue().resolve(flight.motor) for flight in flights]
     history = history_of(flights, motors, used_in_fit=[True] * len(flights))
     model = rocket_model(history)
     forces = logged_forces(model, logs)
-    found = diagnose(model, observe(history), logged=step_candidate(model, forces))
+    data = without_coast_drag(observe(history), model, forces)
+    found = diagnose(model, data, logged=step_candidate(model, forces))
     steps = forces.steps
     assert steps is not None
     yield from prose(

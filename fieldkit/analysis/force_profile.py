@@ -53,16 +53,20 @@ smooth body changes with Re^-0.2 at most (Hoerner, Fluid-Dynamic Drag, 1965, cha
 _FAST_TIME = 0.3
 """Correlation time of the fast change of b and of the noise of an accelerometer: about a period of a rocket's pitch.
 [s]"""
-_FAST_SDS, _PUSH_SDS, _RAM_SDS, _PITCH_SDS = (0.03, 0.1), (0.05, 0.2, 0.8), (0.01, 0.04, 0.15), (0.0, 2.0)
-"""Values over which the correlated errors are averaged: the fast change of b [1], noise of an accelerometer [m/s^2],
-the changing pressure error as a fraction of the dynamic pressure [1], and what pitching after burnout adds to an
-accelerometer [m/s^2]."""
+_FAST_SDS, _PUSH_SDS, _PITCH_SDS = (0.03, 0.1), (0.05, 0.2, 0.8), (0.0, 2.0)
+"""Values over which the correlated errors are averaged: the fast change of b [1], noise of an accelerometer, and what
+pitching after burnout adds to it [m/s^2]."""
+_RAM_SDS = ((0.4, 0.01), (0.4, 0.04), (0.4, 0.15))
+"""The same for the changing error of heights: a constant part [m], and a part of the dynamic pressure [1]."""
 _PITCH_TIME = 0.5
 """Decay time of pitching after burnout. [s]"""
+_ANY_LEVEL_SD, _ANY_CHANGE_SD, _ANY_CHANGE_TIME = 3.0, 1.0, 1.0
+"""Wide prior of relative drag with which the path and outliers are found: standard deviations of its level and of its
+change [1], and the correlation time of the change [s]."""
 _OWN_TIME = 0.5
 """Time over which the drag is averaged to which the changes of a healthy coast are relative. [s]"""
-_RAM_TIME, _RAM_FLOOR = 0.3, 0.4
-"""Correlation time [s] and smallest standard deviation [m] of the changing error of heights."""
+_RAM_TIME = 0.3
+"""Correlation time of the changing error of heights. [s]"""
 _SPEED_SD, _OFFSET_SD = 20.0, 5.0
 """Prior standard deviations of the first speed [m/s] and height [m] about the first estimates."""
 _LONGEST_STEP, _LEAST_RELATIVE = 0.8, 0.05
@@ -74,8 +78,9 @@ _BIAS_SD, _UNLEVELLED_BIAS_SD, _GAIN_SD = 0.25, 1.0, 0.02
 _DRIFT_SD, _DERIVED_DRIFT_SD, _DRIFT_TIME = 0.15, 0.2, 1.5
 """Standard deviation of the slow error of an accelerometer, and of one whose gravity was removed along an estimated
 axis [m/s^2], and its correlation time [s]."""
-_FADE_SD, _FADE_TIME = 1.0, 0.15
-"""Standard deviation [m/s^2] and decay time [s] of the thrust that is left after burnout."""
+_THRUST_LEFT, _LEAST_LEFT, _FADE_TIMES = 0.15, 3.0, (0.12, 0.4)
+"""Thrust below which a coast is taken to begin, as a fraction of the largest [1] and at least [m/s^2]; and the decay
+times of what is then left, of which half of that is the standard deviation. [s]"""
 _TILT = 0.17
 """Horizontal speed as a fraction of the first speed of the coast: a path 10 degrees off vertical. Drag along a path at
 the speed V is V/v times that by its upward speed v, and a wrong axis hides part of gravity. [1]"""
@@ -161,7 +166,7 @@ def drag_profile(clocks: Sequence[Series], recorded: Recorded) -> DragProfile | 
 class _Coast:
     """Means over the intervals of a coast; nan without samples. `start` is the clock at its beginning [s], the first
     speed and height are estimates [m/s], [m]. `zeroed` if the accelerometer's zero is from the pad,
-    `weighs` if it feels gravity at rest."""
+    `weighs` if it feels gravity at rest, `fade` is the standard deviation of the thrust left at the start [m/s^2]."""
 
     start: float
     step: float
@@ -171,6 +176,7 @@ class _Coast:
     felt_variance: Float[Array, "interval"]
     zeroed: bool
     weighs: bool
+    fade: float
     barometric: bool
     first: tuple[float, float, float]
     source: str
@@ -226,8 +232,13 @@ def _felt_end(push: Push, lift: float, end: float) -> float | None:
     if time.size < width:
         return None
     calm = np.median(np.lib.stride_tricks.sliding_window_view(np.pad(felt, width // 2, mode="edge"), width), axis=-1)
-    pushed = np.flatnonzero(calm > max(0.15 * float(calm.max()), 3.0))
+    pushed = np.flatnonzero(calm > _left(felt))
     return float(time[pushed[-1]]) if pushed.size and pushed[-1] + 1 < time.size else None
+
+
+def _left(felt: Float[Array, "time"]) -> float:
+    """Thrust over mass that may be left when a coast begins. [m/s^2]"""
+    return max(_THRUST_LEFT * float(np.quantile(felt, 0.99)), _LEAST_LEFT)
 
 
 def _binned(track: HeightTrack | None, push: Push | None, begin: float, end: float, lift: float) -> _Coast | None:
@@ -263,7 +274,9 @@ def _binned(track: HeightTrack | None, push: Push | None, begin: float, end: flo
     source = " and ".join(one.source for one in (push if felt is not None else None, track) if one is not None)
     barometric = track.source in BAROMETRIC
     weighs = push is not None and push.weighs
-    return _Coast(begin, step, height, variance, felt, felt_variance, zeroed, weighs, barometric, first, source)
+    flown = push.felt[(push.time > lift) & (push.time < end)] if push is not None else np.zeros(1)
+    fade = _left(flown) / 2
+    return _Coast(begin, step, height, variance, felt, felt_variance, zeroed, weighs, fade, barometric, first, source)
 
 
 def _speeds(
@@ -430,6 +443,7 @@ class _Covariances:
         distance = np.abs(time[:, None] - time)
         self._ram_shape = np.exp(-distance / _RAM_TIME)
         self._fast_shape = np.exp(-distance / _FAST_TIME)
+        self._any_drag = _ANY_LEVEL_SD**2 + _ANY_CHANGE_SD**2 * np.exp(-distance / _ANY_CHANGE_TIME)
         self._drift = (_DRIFT_SD if coast.weighs else _DERIVED_DRIFT_SD) ** 2 * np.exp(-distance / _DRIFT_TIME)
         self._dynamic = linear.speed**2 / (2 * GRAVITY)
         slowed = np.minimum((speed[0] / speed) ** 2, _MOST_SLOWED)
@@ -453,22 +467,22 @@ class _Covariances:
         columns.append(np.concatenate([below, np.zeros((count * both, 3))]))
         if both:
             bias = _BIAS_SD if coast.zeroed else _UNLEVELLED_BIAS_SD
-            fade = _FADE_SD * np.exp(-(time - time[0]) / _FADE_TIME)
-            shapes = (np.full(count, bias), -_GAIN_SD * linear.drag, fade, GRAVITY / 2 * tilt)
+            fades = [coast.fade * np.exp(-(time - time[0]) / lasts) for lasts in _FADE_TIMES]
+            shapes = (np.full(count, bias), -_GAIN_SD * linear.drag, *fades, GRAVITY / 2 * tilt)
             push = np.stack(shapes, axis=-1)
             columns.append(np.concatenate([np.zeros_like(push), push]))
         self._columns = np.concatenate(columns, axis=-1)
 
     @property
-    def settings(self) -> list[tuple[float, float, float, float]]:
+    def settings(self) -> list[tuple[float, float, tuple[float, float], float]]:
         """The settings of the noise that are tried: fast change of b, accelerometer, pressure, pitching."""
         felt = self._coast.felt is not None
         return list(product(_FAST_SDS, _PUSH_SDS[: 3 if felt else 1], _RAM_SDS, _PITCH_SDS[: 2 if felt else 1]))
 
-    def _noise(self, push: float, ram: float, pitch: float) -> Float[Array, "row row"]:
+    def _noise(self, push: float, ram: tuple[float, float], pitch: float) -> Float[Array, "row row"]:
         count, rows = self._count, self.white.size
         noise = self._columns @ self._columns.T
-        own = np.hypot(_RAM_FLOOR, ram * self._dynamic)
+        own = np.hypot(ram[0], ram[1] * self._dynamic)
         noise[:count, :count] += self._ram_shape * np.outer(own, own)
         if rows > count:
             time = self._coast.middles
@@ -488,7 +502,7 @@ class _Covariances:
     def smoothed(self, relative: Array, start: Array, expected: Array) -> tuple[Array, Array]:
         """The most probable relative drag, if it may vary strongly, and start of the path, whose prior is around an
         expected one; a large step is shortened."""
-        wide = _VAGUE_SD**2 * (9 + 0.25 * np.exp(-np.abs(self._coast.middles[:, None] - self._coast.middles)))
+        wide = self._any_drag
         observed, by_drag = self._observed(relative)
         by_start, scale = self._linear.by_start[self._seen], np.array([_OFFSET_SD, _SPEED_SD])
         observed = observed + by_start @ (start - expected)
@@ -504,7 +518,7 @@ class _Covariances:
         observed, by_drag = self._observed(relative)
         found, rows = np.zeros(self.white.size), np.flatnonzero(self._seen)
         noise = self._noise(_PUSH_SDS[1], _RAM_SDS[1], _PITCH_SDS[1])[np.ix_(self._seen, self._seen)]
-        whole = noise + by_drag @ (_VAGUE_SD**2 * 9 + self._prior(_FAST_SDS[1])) @ by_drag.T
+        whole = noise + by_drag @ (self._any_drag + self._prior(_FAST_SDS[1])) @ by_drag.T
         for _ in range(_OUTLIER_ROUNDS):  # leave-one-out residuals (Rasmussen and Williams, 2006, section 5.4.2)
             inverse = np.linalg.inv(whole + np.diag(found[rows]))
             precision = np.diagonal(inverse)
@@ -515,11 +529,13 @@ class _Covariances:
             found[rows[far]] += left[far] ** 2 / precision[far]
         return found
 
-    def likelihood(self, relative: Array, fast: float, *noise: float) -> DragLikelihood:
+    def likelihood(
+        self, relative: Array, fast: float, push: float, ram: tuple[float, float], pitch: float
+    ) -> DragLikelihood:
         """The likelihood of relative drag for one setting of the noise; its weight allows for a step."""
         observed, by_drag = self._observed(relative)
         prior = self._prior(fast)
-        whole = self._noise(*noise)[np.ix_(self._seen, self._seen)] + by_drag @ prior @ by_drag.T
+        whole = self._noise(push, ram, pitch)[np.ix_(self._seen, self._seen)] + by_drag @ prior @ by_drag.T
         root = np.linalg.cholesky(whole)
         from scipy.linalg.lapack import dtrtrs  # takes 0.18 s to import
 

@@ -16,32 +16,31 @@ import numpy as np
 from fieldkit.analysis.force_profile import SWITCH_TIMES, DragLikelihood, DragProfile, ramp_matrix, step_sums
 from fieldkit.shapes import Array, Float, Int, Integers
 
-_LEVEL_RANGE, _LEVEL_STEP, _LEVEL_SD = (-1.1, 0.6), 0.03, 0.7
+_LEVEL_RANGE, _LEVEL_STEP, _LEVEL_SD = (-1.1, 0.6), 0.03, 0.3
 """Grid of the logarithm of the rocket's own drag around the median of the logs', and its prior standard deviation.
 [1]"""
-_FREE_RANGE = (-1.2, 0.6)
-"""Range of the logarithm of a flight's own level if it is free, around the most probable one without a step. [1]"""
 _EDGES, _SETTINGS = 28, 2
 """Most edges between which the shared figures are determined, and noise settings of a log. [1]"""
 _MEANS = np.exp(np.linspace(np.log(0.25), np.log(4.0), 15))
 """Grid of the mean relative increase of drag: from what a log can just show to fully open brakes. [1]"""
 _DECREASES = -np.exp(np.linspace(np.log(0.25), np.log(0.6), 5))
 """The same for a decrease. [1]"""
-_INCREASE_PROBABILITY = 0.8
+_INCREASE_PROBABILITY = 0.95
 """Probability that drag that switches increases. [1]"""
 _SIZE_SD = 0.35
 """Standard deviation of single steps around the mean, as a fraction of it: brakes that open partly. [1]"""
 _FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9)
 """Grid of the fraction of flights with a step. [1]"""
-_FROM_START, _TO_END = 0.25, 0.4
+_FROM_START, _TO_END = 0.1, 0.4
 """Probability that a step begins before the coast is seen, and that it lasts to its end. [1]"""
-WHOLE_PROBABILITY = _FROM_START * _TO_END
-"""Probability that a step covers all that is seen of a coast. [1]"""
 _SHORTEST, _SHORTEST_PULSE = 0.6, 0.15
 """Shortest step of a member and shortest lone one: a shock, or a sensor that was disturbed. [s]"""
+_EARLIEST = 0.4
+"""How long after the start of a coast its first step begins, unless it lasts from before: fading thrust and pitching
+look like one there. [s]"""
 _SLOWEST_ONSET = 0.35
 """Speed at which the last step begins, as a fraction of the first speed: drag is then an eighth of what it was. [1]"""
-_PULSE_PROBABILITY, _LONE_PROBABILITY, _LONE_SD = 0.05, 0.01, 0.5
+_PULSE_PROBABILITY, _LONE_PROBABILITY, _LONE_SD = 0.05, 0.01, 1.0
 """Probabilities of a short and of a long lone step of a flight that is no member, and its standard deviation. [1]"""
 _MOST_PARTS = 3
 """Most steps in one flight. [1]"""
@@ -83,8 +82,7 @@ class FlightDrag:
     """Drag of one flight along its coast relative to the rocket's own, with standard deviations, and its steps.
 
     `member` is the probability that it has a step [1]; `mean` its expected mean drag over the coast relative to the
-    rocket's own, weighted by what it takes from the speed [1]; `whole` if its drag is switched during all that is
-    seen of the coast.
+    rocket's own, weighted by what it takes from the speed [1].
     """
 
     flight_id: str
@@ -94,7 +92,6 @@ class FlightDrag:
     steps: tuple[DragStep, ...]
     member: float
     mean: float
-    whole: bool
     source: str
 
 
@@ -102,10 +99,9 @@ class FlightDrag:
 class DragSteps:
     """What the logs of a rocket show of drag that switches.
 
-    `log_bayes` is the log evidence for it, with the level of each flight's drag left out, which the readouts have
-    [nat]; `present` is its probability by the logs alone [1]. `own` is the rocket's own drag area [m^2], `own_sd` its
-    relative standard deviation; `size` is the relative increase by a step, with its standard deviation; `fraction` that
-    of the flights with a step.
+    `log_bayes` is the log evidence of the coasts for it [nat], `present` its probability by the logs alone [1]. `own`
+    is the rocket's own drag area [m^2], `own_sd` its relative standard deviation; `size` is the relative increase by a
+    step, with its standard deviation; `fraction` that of the flights with a step.
     """
 
     log_bayes: float
@@ -159,10 +155,8 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     )
     levels, log_levels = _levels(units, steps)
     none, pulse, lone, some = (np.empty((len(logs), levels.size, *shape)) for shape in ((), (), (), (means.size,)))
-    free_plain, free_some = np.empty(len(logs)), np.empty((len(logs), means.size))
     for row, (one, unit) in enumerate(zip(steps, units, strict=True)):
         none[row], pulse[row], lone[row], some[row] = _log_likelihoods(one, levels / unit, means)
-        free_plain[row], free_some[row] = _level_free(one, means)
     plain = _plain(none, pulse, lone)
     fractions = np.array(_FRACTIONS)
     mixed = np.logaddexp(
@@ -170,8 +164,8 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     )  # flight, level, mean, fraction
     joint = mixed.sum(axis=0) + log_levels[:, None, None] + log_means[:, None] - np.log(fractions.size)
     alone = plain.sum(axis=0) + log_levels
-    odds = np.logaddexp.reduce(joint, axis=None) - np.logaddexp.reduce(alone) + log_prior_odds
-    present = float(1 / (1 + np.exp(-np.clip(odds, -500, 500))))
+    log_bayes = float(np.logaddexp.reduce(joint, axis=None) - np.logaddexp.reduce(alone))
+    present = float(1 / (1 + np.exp(-np.clip(log_bayes + log_prior_odds, -500, 500))))
     weight = np.exp(joint - np.logaddexp.reduce(joint, axis=None))
     weight_alone = np.exp(alone - np.logaddexp.reduce(alone))
     by_level, by_mean = weight.sum(axis=(1, 2)), weight.sum(axis=(0, 2))
@@ -183,17 +177,12 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     members = present * np.einsum("flmp,lmp->f", np.exp(np.log(fractions) + some[..., None] - mixed), weight)
     lone_chance = np.exp(np.log(_LONE_PROBABILITY) + lone - plain)
     lones = (1 - present) * lone_chance @ weight_alone
-    switched = np.logaddexp(
-        np.log1p(-fractions) + free_plain[:, None, None], np.log(fractions) + free_some[..., None]
-    ).sum(axis=0)
-    log_bayes = np.logaddexp.reduce(switched + log_means[:, None] - np.log(fractions.size), axis=None)
-    log_bayes -= float(free_plain.sum())
     flights = []
     for log, member, single in zip(logs, members.tolist(), lones.tolist(), strict=True):
         shared = (size, float(np.hypot(size_sd, _SIZE_SD * abs(size)))) if member > single else (0.0, _LONE_SD)
         flights.append(_flight(log, member + single, own, own_sd, shared))
     fraction = float(weight.sum(axis=(0, 1)) @ fractions)
-    return DragSteps(float(log_bayes), present, own, own_sd, size, size_sd, fraction, tuple(flights))
+    return DragSteps(log_bayes, present, own, own_sd, size, size_sd, fraction, tuple(flights))
 
 
 def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
@@ -203,7 +192,8 @@ def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
     edges = np.unique(np.linspace(0, count, min(count, most_edges) + 1).round().astype(int))
     first, last = (edges[rows] for rows in np.triu_indices(edges.size, 1))
     early = np.append(profile.speed, 0.0)[first] > _SLOWEST_ONSET * profile.speed[0]
-    kept = early & ((last - first) * profile.length >= _SHORTEST_PULSE)
+    resolved = (first == 0) | (first * profile.length >= _EARLIEST)
+    kept = early & resolved & ((last - first) * profile.length >= _SHORTEST_PULSE)
     first, last = first[kept], last[kept]
     inner = max(edges.size - 2, 1)
     begins = np.where(first == 0, _FROM_START, (1 - _FROM_START) / inner)
@@ -280,17 +270,6 @@ def _summed(linear: Array, quadratic: Array, mean: float, sd: float, log_prior: 
     return np.asarray(np.logaddexp.reduce(log + log_prior, axis=-1))
 
 
-def _level_free(steps: _Steps, means: Float[Array, "mean"]) -> tuple[float, Float[Array, "mean"]]:
-    """Log likelihoods of a log whose own level is free, without a common step and with one for each mean size.
-
-    The level has a flat prior in its logarithm around its most probable value.
-    """
-    likely = max(max(one.shift / one.level for one in steps.parts), 0.05)
-    levels = likely * np.exp(np.arange(*_FREE_RANGE, 2 * _LEVEL_STEP))
-    none, pulse, lone, some = _log_likelihoods(steps, levels, means)
-    return float(np.logaddexp.reduce(_plain(none, pulse, lone))), np.logaddexp.reduce(some, axis=0)
-
-
 def _plain(none: Array, pulse: Array, lone: Array) -> Float[Array, "*any"]:
     """Log likelihood without a common step, from those without any, with a short lone one, and with a long one."""
     rest = np.log1p(-_PULSE_PROBABILITY - _LONE_PROBABILITY) + none
@@ -322,10 +301,8 @@ def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: t
     taken = log.profile.speed**2
     steps = _found(log.profile, fine, level, size, spread, member) if member > _LEAST_SHOWN else ()
     mean = float(taken @ ratio / taken.sum())
-    earliest = float(log.profile.edges[0]) + _SHORTEST
-    whole_coast = bool(steps) and steps[0].begin <= earliest and steps[0].end is None
     time, source = log.profile.time_from_liftoff, log.profile.source
-    return FlightDrag(log.flight_id, time, ratio, sd, steps, member, mean, whole_coast, source)
+    return FlightDrag(log.flight_id, time, ratio, sd, steps, member, mean, source)
 
 
 def _shape(steps: _Steps, row: int, count: int) -> Float[Array, "interval"]:

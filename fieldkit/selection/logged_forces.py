@@ -12,6 +12,7 @@ import numpy as np
 from fieldkit.analysis import Recorded
 from fieldkit.analysis.force_profile import DragProfile
 from fieldkit.flight import Flight
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, strength_term
 from fieldkit.motors import Motor
 from fieldkit.physics.atmosphere import pad_air
@@ -19,7 +20,7 @@ from fieldkit.physics.effect import LOGGED_EFFECTS
 from fieldkit.physics.setups import RAIL_LENGTH, recorded
 from fieldkit.selection.candidates import Candidate, Place, Switched, place_weight
 from fieldkit.selection.climb import RocketInputs, beside_model, track_of
-from fieldkit.selection.drag_steps import WHOLE_PROBABILITY, DragSteps, FlightDrag, LoggedDrag, drag_steps
+from fieldkit.selection.drag_steps import DragSteps, FlightDrag, LoggedDrag, drag_steps
 from fieldkit.selection.prior import log_prior_odds
 from fieldkit.shapes import Array, Float
 
@@ -135,8 +136,7 @@ def step_candidate(model: Model, forces: LoggedForces) -> tuple[Candidate, ...]:
     """Drag that switches in the coast as a candidate for the model of a rocket, with the evidence of the logs' coasts
     as part of its prior; empty if no log shows it.
 
-    The level of each flight's drag is left out of that evidence, because the readouts contain it. The step of a flight
-    whose drag is switched during all of the coast shows in nothing else, and costs its prior probability.
+    That evidence contains the drag of each coast, so the readouts must not (`without_coast_drag`).
     """
     steps = forces.steps
     if steps is None or not any(one.steps and one.member > 0.5 for one in steps.flights):
@@ -146,12 +146,18 @@ def step_candidate(model: Model, forces: LoggedForces) -> tuple[Candidate, ...]:
     members = {name: amount for name, amount in members.items() if abs(amount) > _LEAST_EXPOSURE}
     if not members:
         return ()
-    whole = sum(one.flight_id in members and one.whole for one in steps.flights)
-    cost = whole * float(np.log(WHOLE_PROBABILITY * steps.fraction))
     amounts = tuple((flight.flight_id, float(members.get(flight.flight_id, 0.0))) for flight in model.flights)
     usual = float(np.mean(list(members.values())))
     place = Place(DRAG_STEP, switched=Switched(amounts, usual, steps.fraction))
     effect = LOGGED_EFFECTS[DRAG_STEP]
     prior = replace(effect.prior, mean=steps.size, sd=steps.size_sd)
     term = strength_term(place.term_name(), effect, place_weight(place, model), prior)
-    return (Candidate(place, (term,), (steps.size,), steps.log_bayes + cost),)
+    return (Candidate(place, (term,), (steps.size,), steps.log_bayes),)
+
+
+def without_coast_drag(data: Data, model: Model, forces: LoggedForces) -> Data:
+    """Readouts without the drag of the coasts that logs show in detail."""
+    logged = np.array([flight.flight_id in forces.drag for flight in model.flights])
+    seen = data.seen.copy()
+    seen[logged, OBSERVED_READOUTS.index("coast_drag")] = False
+    return replace(data, seen=seen)

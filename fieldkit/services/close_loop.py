@@ -16,7 +16,7 @@ from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.logged_forces import logged_forces, step_candidate
+from fieldkit.selection.logged_forces import logged_forces, step_candidate, without_coast_drag
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
@@ -56,8 +56,10 @@ def close_loop(
     model = rocket_model(history)
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
     forces = logged_forces(model, recorded_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
-    logged = step_candidate(model, forces)
-    diagnosis = diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, logged)
+    data = observe(history)
+    if logged := step_candidate(model, forces):
+        data = without_coast_drag(data, model, forces)
+    diagnosis = diagnose(model, data, part(on_progress, 0.2, 0.8), given, declined, logged)
     diagnosis = replace(diagnosis, forces=forces)
     if accept:
         adopt(ledger, rocket, diagnosis)
