@@ -218,6 +218,7 @@ def export(
     from fieldkit.presentation.export import csv_table, document
     from fieldkit.services.forecasts import which_rocket
 
+    file = None if file is not None and str(file) in ("-", "/dev/stdout") else file
     with open_ledger(context) as ledger:
         force = file is not None and settled(file, force)
         flights = ledger.flights(which_rocket(ledger, rocket) if rocket else None)

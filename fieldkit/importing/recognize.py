@@ -101,12 +101,12 @@ def _lacks(like: Likeness) -> str:
 
 def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
     """The user's mapping for such a table of samples or of flights."""
-    found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
-    if found is not None or not choices:
-        return found
+    if not choices:
+        return None
     try:
-        return choice_for(layout_of(log[:HEAD]).saved_names, choices)
-    except DamagedLog:
+        found = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)])
+        return found or choice_for(layout_of(log[:HEAD]).saved_names, choices)
+    except DamagedLog:  # not a table, so none that was mapped
         return None
 
 

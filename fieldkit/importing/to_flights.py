@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownMotor
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
-from fieldkit.flight.limits import check, long_names
+from fieldkit.flight.limits import check, check_keys, check_texts, long_names
 from fieldkit.flight.plausibility import doubts
 from fieldkit.importing.reading import ImportedFile, Mapped, Note, Parsed, Reading, Rejected
 from fieldkit.importing.recognize import shown_damage
@@ -102,6 +102,11 @@ def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
         raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
+    try:
+        check_keys(flight)
+        check_texts(flight)
+    except BadValue as error:
+        raise DamagedLog(str(error), row=reading.row) from error
     _check_motor(flight, reading, check_motor)
     return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight, reading.clocks))
 

@@ -7,6 +7,7 @@ from sqlalchemy import Connection, func, select
 
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
+from fieldkit.flight.limits import check_keys
 from fieldkit.flight.short_name import flight_label
 from fieldkit.importing.incoming import OTHER_LOGS, IncomingFlight, Original
 from fieldkit.ledger.finding import Identity, StoredFlight, find, of_logs
@@ -14,7 +15,7 @@ from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
 from fieldkit.ledger.records import Added, Conflict
-from fieldkit.ledger.rows import Row, agrees, check_keys, differences, row_of, same
+from fieldkit.ledger.rows import Row, agrees, differences, row_of, same
 from fieldkit.ledger.tables import flights, tags
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES, Flight
+from fieldkit.flight.limits import check_texts
 from fieldkit.ledger.records import FlightSummary
-from fieldkit.quantities import counted
 
 Row = dict[str, Any]
 """Column name to a JSON-compatible value."""
@@ -19,22 +19,15 @@ class DamagedRow(ValueError):
     """A row that fieldkit did not write: the file was changed or damaged."""
 
 
-TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
 READOUT_COLUMNS: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})
 """The fields that accompany each readout, and their columns; the row's own `source` is a file."""
-MAX_KEY_SIZE = 2600
-"""Largest size of a tag, and of a rocket's name and a flight_id together, in UTF-8: the keys of a server are no longer,
-and a ledger can move between a file and a server. [bytes]"""
 DIRECT_FIELDS = tuple(name for name in FIELDS if name not in (*READOUT_COLUMNS, "tags"))
 """Fields of a flight that a row stores under the same name."""
 
 
 def row_of(flight: Flight) -> Row:
     """A flight as one JSON-compatible row, tags included. Raises BadValue for values that a ledger cannot store."""
-    for name in TEXTS:
-        _storable(name, getattr(flight, name))
-    for text in (*flight.tags, *flight.extra, *flight.extra.values()):
-        _storable("tags and extra columns", text)
+    check_texts(flight)
     row: Row = {name: getattr(flight, name) for name in DIRECT_FIELDS}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else None
     row["tags"] = list(flight.tags)
@@ -43,19 +36,6 @@ def row_of(flight: Flight) -> Row:
         row[column.name] = _finite(column.header, flight.number(column.name))
     _check_beside(flight)
     return row | {column: dict(getattr(flight, part)) or None for part, column in READOUT_COLUMNS.items()}
-
-
-def check_keys(flight: Flight) -> None:
-    """Raise BadValue for names of a flight that not every kind of ledger can store."""
-    check_key("rocket and flight_id", flight.rocket + flight.flight_id)
-    for tag in flight.tags:
-        check_key("tags", tag)
-
-
-def check_key(name: str, key: str) -> None:
-    """Raise BadValue for a key, or the columns of one together, that not every kind of ledger can store."""
-    if (size := len(key.encode(errors="replace"))) > MAX_KEY_SIZE:
-        raise BadValue(f"{name}: found {key[:20] + '…'!r} of {counted(size, 'byte')}, expected at most {MAX_KEY_SIZE}")
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
@@ -140,8 +120,3 @@ def _check_beside(flight: Flight) -> None:
             raise BadValue(f"{column.sd_header}: found {sd}, expected a number above 0 or nothing")
         if source not in SOURCES:
             raise BadValue(f"{column.source_header}: found {source!r}, expected one of {', '.join(SOURCES)}")
-
-
-def _storable(name: str, text: str) -> None:
-    if "\0" in text or any("\ud800" <= letter <= "\udfff" for letter in text):
-        raise BadValue(f"{name}: found {text!r}, expected text without NUL and broken characters")

@@ -9,8 +9,9 @@ from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError
 
 from fieldkit.errors import LedgerError, UnusableLedger
+from fieldkit.flight.limits import MAX_KEY_SIZE
 from fieldkit.ledger import backups, soundness
-from fieldkit.ledger.rows import MAX_KEY_SIZE, DamagedRow
+from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.schema import missing
 from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.whereabouts import file_of, name_of

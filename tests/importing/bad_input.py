@@ -42,7 +42,7 @@ class Seed:
 def seeds() -> list[Seed]:
     """Every sample log, and every real recording if there are any."""
     found = [Seed(sample.name, owner(sample), _short(sample.read_bytes())) for sample in SAMPLES]
-    for file in sorted(RECORDED.glob("*")) if RECORDED.is_dir() else []:
+    for file in sorted(filter(Path.is_file, RECORDED.glob("*"))):
         log = file.read_bytes()
         names = claims(log)
         if len(names) == 1:

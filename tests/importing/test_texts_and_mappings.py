@@ -1,0 +1,74 @@
+"""What a ledger cannot store is rejected by its row, and a home with mappings refuses what an empty one does."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.paths import HOME
+from fieldkit.settings import change_settings
+from tests.samples import SAMPLES, owner
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def lived_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The beginning of a command line, in a home with mappings of samples and of flights, a draft and US units."""
+    monkeypatch.setenv(HOME, str(tmp_path / "home"))
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    table = tmp_path / "odd.csv"
+    table.write_text("when,how high,craft\n2025-05-01T10:00,250,Law\n")
+    mapping = ["apogee=how high [m]", "rocket=craft", "date_time=when"]
+    assert main([*ledger, "import", str(table), *(part for one in mapping for part in ("--map", one))]) == 0
+    table.write_text("tick,up\n" + "".join(f"{n / 10},{max(0, n - 20)}\n" for n in range(100)))
+    main([*ledger, "inspect", str(table), "--map", "time=tick [s]", "--map", "altitude=up [ft]"])
+    change_settings({"units": "US"})
+    return ledger
+
+
+def test_a_binary_file_is_refused_by_name_in_a_lived_in_home(
+    lived_in: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number, content in enumerate((bytes(range(256)) * 64, b"", b"\0" * 5000, b"\xff\xfe" + b"\xd8\x00" * 500)):
+        file = tmp_path / f"junk{number}.csv"
+        file.write_bytes(content)
+        capsys.readouterr()
+        for command in ("import", "inspect"):
+            assert main([*lived_in, command, str(file)]) == 1
+            assert f"junk{number}.csv" in capsys.readouterr().err
+
+
+def test_a_lived_in_home_reads_every_format_as_an_empty_one(
+    lived_in: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for format, file in {owner(sample): sample for sample in SAMPLES}.items():
+        answers = []
+        for home in (tmp_path / "home", tmp_path / "empty"):
+            monkeypatch.setenv(HOME, str(home))
+            capsys.readouterr()
+            status = main([*lived_in, "inspect", str(file), "--json"])
+            answers.append((status, capsys.readouterr().out))
+        assert answers[0] == answers[1], format
+
+
+def test_texts_that_no_ledger_can_store_cost_their_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flight = {"rocket": "A", "motor": "F24-4W", "apogee_m": 100}
+    rows = [{"flight_id": id, **flight} for id in ("\ud800", "2", "x" * 100_000)]
+    file = tmp_path / "flights.json"
+    file.write_text(json.dumps({"flights": rows}))
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    for command in ("inspect", "import"):
+        capsys.readouterr()
+        assert main([*ledger, command, str(file), "--json"]) == 0
+        shown = capsys.readouterr()
+        assert "x" * 1000 not in shown.out + shown.err
+        document = json.loads(shown.out)
+        if command == "import":
+            assert document["flights"] == ["2"]
+            first, second = document["rejected"]
+            assert "flight_id" in first["error"]
+            assert first["row"] != second["row"]
+        else:
+            assert document["files"][0]["would_store"] == 1
