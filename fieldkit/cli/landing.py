@@ -37,6 +37,10 @@ def landing(
     card: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a one-page range card: .png, .pdf, .svg.")
     ] = None,
+    safety_sheet: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write a page for the range safety officer to sign: .png, .pdf, .svg."),
+    ] = None,
     wind_from: Annotated[
         float | None,
         typer.Option(callback=finite, help="Direction the wind blows from, in degrees from north. Default: 270, west."),
@@ -54,11 +58,11 @@ def landing(
     if (kml is None) != (pad is None):
         raise typer.BadParameter("found one of --kml and --pad, expected both: a map needs the position of the pad")
     place = None if pad is None else read_place(pad)
-    if card is not None:
+    for page in filter(None, (card, safety_sheet)):
         from fieldkit.presentation.report.finals_card import check_card
 
-        check_card(card)
-    replaces = {file: settled(file, force) for file in (kml, card) if file is not None}
+        check_card(page)
+    replaces = {file: settled(file, force) for file in (kml, card, safety_sheet) if file is not None}
     with planning(context, given) as plan:
         if kml is not None and plan.flight.wind is None:
             raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
@@ -86,6 +90,14 @@ def landing(
         text = [name, _day(prediction.plan), *forecast, *more, *around][:CARD_LINES]
         files.write(card, range_card(text, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
         complain(f"Wrote the range card to {card}")
+    if safety_sheet is not None:
+        from fieldkit.presentation.planning_text import conditions_in_words
+        from fieldkit.presentation.report.safety_sheet import safety_sheet as sheet
+
+        about = [words[0], _day(prediction.plan), *conditions_in_words(prediction.plan, plan.rocket.known, system())]
+        content = sheet(about, lines, safety_sheet.suffix.lower(), system())
+        files.write(safety_sheet, content, force=replaces[safety_sheet])
+        complain(f"Wrote the range safety sheet to {safety_sheet}")
     if json:
         document: dict[str, Any] = {"rocket": prediction.plan.rocket, "motor": found.motor.designation} | one.json()
         print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(prediction, lines))

@@ -46,13 +46,13 @@ def range_card(
     worst_first = sorted(lines, key=lambda line: -SEVERITY.index(line.verdict))
     figure.text(0.06, below, "Safety lines", fontsize=11, fontweight="bold", va="top")
     texts = [*(line.words(system) for line in worst_first), "", ADVICE_NOTE]
-    safety, size = _fitted(texts, (below - 2 * ROW - FOOT_OF_PAGE) / ROW)
+    safety, size = fitted(texts, (below - 2 * ROW - FOOT_OF_PAGE) / ROW)
     figure.text(0.06, below - 2 * ROW, safety, fontsize=size, va="top", family="monospace")
     _map(figure, found, site, ShownUnits(system).length_unit)
     return drawn(figure, suffix.lstrip("."), dpi=130)
 
 
-def _fitted(texts: Sequence[str], rows: float) -> tuple[str, float]:
+def fitted(texts: Sequence[str], rows: float) -> tuple[str, float]:
     """Texts wrapped to the width of the page, and the largest size at which they fill at most a number of rows of
     `FONT` [pt]: smaller letters leave room for longer lines."""
     for size in np.arange(FONT, LEAST_FONT, -0.25):
