@@ -48,4 +48,4 @@ def _moved(result: Fit, terms: Float[Array, "draw term"], which: Int[Integers, "
     gradient = np.einsum("fot,dfo->dt", evidence.slope, weighed)
     step = np.einsum("dtu,du->dt", result.covariance[which], gradient)
     low, high = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
-    return np.clip(terms - step, low, high)
+    return np.asarray(np.clip(terms - step, low, high))

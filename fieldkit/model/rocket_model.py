@@ -19,7 +19,7 @@ from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
 from fieldkit.model.term_names import SHARED_LEVELS, TermName, fleet_term
 from fieldkit.motors import Found
-from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.physics.history import History
 from fieldkit.shapes import Array, Float
 
@@ -223,6 +223,19 @@ def _shared_days(days: Sequence[str], flown: int) -> list[str]:
 def _named(groups: Sequence[str]) -> list[str]:
     """The groups that have a name, each once."""
     return [group for group in dict.fromkeys(groups) if group]
+
+
+def usual_terms(model: Model) -> list[Term]:
+    """The terms of effects that every rocket has, on all flights; the learned hyperprior has them in its random
+    effects."""
+    if model.hyperprior.kind != "certified" and not model.hyperprior.documents:
+        return []
+    every = np.ones(len(model.flights))
+    return [
+        strength_term(TermName(name, "usual"), effect, every, effect.background)
+        for name, effect in effects().items()
+        if effect.background is not None
+    ]
 
 
 def shared_names(model: Model) -> list[TermName]:

@@ -26,8 +26,9 @@ def measured_by(sources: Collection[str], flights: Sequence[Flight], readout: st
     A flight without the readout takes the value of the last earlier flight with it, or else of the first flight with
     it, because a rocket usually keeps its altimeter. If no flight has the readout, the value is 0.
     """
-    shown = [i for i, flight in enumerate(flights) if flight.number(readout) is not None]
-    own = np.array([float(flight.source.get(readout, "") in sources) for flight in flights])
+    recorded = [flight.readout(readout) for flight in flights]
+    shown = [i for i, one in enumerate(recorded) if one]
+    own = np.array([float(one is not None and one.source in sources) for one in recorded])
     if not shown:
         return np.zeros(len(flights))
     last = np.maximum(np.searchsorted(shown, np.arange(len(flights)), side="right") - 1, 0)

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.rocket_model import Model, base_model
+from fieldkit.model.rocket_model import Model, base_model, usual_terms
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.model.usual_effects import usual_terms
 from fieldkit.physics.effect import effects
 from fieldkit.physics.history import History
 from fieldkit.selection.candidates import Place, effect_terms

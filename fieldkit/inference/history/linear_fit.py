@@ -21,11 +21,10 @@ from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
-from fieldkit.model.rocket_model import Model, Term, base_model, strength_term
+from fieldkit.model.rocket_model import Model, Term, base_model, strength_term, usual_terms
 from fieldkit.model.scale import Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
-from fieldkit.model.usual_effects import usual_terms
 from fieldkit.physics.effect import effects
 from fieldkit.physics.history import History
 from fieldkit.physics.setups import differs_from_zero

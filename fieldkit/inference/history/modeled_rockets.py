@@ -14,9 +14,8 @@ from fieldkit.inference.history.linear_fit import declared_terms
 from fieldkit.inference.history.placed_effects import Candidates, PlacedEffect
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.rocket_model import Model, Term, base_model, shared_names
+from fieldkit.model.rocket_model import Model, Term, base_model, shared_names, usual_terms
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.model.usual_effects import usual_terms
 from fieldkit.physics.history import history_of
 
 SELECTION_WORLD = 0.55

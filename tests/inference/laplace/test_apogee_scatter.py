@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.laplace.apogee_scatter import FACTORS, TAIL, apogee_spread
+from fieldkit.inference.laplace.leave_one_out import FACTORS, TAIL, apogee_spread
 
 pytestmark = pytest.mark.fast
 
