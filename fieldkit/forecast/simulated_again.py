@@ -23,10 +23,11 @@ MIN_DRAWS = 150
 def simulated_again(
     result: Fit, terms: Float[Array, "draw term"], which: Int[Integers, "draw"]
 ) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
-    """The draws of the terms, each with its scales, moved to the ridge of the simulator.
+    """The draws of the terms, each with its scales, moved to the ridge of the simulator; in their
+    units.
 
     If they are more than `MAX_SIMULATIONS` allows, the first ones stand for all, in turn. Raises ImpossibleFlight for a
-    flight without a dry mass and BadValue for a recovery figure or rail direction that cannot be read.
+    flight without a dry mass.
     """
     count = int(result.data.seen.any(axis=1).sum())
     if not count or not terms.shape[1]:

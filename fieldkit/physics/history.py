@@ -148,8 +148,8 @@ def field_setup(
     knots: int | None = None,
     stride: float = 1.0,
 ) -> Setup:
-    """Flights of any rockets as in `setup_of`, in SI. Raises ImpossibleFlight for a flight without a dry mass, BadValue for a
-    rail direction, a wind or an opening time that cannot be read.
+    """Flights of any rockets as in `setup_of`, in SI. Raises ImpossibleFlight for a flight without a dry mass, BadValue
+    for a rail direction, a wind or an opening time that cannot be read.
     """
     conditions = [launch_conditions(flight) for flight in flights]
     return setups.setup_of(flights, found, conditions, drag_area, thrust_factor, steps, knots, stride)
