@@ -124,11 +124,11 @@ app.command()(landing)
 def track(
     context: typer.Context,
     flight: Annotated[str, typer.Argument(help="Flight id.")],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write; ends in .kml.", show_default=False)],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write; ends in .kml or .gpx.", show_default=False)],
     force: ForceOption = False,
 ) -> None:
-    """Write the GPS track of a flight's log as KML."""
-    from fieldkit.presentation.kml import track_kml
+    """Write the GPS track of a flight's log as KML or GPX."""
+    from fieldkit.presentation.kml import track_gpx, track_kml
     from fieldkit.services.replay import recording_of
 
     force = settled(out, force)
@@ -137,7 +137,8 @@ def track(
     clocks: Any = found.reading.clocks if found is not None and found.reading is not None else ()
     for clock in clocks:
         if clock.latitude is not None and clock.longitude is not None:
-            content = track_kml(flight_label(flight), clock.latitude, clock.longitude, clock.gps_altitude_msl)
+            write = track_gpx if out.suffix.lower() == ".gpx" else track_kml
+            content = write(flight_label(flight), clock.latitude, clock.longitude, clock.gps_altitude_msl)
             files.write(out, content, force=force)
             say(f"Wrote the track of {flight_label(flight)} to {out}")
             return

@@ -4,6 +4,7 @@ Source: OGC KML 2.3 (12-007r2): coordinates are longitude, latitude and altitude
 """
 
 from collections.abc import Sequence
+from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -85,13 +86,7 @@ def track_kml(
 ) -> bytes:
     """A satellite track, with its altitude above sea level [m] if recorded, and its ends on the ground. Raises BadValue
     for fewer than two positions."""
-    known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
-    if altitude is not None:
-        known &= np.isfinite(altitude)
-    rows = np.flatnonzero(known)
-    if len(rows) < 2:
-        raise BadValue(f"{printable(name)}: found no GPS positions, expected a log of a tracker")
-    rows = rows[np.unique(np.linspace(0, len(rows) - 1, min(MAX_POINTS, len(rows))).astype(int))]
+    rows = _positions(name, latitude, longitude, altitude)
     columns = [longitude[rows], latitude[rows], *([altitude[rows]] if altitude is not None else [])]
     mode = "<altitudeMode>absolute</altitudeMode>" if altitude is not None else "<tessellate>1</tessellate>"
     path = f"<LineString>{mode}<coordinates>{_places(np.stack(columns, axis=-1))}</coordinates></LineString>"
@@ -100,6 +95,39 @@ def track_kml(
         for end, row in (("first position", rows[0]), ("last position", rows[-1]))
     ]
     return _document(name, [_style("track"), _placemark("track", path, "track"), *ends])
+
+
+def track_gpx(
+    name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
+) -> bytes:
+    """The same track as GPX 1.1, which map programs and hand-held receivers read. Raises BadValue as `track_kml`.
+
+    Source: the schema of Topografix, http://www.topografix.com/GPX/1/1. [degrees, m]
+    """
+    rows = _positions(name, latitude, longitude, altitude)
+    heights = [""] * len(rows) if altitude is None else [f"<ele>{altitude[row]:.1f}</ele>" for row in rows]
+    points = "".join(
+        f'<trkpt lat="{latitude[row]:.7f}" lon="{longitude[row]:.7f}">{height}</trkpt>'
+        for row, height in zip(rows, heights, strict=True)
+    )
+    title = f"<name>{escape(printable(name))}</name>"
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n<gpx version="1.1" creator="fieldkit" '
+        f'xmlns="http://www.topografix.com/GPX/1/1"><trk>{title}<trkseg>{points}</trkseg></trk></gpx>\n'
+    ).encode()
+
+
+def _positions(
+    name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
+) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Rows of the known positions of a track, at most `MAX_POINTS`. Raises BadValue for fewer than two."""
+    known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
+    if altitude is not None:
+        known &= np.isfinite(altitude)
+    rows = np.flatnonzero(known)
+    if len(rows) < 2:
+        raise BadValue(f"{printable(name)}: found no GPS positions, expected a log of a tracker")
+    return np.asarray(rows[np.unique(np.linspace(0, len(rows) - 1, min(MAX_POINTS, len(rows))).astype(int))])
 
 
 def _places(points: Float[Array, "point axis"]) -> str:

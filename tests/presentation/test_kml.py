@@ -10,7 +10,7 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.physics.descent import DescentResult
 from fieldkit.planning.landing import Landing
-from fieldkit.presentation.kml import EARTH_RADIUS, landing_kml, placed, read_place, track_kml
+from fieldkit.presentation.kml import EARTH_RADIUS, landing_kml, placed, read_place, track_gpx, track_kml
 
 pytestmark = pytest.mark.fast
 
@@ -84,6 +84,16 @@ def test_an_invalid_position_is_named(text: str) -> None:
     assert read_place("47.5, -8.7") == (47.5, -8.7)
     with pytest.raises(BadValue, match=r"such as 47\.5"):
         read_place(text)
+
+
+def test_a_track_is_written_as_gpx_too() -> None:
+    latitude, longitude = np.array([47.0, np.nan, 47.002]), np.array([8.0, 8.1, 8.002])
+    root = ElementTree.fromstring(track_gpx("3 & 4", latitude, longitude, np.array([400.0, 1.0, 410.0])))
+    space = {"g": "http://www.topografix.com/GPX/1/1"}
+    points = root.findall("g:trk/g:trkseg/g:trkpt", space)
+    assert [(float(one.attrib["lat"]), float(one.attrib["lon"])) for one in points] == [(47.0, 8.0), (47.002, 8.002)]
+    assert [one.findtext("g:ele", namespaces=space) for one in points] == ["400.0", "410.0"]
+    assert root.findtext("g:trk/g:name", namespaces=space) == "3 & 4"
 
 
 def test_the_track_of_a_flight_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,12 +2,13 @@
 not known."""
 
 from collections.abc import Iterator, Sequence
+from textwrap import wrap
 
 from matplotlib.figure import Figure
 
 from fieldkit.messages import message
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, SafetyCheck
-from fieldkit.presentation.report.range_card import FONT, ROW, fitted
+from fieldkit.presentation.report.range_card import FONT, LINE, NOTE_INDENT, ROW, fitted
 from fieldkit.presentation.report.style import A4, drawn, without_markup
 from fieldkit.quantities import in_system
 from fieldkit.safe_text import printable
@@ -47,7 +48,8 @@ def sheet_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str
 @without_markup()
 def safety_sheet(heading: Sequence[str], lines: Sequence[SafetyCheck], suffix: str, system: str = "SI") -> bytes:
     """The sheet as a picture of a page: a heading, whose first line is the title, the checks, and room to sign."""
-    title, *about = map(printable, heading)
+    title, *rest = map(printable, heading)
+    about = [line for text in rest for line in wrap(text, LINE, subsequent_indent=" " * NOTE_INDENT)]
     figure = Figure(figsize=A4)
     figure.text(0.06, TOP, f"Range safety sheet: {title}", fontsize=12, fontweight="bold", va="top")
     figure.text(0.06, TOP - 0.025, "\n".join(about), fontsize=FONT, va="top", family="monospace")
