@@ -13,3 +13,10 @@ def any_motor(name: str) -> str | None:
 def owner(sample: Path) -> str:
     """The parser a sample was made for, by its name."""
     return sample.name.split("__")[0]
+
+
+def samples_of(parser: str) -> list[Path]:
+    """The sample logs of a parser; a test fails that asks for those of one without any."""
+    found = [sample for sample in SAMPLES if owner(sample) == parser]
+    assert found, f"parsers/{parser}.py has no sample log; put one in sample_logs/{parser}__WHAT_HAPPENED.SUFFIX"
+    return found

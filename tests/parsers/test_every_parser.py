@@ -22,7 +22,7 @@ from fieldkit.importing import ImportedFile, Parser, Reading
 from fieldkit.importing.read import read
 from fieldkit.importing.recognize import claims, parser_for, parsers
 from tests.effort import examples
-from tests.samples import SAMPLES, any_motor, owner
+from tests.samples import SAMPLES, any_motor, owner, samples_of
 
 GOLDEN = Path(__file__).parent / "golden"
 every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.name)
@@ -74,7 +74,7 @@ def troubles(log: bytes, source: str, format: str | None) -> list[str]:
 
 @pytest.mark.parametrize("name", parsers())
 def test_every_parser_has_a_sample_log(name: str) -> None:
-    assert any(owner(sample) == name for sample in SAMPLES)
+    assert samples_of(name)
 
 
 @every_sample
