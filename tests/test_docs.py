@@ -17,17 +17,25 @@ import pytest
 from typer.core import TyperGroup
 from typer.main import get_command
 
+from fieldkit import cli
+from fieldkit.cli import main as commands
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
-from fieldkit.flight import Flight
+from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
+from fieldkit.model.observation_noise import NOISE
+from fieldkit.model.observations import READOUT_NAMES
 from fieldkit.model.prior_predictive import PRIORS
 from fieldkit.motors.delay_tolerance import RELATIVE_DELAY_TOLERANCE
 from fieldkit.motors.motor import BURN_THRUST_FRACTION
+from fieldkit.physics.flight import fly
+from fieldkit.physics.paper import paper_setup
+from fieldkit.physics.single import at_the_edge
 from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
+from tests.commands import Run
 from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
@@ -375,7 +383,7 @@ def test_the_messages_explained_in_troubleshooting_are_in_the_program() -> None:
 
 
 def test_the_example_effect_of_the_manual_changes_the_reading() -> None:
-    _, effect, _ = blocks("python", PAGES["extending"])
+    _, effect, *_ = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(effect, "sticky_altimeter.py", "exec"), module)
     sticky = module["EFFECT"]
@@ -408,3 +416,25 @@ def test_the_picture_is_of_this_demo() -> None:
     for heading in ("flight", "motor", "apogee", "Cd", "alpha", "tag", "ejection"):
         assert heading in words
         assert f'"{heading}"' in source
+
+
+def test_the_example_command_of_the_manual_plans_from_what_is_known(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "rail.py").write_text(blocks("python", PAGES["extending"])[3], encoding="utf-8")
+    monkeypatch.setattr(cli, "__path__", [*cli.__path__, str(tmp_path)])
+    monkeypatch.setitem(commands.HOMES, "rail", "rail")
+    plan = ["rail", "--rocket", "Bertha", "--motor", "C6-5"]
+    try:
+        printed = run(*plan, "--dry-mass", "80g", "--diameter", "41.6mm", "--rail-length", "1m").out
+        assert re.search(r"off the rail at \d+\.\d m/s", printed)
+        assert run(*plan, "--json").document["rail_speed_mps"] > 5, "the rocket is remembered"
+    finally:
+        sys.modules.pop(f"{cli.__name__}.rail", None)
+
+
+def test_a_readout_that_is_only_recorded_is_not_simulated() -> None:
+    """The order of the readouts that the networks read does not change with the columns of a flight."""
+    assert set(READOUT_NAMES) == NOISE.keys() <= {column.name for column in READOUTS}
+    flown = fly(paper_setup(np.array([0]), np.array([0.3]), np.array([0.6]), np.array([1.0])))
+    assert at_the_edge(flown, ["apogee", "coast_drag"]).keys() == {"apogee_m"}

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.flight import CONDITIONS, READOUTS, Flight
+from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.flight.recovery import recovery_column
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.setups import delays, dry_masses, recorded
@@ -28,7 +28,20 @@ effect on thrust of a scale or a launch rod that is further off than assumed.
 MIN_PRIOR_DIAMETER, MAX_PRIOR_DIAMETER = 0.013, 0.1
 """Bounds of the diameter's prior; the motor's diameter replaces the lower one if it is larger. [m]"""
 
-READOUT_NAMES = tuple(column.name for column in READOUTS)
+READOUT_NAMES = (
+    "apogee",
+    "top_speed",
+    "burn_time",
+    "peak_accel",
+    "avg_accel",
+    "coast_to_apogee",
+    "apogee_to_eject",
+    "eject_altitude",
+    "descent_speed",
+    "duration",
+)
+"""The readouts that a simulated flight has, in the order in which the ensembles were trained on them. A readout that is
+only recorded is not among them."""
 DECLARED_FIELDS = ("dry_mass", "diameter", "delay", *(column.name for column in CONDITIONS))
 """What a flyer may record besides the readouts; only the dry mass is required."""
 INDEPENDENT_READOUTS = tuple(name for name in READOUT_NAMES if name != "avg_accel")

@@ -64,9 +64,10 @@ def _flown(setup: Setup, motor: str) -> FlightResult:
 
 
 def at_the_edge(flown: FlightResult, names: Iterable[str]) -> dict[str, float]:
-    """Readouts of the first draw by column name with its unit (`apogee_m`); undefined readouts are omitted."""
+    """Readouts of the first draw by column name with its unit (`apogee_m`); readouts that are undefined or not
+    simulated are omitted."""
     readouts = flown.readouts()
-    found = {BY_NAME[name]: float(readouts[name].reshape(-1)[0]) for name in names}
+    found = {BY_NAME[name]: float(readouts[name].reshape(-1)[0]) for name in names if name in readouts}
     return {
         column.header: units.unit(column.quantity, column.unit).from_si(value)
         for column, value in found.items()

@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.flight import LOGGED, READOUTS
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.observations import READOUT_NAMES
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.selection.diagnose import Diagnosis
@@ -48,7 +49,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
     }
     rows |= _others(diagnosis, readings, along)
     logged = [column for column in LOGGED if seen[:, OBSERVED_READOUTS.index(column.name)].any()]
-    return [rows[column.name] for column in (*READOUTS, *logged)]
+    return [rows[column.name] for column in (*READOUTS, *logged) if column.name in rows]
 
 
 def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
@@ -123,7 +124,7 @@ def _others(
     plain = diagnosis.base.fit
     shown_plain = shown(plain.model, plain.moments()[0][None], {})
     rows = {}
-    for name in (column.name for column in READOUTS if column.name not in OBSERVED_READOUTS):
+    for name in (name for name in READOUT_NAMES if name not in OBSERVED_READOUTS):
         with np.errstate(invalid="ignore", divide="ignore"):
             miss = np.log(plain.model.recorded(name) / shown_plain[name][0])
             shift = np.log(readings[name][0] / readings[name][1])
