@@ -1,6 +1,7 @@
 """No command prints a figure that is not a number, or a warning of the arithmetic, whatever is planned or flown."""
 
 import json
+import math
 import re
 import warnings
 from pathlib import Path
@@ -11,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fieldkit.cli.main import main
+from fieldkit.flight import MEASURED
 from fieldkit.paths import REFERENCE_FLIGHTS
 
 CHECK_SHAPES = False
@@ -150,3 +152,63 @@ def test_a_standard_deviation_beyond_its_limits_is_refused_by_row_and_column(
     assert "row 2" in message
     assert "apogee_sd_m" in message
     assert re.search("expected a (standard deviation|plausible number)", message)
+
+
+PLAUSIBLE = {
+    "apogee": 250.0,
+    "top_speed": 75.0,
+    "burn_time": 2.1,
+    "peak_accel": 14.0,
+    "avg_accel": 4.0,
+    "coast_to_apogee": 5.4,
+    "apogee_to_eject": 0.4,
+    "eject_altitude": 240.0,
+    "descent_speed": 5.0,
+    "duration": 55.0,
+    "coast_drag": 1.6,
+    "burn_impulse": 60.0,
+}
+"""A value of every readout, in its column's own unit."""
+EVERY_COMMAND = (
+    ["flights"],
+    ["show", "3"],
+    ["infer"],
+    ["predict", "--motor", "F24-4W"],
+    ["predict", "--quick", "--motor", "F24-4W"],
+    ["loop", "--details", "--dry-run"],
+    ["loop", "--dry-run", "--json"],
+    ["loop", "--quick", "--dry-run"],
+    ["landing", "--motor", "F24-4W"],
+    ["delay", "--motor", "F24"],
+    ["score"],
+    ["export"],
+    ["history"],
+)
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A ledger of flights with every readout, with and without standard deviation and source."""
+    folder = tmp_path_factory.mktemp("measured")
+    assert PLAUSIBLE.keys() == {column.name for column in MEASURED}, "a new readout is tried here, too"
+    headers = [part for column in MEASURED for part in (column.header, column.sd_header, column.source_header)]
+    lines = [",".join(["flight_id", "rocket", "config", "dry_mass_g", "diameter_mm", "motor", "date_time", *headers])]
+    for number in range(8):
+        cells = []
+        for column in MEASURED:
+            value = PLAUSIBLE[column.name] * (1 + 0.02 * math.sin(7.0 * number + len(column.name)))
+            annotated = [f"{0.03 * value:.3g}", "baro"] if number % 2 else ["", ""]
+            cells += [f"{value:.4g}", *annotated]
+        lines.append(",".join([str(number), "Law", "A", "322", "66", "F24-4W", f"2025-05-0{number + 1}T10:00", *cells]))
+    table = folder / "table.csv"
+    table.write_text("\n".join(lines) + "\n")
+    assert main(["--ledger", str(folder / "ledger.db"), "import", str(table)]) == 0
+    return folder / "ledger.db"
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("command", EVERY_COMMAND, ids=" ".join)
+def test_every_command_knows_every_readout(
+    command: list[str], measured: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    check(["--ledger", str(measured), *command], capsys)
