@@ -40,7 +40,7 @@ _EARLIEST = 0.4
 look like one there. [s]"""
 _SLOWEST_ONSET = 0.35
 """Speed at which the last step begins, as a fraction of the first speed: drag is then an eighth of what it was. [1]"""
-_PULSE_PROBABILITY, _LONE_PROBABILITY, _LONE_SD = 0.05, 0.01, 1.0
+_PULSE_PROBABILITY, _LONE_PROBABILITY, _LONE_SD = 0.05, 0.005, 1.0
 """Probabilities of a short and of a long lone step of a flight that is no member, and its standard deviation. [1]"""
 _MOST_PARTS = 3
 """Most steps in one flight. [1]"""
@@ -81,8 +81,8 @@ class DragStep:
 class FlightDrag:
     """Drag of one flight along its coast relative to the rocket's own, with standard deviations, and its steps.
 
-    `member` is the probability that it has a step [1]; `mean` its expected mean drag over the coast relative to the
-    rocket's own, weighted by what it takes from the speed [1].
+    `member` is the probability that it has a step [1], of which `lone` is that of one of its own; `mean` is its
+    expected mean drag over the coast relative to the rocket's own, weighted by what it takes from the speed [1].
     """
 
     flight_id: str
@@ -91,6 +91,7 @@ class FlightDrag:
     sd: Float[Array, "interval"]
     steps: tuple[DragStep, ...]
     member: float
+    lone: float
     mean: float
     source: str
 
@@ -180,7 +181,7 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     flights = []
     for log, member, single in zip(logs, members.tolist(), lones.tolist(), strict=True):
         shared = (size, float(np.hypot(size_sd, _SIZE_SD * abs(size)))) if member > single else (0.0, _LONE_SD)
-        flights.append(_flight(log, member + single, own, own_sd, shared))
+        flights.append(replace(_flight(log, member + single, own, own_sd, shared), lone=single))
     fraction = float(weight.sum(axis=(0, 1)) @ fractions)
     return DragSteps(log_bayes, present, own, own_sd, size, size_sd, fraction, tuple(flights))
 
@@ -302,7 +303,7 @@ def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: t
     steps = _found(log.profile, fine, level, size, spread, member) if member > _LEAST_SHOWN else ()
     mean = float(taken @ ratio / taken.sum())
     time, source = log.profile.time_from_liftoff, log.profile.source
-    return FlightDrag(log.flight_id, time, ratio, sd, steps, member, mean, source)
+    return FlightDrag(log.flight_id, time, ratio, sd, steps, member, 0.0, mean, source)
 
 
 def _shape(steps: _Steps, row: int, count: int) -> Float[Array, "interval"]:

@@ -155,6 +155,22 @@ def step_candidate(model: Model, forces: LoggedForces) -> tuple[Candidate, ...]:
     return (Candidate(place, (term,), (steps.size,), steps.log_bayes),)
 
 
+def with_probability(forces: LoggedForces, probability: float) -> LoggedForces:
+    """The forces with steps at most as probable as the whole evidence, readouts included, makes them [1]."""
+    if forces.steps is None or probability >= forces.steps.present:
+        return forces
+    part = probability / forces.steps.present
+    return replace(forces, drag={name: _with_probability(one, part) for name, one in forces.drag.items()})
+
+
+def _with_probability(one: FlightDrag, part: float) -> FlightDrag:
+    """A flight whose steps are less probable by a factor, except for one of its own. [1]"""
+    member = one.lone + part * (one.member - one.lone)
+    factor = member / max(one.member, 1e-9)
+    steps = tuple(replace(step, probability=factor * step.probability) for step in one.steps)
+    return replace(one, member=member, steps=steps)
+
+
 def without_coast_drag(data: Data, model: Model, forces: LoggedForces) -> Data:
     """Readouts without the drag of the coasts that logs show in detail."""
     logged = np.array([flight.flight_id in forces.drag for flight in model.flights])

@@ -16,7 +16,13 @@ from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.logged_forces import logged_forces, step_candidate, without_coast_drag
+from fieldkit.selection.logged_forces import (
+    DRAG_STEP,
+    logged_forces,
+    step_candidate,
+    with_probability,
+    without_coast_drag,
+)
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
@@ -60,6 +66,8 @@ def close_loop(
     if logged := step_candidate(model, forces):
         data = without_coast_drag(data, model, forces)
     diagnosis = diagnose(model, data, part(on_progress, 0.2, 0.8), given, declined, logged)
+    if logged:
+        forces = with_probability(forces, diagnosis.posterior.inclusion.get(DRAG_STEP, 0.0))
     diagnosis = replace(diagnosis, forces=forces)
     if accept:
         adopt(ledger, rocket, diagnosis)
