@@ -110,7 +110,7 @@ def short_safety_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Itera
     """The lines as text for a small screen, the worst last: what passed by name, what the flyer checks by name, what
     lacks data without the rule's wording, and every failed check in full; followed by who decides."""
     passed = [f"{line.name}{line.suffix}" for line in lines if line.verdict == "ok"]
-    by_eye = [line.name for line in lines if line.by_eye]
+    by_eye = dict.fromkeys(line.name for line in lines if line.by_eye)
     if passed:
         yield f"{MARKS['ok']} ok: {', '.join(passed)}"
     if by_eye:

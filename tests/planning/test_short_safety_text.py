@@ -41,3 +41,8 @@ def test_an_unverified_rule_is_marked_whatever_its_verdict() -> None:
     assert texts[0] == "✓ ok: launch angle (unverified)"
     assert texts[1] == "? launch angle: at most 20° (unverified)"
     assert "(unverified)" in texts[2]
+
+
+def test_a_check_by_eye_of_two_rule_sets_is_named_once() -> None:
+    twice = [LINES[2], SafetyCheck("sky", "unknown", f"{BY_EYE}no more than five-tenths cloud", "FAA")]
+    assert next(short_safety_text(twice)) == "? check yourself: sky"
