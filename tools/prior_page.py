@@ -6,6 +6,7 @@ from typing import Any
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
+from fieldkit.model.documents import CERTIFIED_SCALE
 from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, learned
 from tools.markdown import WRITTEN_BY
 
@@ -56,11 +57,14 @@ def prior_table() -> str:
 The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
 rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
 deviations of these effects are the hyperprior. *Start* has the round figures from which the fit starts. *Learned* is
-the result of fitting real flights, `fieldkit/data/hyperprior.json`; forecasts use it. *Search* is the hyperprior of the
-loop: motors, masses and devices match their specifications, so that an effect and not the plain model explains a
-difference. {WRITTEN_BY}
+the result of fitting real flights, `fieldkit/data/hyperprior.json`; forecasts use it. *Exact* has those of a flyer
+whose motors, masses and devices match their documents. How far they do is unknown: one scale multiplies the standard
+deviations of effects that are deviations from documents, in the power that leads from *start* at 1 to *exact* at
+{CERTIFIED_SCALE:g} (1 for an effect that *exact* lacks). It is half-Cauchy around 1 and weighed by the flights of a
+rocket, in forecasts from *learned*, in the loop from *start*, so that an effect explains a difference only if other
+motors and masses agree with their documents. {WRITTEN_BY}
 
-| quantity | varies by | start | learned | search | definition and source |
+| quantity | varies by | start | learned | exact | definition and source |
 |---|---|---|---|---|---|
 {chr(10).join(rows)}
 
@@ -77,13 +81,11 @@ off by 3% of the dynamic pressure, and more in real flights with an acceleromete
 tools.drags`).
 
 The noise of a readout has a constant part and a part proportional to it. A factor for each rocket scales the scatter of
-its {"apogees" if card.motors else "flights"} (log-normal with median 1, learned standard deviation
-{card.scatter.log_sd:.2f}); another scales the noise of its readouts ({card.reading.log_sd:g}, a judgment, because the
-public flights come from one device).
+its {"apogees" if card.motors else "flights"}; another scales the noise of its readouts.
 {_of_motors(card)}Single flights and readouts follow a Student t with
 {card.tail:g} degrees of freedom. A recorded standard deviation of a readout replaces these figures.
 
-| readout | learned | search |
+| readout | learned | exact |
 |---|---|---|
 {chr(10).join(noise)}
 
@@ -92,7 +94,7 @@ The log Cd of a rocket with a design has a standard deviation of {card.design_dr
 high-power motors are multiplied by {card.high_power:.2f} (start 1).
 
 The log frontal area of a rocket without a recorded diameter has a standard deviation of {card.unknown_area:.2f}
-(learned together with drag), {given.unknown_area:g} in the search. The parachute opens in
+(learned together with drag). The parachute opens in
 {card.opening[0]:g} ± {card.opening[1]:g} s.
 
 [The effects](effects.md) have the priors of their strengths, and [the trained ensembles](models.md) those of the
@@ -116,8 +118,8 @@ def _of_motors(card: Hyperprior) -> str:
     if not card.motors:
         return ""
     return (
-        "A third scales the scatter of thrust, drag, burn time and delay"
-        f" ({card.motors.log_sd:g}, a judgment, because the public flights do not determine it). "
+        "A third scales the scatter of thrust, drag, burn time and delay. All are half-Cauchy around 1 (Gelman, 2006): "
+        "a judgment with a heavy tail, because few flyers do not determine them, and each flyer's flights do. "
     )
 
 

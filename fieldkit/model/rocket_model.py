@@ -210,7 +210,8 @@ def _quantity_terms(
         kinds = _shared_days(group, history.flown) if level == "day" else list(dict.fromkeys(group))
         for kind in _named(kinds) if level == "lot" else kinds:
             weight = every * np.array([own == kind for own in group], float)
-            scaled = "scatter" if level in ("rocket_motor", "day") else ""
+            lasts = level == "rocket_motor" and hyperprior.documents  # how large it is, its own scale says
+            scaled = "scatter" if level in ("rocket_motor", "day") and not lasts else ""
             yield Term(TermName(quantity, level, kind), quantity, 0.0, sd, weight, scaled_by=scaled)
 
 

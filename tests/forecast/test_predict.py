@@ -82,7 +82,7 @@ def test_a_new_motor_is_less_certain_if_motors_disagree() -> None:
         return float(np.log(high / low))
 
     same_motors, different_motors = season({}), season({"F24": 1.25, "E35": 0.85})
-    assert width("F52", different_motors) > 1.15 * width("F39", different_motors)
+    assert width("F52", different_motors) > 1.05 * width("F39", different_motors)
     assert width("F52", different_motors) > 1.25 * width("F52", same_motors)
 
 
@@ -122,7 +122,7 @@ def test_steady_speeds_and_burn_times_do_not_narrow_the_interval_of_apogees_that
         low, _, high = forecast.apogee_quantiles()
         return float(np.log(high / low)) / float(norm.ppf(0.95) - norm.ppf(0.05))
 
-    assert sd(None) < 0.75 * own < own < sd(START.motors) < 2 * own
+    assert sd(None) < 0.9 * own < own < sd(START.motors) < 2 * own
 
 
 ALTERNATIVES = (

@@ -5,7 +5,7 @@ Source: prequential evaluation (Dawid, Statistical Theory: The Prequential Appro
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from datetime import datetime
+from datetime import date, datetime
 
 from fieldkit.forecast.conformal import stretch, stretched, surprise
 from fieldkit.forecast.evaluation.rivals import MIXTURE, rival_draws
@@ -72,14 +72,15 @@ def forward(
     rocket: str | None = None,
     *,
     hyperprior: Hyperprior | None = None,
+    since: date | None = None,
     on_progress: ReportProgress = no_op,
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, from the flights of all rockets before it in the order flown.
 
     With `rocket`, only flights of that rocket are forecast, still from the flights of all. The message of a rocket to
-    the fleet is updated after each of its flights. `hyperprior` replaces the learned one. Raises ImpossibleFlight for a
-    flight without a dry mass, DamagedModel if the learned hyperprior cannot be read, BadValue for a recovery figure or
-    rail direction that cannot be read.
+    the fleet is updated after each of its flights. `hyperprior` replaces the learned one. Flights before the day
+    `since` are not forecast. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the learned
+    hyperprior cannot be read, BadValue for a recovery figure or rail direction that cannot be read.
     """
     known = hyperprior or learned()
     past: dict[str, list[FlownFlight]] = {}
@@ -89,7 +90,8 @@ def forward(
     for number, one in enumerate(simulate(flown)):
         own = past.setdefault(one.flight.rocket, [])
         if one.flight.clean and one.flight.apogee is not None:
-            if rocket in (None, one.flight.rocket):
+            when = one.flight.date_time
+            if rocket in (None, one.flight.rocket) and not (since and when and when.date() < since):
                 on_progress(f"{one.flight.rocket} {one.flight.flight_id}", number / len(flown))
                 shared = _fleet_before(one.flight.rocket, past, fits, known)
                 rows.append(_forecast(own, one, earlier, shared, hyperprior))
