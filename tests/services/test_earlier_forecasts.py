@@ -35,7 +35,7 @@ def remembered(ledger: Ledger, ahead: float, first: bool = False) -> None:
             "flown_m": one.apogee,
             "interval_m": [200.0, 250.0, 300.0],
             "earlier": 0 if first else 5,
-            "log_scores": [0.0, ahead, -5.0],
+            "log_scores": [0.0, ahead, -5.0, -5.0],
         }
         for one in ledger.flights()
     ]
