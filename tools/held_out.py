@@ -96,7 +96,7 @@ def main() -> None:
     for flyer in flyers[1:]:
         others = [other for other in flyers if other is not flyer]
         add(f"{flyer.name}, left out", flyer, learned_from(others), None, None)
-    print("# Forecasts of flights nobody has seen\n")
+    print("# Forecasts by time and by flyer\n")
     print("Written by `python -m tools.held_out JOURNAL CONTEST REFERENCE`.\n")
     print(*prose(" ".join(__doc__.split("\n\n", 1)[1].split())), sep="\n")
     years = ", ".join(map(str, YEARS))
