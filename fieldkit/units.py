@@ -275,7 +275,7 @@ def _in_two(text: str, quantity: str) -> float | None:
 
 
 def _bounded(value: float, text: str) -> float:
-    """The value, zero if no instrument could tell it from zero. Raises BadValue if it is too large."""
+    """The value, zero if no instrument could distinguish it from zero. Raises BadValue if it is too large."""
     if not abs(value) < MAX_TYPED_VALUE:
         raise BadValue(f"found {text.strip()[:20]!r}, expected a plausible number")
     return value if abs(value) >= MIN_TYPED_VALUE else 0.0
