@@ -96,6 +96,8 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "s": Unit(1.0),
         "sec": Unit(1.0),
         "ms": Unit(1e-3),
+        "ds": Unit(0.1),
+        "cs": Unit(0.01),
         "us": Unit(1e-6),
         "µs": Unit(1e-6),
         "ns": Unit(1e-9),
@@ -136,6 +138,8 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 _WORDS = {
     "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",
     "ms": "millisecond milliseconds millis msec",
+    "ds": "decisecond deciseconds",
+    "cs": "centisecond centiseconds",
     "us": "microsecond microseconds micros usec μs",
     "ns": "nanosecond nanoseconds nanos nsec",
     "min": "minute minutes mins",

@@ -19,6 +19,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, read_tags
 from fieldkit.flight.readout import ReadoutColumn
 from fieldkit.importing import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading
+from fieldkit.importing.tables import headings
 from fieldkit.importing.tables.decimal_marks import (
     NOT_RECORDED,
     check_number,
@@ -52,11 +53,14 @@ from fieldkit.importing.tables.flight_rows import (
     unread_cells,
 )
 from fieldkit.importing.tables.header import SEPARATORS
+from fieldkit.importing.tables.layout import runs_like_a_log
 from fieldkit.importing.tables.mapping import LIFTOFF_MASS, MOTOR_MASS, choice_for, is_of_flights
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.quantities import counted
 from fieldkit.safe_text import from_cell
 
+OF_SIMULATIONS = ("velocity off rod", "optimum delay", "ground hit velocity", "velocity at deployment")
+"""Columns of OpenRocket's table of the simulations of a design."""
 READOUT_NAMES = frozenset(column.name for column in READOUTS)
 
 
@@ -71,6 +75,8 @@ def recognises(head: bytes) -> bool:
         and not fields & {column.name for column in READOUTS}
     ):
         return False  # a log of samples may have a date and time in every row too
+    if not fields & {"flight_id", "rocket", "motor"} and runs_like_a_log(head):
+        return False
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
     named = {role_of(name, strict=False, taken=fields).field for name in spelled}
     if not ours and named & set(OWN_COLUMNS) and named & {column.name for column in READOUTS}:
@@ -93,6 +99,7 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     Raises DamagedLog.
     """
     text = decode_whole(log)
+    _refuse_simulations(first_row(text, _separator(text))[1])
     choice = choice_for(table_names(log[:HEAD]), [one for one in choices if is_of_flights(one)])
     separator = _separator(text) if choice is None else _widest(text)
     header_row, spelled = first_row(text, separator)
@@ -131,6 +138,17 @@ def _headings(names: Sequence[str], header_row: int, table: Sequence[TableRow], 
         replace(one, day_first=day_first, loose=not is_own_date(one.spelled)) if one.field == "date_time" else one
         for one in headings
     ]
+
+
+def _refuse_simulations(names: Sequence[str]) -> None:
+    """Raise DamagedLog for a table of simulations: their figures were forecast, not flown."""
+    words = (" ".join(headings.heading(name).words) for name in names)
+    computed = [name for name in words if any(name.startswith(one) for one in OF_SIMULATIONS)]
+    if len(computed) > 1:
+        raise DamagedLog(
+            f"found a table of simulations, with {shown(computed[0])} and {shown(computed[1])}, expected flown flights",
+            row=1,
+        )
 
 
 def _widest(text: str) -> str:

@@ -31,6 +31,7 @@ from fieldkit.importing.tables.column_choice import (
 from fieldkit.importing.tables.column_units import AXES, units_of
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.columns_read import column_read, note_columns
+from fieldkit.importing.tables.headings import heading
 from fieldkit.importing.tables.layout import Layout, layout_of
 from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.importing.tables.pad_state import along_thrust
@@ -38,9 +39,13 @@ from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import epoch_unit
 from fieldkit.quantities import counted
 from fieldkit.safe_text import printable
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import STANDARD_GRAVITY, Unit
 
+SENDER, SENDERS, MOST_SENDERS = "sender", frozenset({"tracker", "callsign", "device", "sender"}), 8
+"""The column of words that names who sent a row, the words of its header, and the largest number of senders. [1]"""
+COMPUTED = frozenset({"thrust", "drag", "cd", "cp", "cg", "margin", "damping", "reynolds", "angle of attack"})
+"""Words of columns that are computed, not measured."""
 MIN_FLIGHT_ROWS = 10
 """Smallest number of rows between two jumps of a clock that form a flight, if there is a longer one. [1]"""
 
@@ -58,6 +63,12 @@ def read(log: bytes) -> list[Parsed]:
 def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     """The flights of a table by the first matching choice. Raises DamagedLog that explains what to write."""
     layout = layout_of(log[:HEAD])
+    if layout.splits_decimals:
+        raise DamagedLog(
+            f"found {counted(len(layout.first), 'cell')} in a row and fewer names above, expected decimal points, or "
+            "semicolons between cells: the commas of the decimals also separate cells",
+            row=layout.above + 1,
+        )
     choice = choice_for(layout.saved_names, choices)
     first, *others = side_by_side(layout)
     picks = chosen(layout, choice, first) if choice else guessed(layout, first)
@@ -84,11 +95,36 @@ def _one_table(
     """The assignment of the columns, in one line, and the flights in them."""
     table = _table(log, layout, picks)
     picks, values = one_a_channel(picks, table)
-    table = replace(table, values={}, words={})  # a long log is not stored twice
+    table = replace(table, values={})  # a long log is not stored twice
     units, left_out = units_of(picks, values)
     whole = {name: to_si(units[name][0], values[name]) for name in units}
     note_columns([column_read(_column_of(picks, name), name, unit) for name, (_, unit, _) in units.items()])
-    return _line(picks, units, left_out, choice), _readings(table, whole)
+    readings: list[Parsed] = []
+    for name, rows in _by_sender(table) or [("", np.arange(len(table)))]:
+        part = replace(table.pick(rows), words={}, found=() if readings else table.found)
+        readings += [
+            replace(one, serial=name) if isinstance(one, Reading) else one
+            for one in _readings(part, {channel: values[rows] for channel, values in whole.items()})
+        ]
+    if _is_simulated(layout):
+        readings = [replace(one, describes="simulation") if isinstance(one, Reading) else one for one in readings]
+    return _line(picks, units, left_out, choice), readings
+
+
+def _is_simulated(layout: Layout) -> bool:
+    """Whether a table has columns that only a simulation has: forces, coefficients, centers of a rocket in flight."""
+    names = (heading(name) for name in layout.headers)
+    return any(set(head.words) & COMPUTED or " ".join(head.words[:3]) in COMPUTED for head in names)
+
+
+def _by_sender(table: LogTable) -> list[tuple[str, Int[Integers, "row"]]]:
+    """The rows of each tracker whose messages one receiver wrote into one table; empty for a table of one."""
+    if SENDER not in table.words:
+        return []
+    known, which = table.words[SENDER]
+    rows = [(printable(name), np.flatnonzero(which == place)) for place, name in enumerate(known) if name]
+    rows = [(name, those) for name, those in rows if len(those) >= MIN_FLIGHT_ROWS]
+    return rows if 1 < len(rows) <= MOST_SENDERS else []
 
 
 def _together(found: Sequence[Parsed], other: Sequence[Parsed]) -> list[Parsed]:
@@ -126,7 +162,12 @@ def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
         )
         for pick in {pick.place: pick for pick in picks}.values()
     ]
-    return read_columns(log, channels, after=layout.above, separator=layout.separator, decimal=layout.decimal)
+    senders = (i for i, name in enumerate(layout.headers) if layout.says(i) and set(heading(name).words) & SENDERS)
+    place = next(senders, None)
+    words = {} if place is None else {SENDER: place}
+    return read_columns(
+        log, channels, after=layout.above, separator=layout.separator, decimal=layout.decimal, words=words
+    )
 
 
 def _line(
@@ -149,14 +190,19 @@ def _line(
     return f"columns {source}: {', '.join(parts)}{missing}"
 
 
-_ALIASES = {"felt": "felt?", "acceleration": "felt?", "altitude_msl": "altitude"}
+_ALIASES = {
+    "felt": ("felt?",),
+    "acceleration": ("felt?",),
+    "altitude_msl": ("altitude",),
+    "gps_altitude_msl": ("altitude_msl", "altitude"),
+}
 """What a channel was assigned as before it proved to be another."""
 
 
 def _column_of(picks: Sequence[Pick], channel: str) -> str:
     """The name of the column that a channel was read from."""
     names = {pick.channel: pick.name for pick in picks}
-    return names.get(channel) or names.get(_ALIASES.get(channel, ""), "")
+    return next((names[one] for one in (channel, *_ALIASES.get(channel, ())) if one in names), "")
 
 
 def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> list[Parsed]:

@@ -25,6 +25,8 @@ EVENTS = {
     "GROUND_HIT": "landing",
 }
 """Events with a fieldkit name; others keep their own in lower case, and repeated ones are numbered."""
+DEPLOYMENT, LONGEST_OPENING = "recovery_device_deployment", 1.0
+"""The event of a recovery device as it is read, and its longest delay after the charge that deploys it. [s]"""
 ZERO = 0.05
 """Time and height of the first row of a simulation are smaller. [any unit]"""
 MOST_EVENTS = 200
@@ -134,7 +136,17 @@ def _events(lines: Iterable[str]) -> dict[str, float]:
         number = 1 + sum(known.split()[0] == name for known in events)
         if abs(time) < 1e6:
             events[name if number == 1 else f"{name} {number}"] = time
-    return events
+    return _deployed(events)
+
+
+def _deployed(events: dict[str, float]) -> dict[str, float]:
+    """The events, with the first deployment of a recovery device as ejection if none follows the motor's charge: the
+    program states a charge at the burnout of a plugged motor too."""
+    charge = events.get("ejection")
+    deployments = [when for name, when in events.items() if name.startswith(DEPLOYMENT)]
+    if charge is None or not deployments or any(0 <= when - charge < LONGEST_OPENING for when in deployments):
+        return events
+    return {**events, "ejection": min(deployments), "ejection charge": charge}
 
 
 def _description(lines: Sequence[str], mark: str) -> dict[str, str]:

@@ -9,9 +9,16 @@ from fieldkit.importing import Parsed, Parser
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.simulations import read_simulation
 
+COLUMNS = frozenset(
+    {"mach number", "angle of attack (deg)", "cd", "cl", "thrust (lb)", "drag (lb)", "lift (lb)", "cg (in)", "cp (in)"}
+    | {"stability margin (cal)", "weight (lb)", "accel-v (ft/sec^2)", "accel-h (ft/sec^2)", "vel-v (ft/sec)"}
+    | {"vel-h (ft/sec)", "pitch attitude (deg)", "flight path angle (deg)", "stage", "stage time (sec)"}
+)
+"""Names that only this program writes, in a table whose other columns somebody may have deleted."""
+
 
 def _fits(names: Sequence[str]) -> bool:
-    return tuple(names[:3]) == ("time (sec)", "stage", "stage time (sec)") and len(names) > 3
+    return len(names) > 1 and names[0] == "time (sec)" and bool(COLUMNS & set(names))
 
 
 def recognises(head: bytes) -> bool:

@@ -4,7 +4,7 @@ Cleaning removes what no rocket can have done: missing samples, several samples 
 neighboring samples and return. Longer disturbances are left to the fit, which is robust.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,6 +102,11 @@ class Push:
 
 def heights(clocks: Sequence[Series]) -> Heights | None:
     """The best height channel of a log, or None if none has enough samples."""
+    return next(all_heights(clocks), None)
+
+
+def all_heights(clocks: Sequence[Series]) -> Iterator[Heights]:
+    """The height channels of a log with enough samples, best first."""
     for name in HEIGHTS:
         for series in clocks:
             values = getattr(series, name)
@@ -114,8 +119,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
             height = pressure_height(values) if name == "pressure" else values
             found = _despiked(time, height, name)
             if found is not None:
-                return found
-    return None
+                yield found
 
 
 def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:

@@ -31,7 +31,7 @@ from fieldkit.analysis.notes import (
 )
 from fieldkit.analysis.peak import peak_push
 from fieldkit.analysis.phases import Outline
-from fieldkit.analysis.possible import is_flight, known_well, possible
+from fieldkit.analysis.possible import by_energy, is_flight, known_well, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, median_step
 from fieldkit.analysis.unseen_top import accelerates, apogee_after_end, silence, unseen_apogee
@@ -115,7 +115,8 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     if lift and burnt and apogee and log.drag:
         push = log.push if log.ascent.fused and not log.slanted else None
         known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, push, (lift, burnt, free), log.source)
-    known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
+    known, wrong = by_energy({name: figure for name, figure in known.items() if np.isfinite(figure.sd)}, coasts_from)
+    known, impossible = possible(known)
     known, unknown = known_well(known)
     pressed = forces(climb, log.push, _elevation(clocks, lift), free) if lift and burnt else None
     return Recorded(
@@ -123,7 +124,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         known,
         climb,
         pressed,
-        (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible, *unknown),
+        (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *wrong, *impossible, *unknown),
     )
 
 

@@ -10,7 +10,7 @@ from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecke
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
 from fieldkit.analysis.boost_length import SHORTEST_BOOST
 from fieldkit.analysis.burnout import felt_burnout
-from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, at_its_end, heights, pushes
+from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, all_heights, at_its_end, heights, pushes
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.ejection import shock
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
@@ -57,11 +57,21 @@ def rises(clocks: Sequence[Series]) -> bool:
 
     In a log without heights, whether an accelerometer felt thrust.
     """
-    track = heights(clocks)
-    if track is not None:
-        return outline(undisturbed(track)) is not None
+    if heights(clocks) is not None:
+        return _first_flight(clocks) is not None
     channels = [(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total")]
     return any(_feels_thrust(series.time, getattr(series, name)) for series, name in channels)
+
+
+def _first_flight(clocks: Sequence[Series]) -> tuple[Array, Heights, Outline] | None:
+    """The best heights of a log that rise like a rocket: a channel that is stuck or empty does not hide another. With
+    the times of all of its samples [s] and its outline."""
+    for every in all_heights(clocks):
+        track = undisturbed(every)
+        seen = outline(track)
+        if seen is not None:
+            return every.time, track, seen
+    return None
 
 
 def _feels_thrust(time: Float[Array, "_"], felt: Float[Array, "_"] | None) -> bool:
@@ -80,14 +90,13 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     atmosphere; their standard deviations cover the sensor, not the weather.
     """
     stated = stated or {}
-    track = heights(clocks)
-    if track is None:
+    first = heights(clocks)
+    if first is None:
         return Recorded(notes=(NO_HEIGHT,))
-    every = track.time
-    track = undisturbed(track)
-    seen = outline(track)
-    if seen is None:
+    flown = _first_flight(clocks)
+    if flown is None:
         return Recorded(notes=(NO_FLIGHT,))
+    every, track, seen = flown
     track, seen, others = _highest(track, seen)
     later = next_flight(track, seen) if seen.down else None
     if later is not None:

@@ -29,6 +29,8 @@ def zero_moved(series: Series) -> bool:
         return False
     level, zero = level[both], level[both] - series.altitude[both]
     ground, own = np.median(level[:_SAMPLES]), np.median(zero[:_SAMPLES])
+    if np.ptp(level) < _SAME_LEVEL:  # a sensor that is stuck shows no level
+        return False
     again = np.abs(level - ground) < _SAME_LEVEL
     again[: both.size // 2] = False
     return bool(again.sum() >= _SAMPLES and abs(np.median(zero[again]) - own) > _ZERO_MOVED)

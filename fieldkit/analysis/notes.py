@@ -29,4 +29,5 @@ UNCHECKED_NOTE = (
     "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"
 )
 SLANTED_NOTE = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
+ENERGY_NOTE = "the climb after burnout needs at least {:.0f} m/s: the top speed is the measured one, bounded by that"
 NO_LANDING = "the log ends before landing: no duration"

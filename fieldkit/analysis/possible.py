@@ -9,9 +9,10 @@ Derivation: conservation of energy, by which a coast without drag rises v²/2g.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import hypot
+from math import atan, erfc, exp, hypot, log1p, pi, sqrt
 
 from fieldkit.analysis.labels import figure_text, in_column_unit
+from fieldkit.analysis.notes import ENERGY_NOTE
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
@@ -19,6 +20,14 @@ MAX_BOOST = 200 * GRAVITY
 """Upper limit of boost acceleration: the hardest motors lift their own casings with about 150 g. [m/s^2]"""
 _CONTRADICTION_SDS = 3.0
 """Number of standard deviations beyond which figures contradict each other. [1]"""
+_MOST_SDS_BELOW = 4.0
+"""The same for a top speed below the one that rise and duration of the coast give: an early charge shortens a coast and
+so raises that one. [1]"""
+_MOST_RISE, _MOST_DRAG, _COAST_MODEL = 1.3, 1e3, 0.12
+"""Largest rise of a coast relative to g t²/2, beyond which a charge has ended it; the largest drag, in weights; and the
+relative error of the speed by rise and duration, because drag is not quite in proportion to v². [1]"""
+_LEAST_VARIANCE = 0.01
+"""Smallest fraction of a variance that a bound leaves. [1]"""
 _SWINGS = 4.0
 """A curve faster than its samples by this factor does not follow a flight. [1]"""
 _MAX_SMOOTHING = 2.0
@@ -48,6 +57,76 @@ _NAMES = {
 _MEASURED_FROM_ZERO = tuple(_NAMES)
 _MAX_RELATIVE_SD = 0.5
 """Largest relative standard deviation of a reported figure; beyond it zero is within two standard deviations. [1]"""
+
+
+def by_energy(
+    figures: Mapping[str, Figure], height_at_burnout: float | None
+) -> tuple[dict[str, Figure], tuple[str, ...]]:
+    """The figures with a top speed that suffices for the climb after it, whatever sensors measured it, and notes.
+
+    A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of burnout moves by its
+    height: the normal distribution of the measured speed, truncated there. With drag in proportion to v², the rise h and the duration t of a coast give the speed too: a
+    top speed far from that, or far below the bound, contradicts the rest of the flight, and the boost is not reported.
+    """
+    speed, apogee, coast = (figures.get(name) for name in ("top_speed", "apogee", "coast_to_apogee"))
+    if speed is None or apogee is None or height_at_burnout is None or speed.sd <= 0:
+        return dict(figures), ()
+    rise = apogee.value - height_at_burnout
+    least = sqrt(2 * GRAVITY * max(rise, 0.0))
+    if coast is not None and (other := speed_of_coast(rise, coast)) is not None:
+        sds = (speed.value - other.value) / hypot(speed.sd, other.sd)
+        if not -_MOST_SDS_BELOW < sds < _CONTRADICTION_SDS:
+            return _without_boost(figures, speed, f"about {other.value:.0f} m/s")
+    burn = figures.get("burn_time")
+    least_sd = GRAVITY * speed.value * burn.sd / least if burn is not None and least > 0 else 0.0
+    spread = hypot(speed.sd, least_sd)
+    short = (least - speed.value) / spread
+    if short > _CONTRADICTION_SDS:
+        return _without_boost(figures, speed, f"at least {least:.0f} m/s")
+    if short < -_CONTRADICTION_SDS:
+        return dict(figures), ()
+    chance = erfc(short / sqrt(2)) / 2
+    pull = exp(-(short**2) / 2) / sqrt(2 * pi) / chance
+    own = speed.sd / spread
+    value = speed.value + speed.sd * own * pull
+    sd = speed.sd * sqrt(max(1 - own**2 * pull * (pull - short), _LEAST_VARIANCE))
+    kept = {**figures, "top_speed": Figure(value, sd, speed.source)}
+    if mean := figures.get("avg_accel"):
+        factor = value / speed.value
+        kept["avg_accel"] = Figure(mean.value * factor, mean.sd * factor, mean.source)
+    return kept, ((ENERGY_NOTE.format(least),) if short > 0 else ())
+
+
+def speed_of_coast(rise: float, coast: Figure) -> Figure | None:
+    """The speed at the start of a coast by its rise [m] and its duration [s] with drag in proportion to v²; None if no
+    drag explains both, as after an early charge. [m/s]
+
+    With drag D times the weight at the start, the rise is ln(1 + D)/D times v²/2g, and lasts arctan(sqrt(D))/sqrt(D)
+    times v/g. So the rise over g t²/2 is ln(1 + D)/arctan²(sqrt(D)), which increases with D.
+    """
+
+    def of(lasts: float) -> float | None:
+        if lasts <= 0 or not 1.0 <= 2 * rise / (GRAVITY * lasts**2) <= _MOST_RISE:
+            return None
+        wanted, low, high = 2 * rise / (GRAVITY * lasts**2), 1e-6, _MOST_DRAG
+        for _ in range(60):
+            drag = sqrt(low * high)
+            low, high = (drag, high) if log1p(drag) / atan(sqrt(drag)) ** 2 < wanted else (low, drag)
+        return GRAVITY * lasts * sqrt(low) / atan(sqrt(low))
+
+    ends = [of(coast.value + step) for step in (-coast.sd, 0.0, coast.sd)]
+    if ends[1] is None or ends[0] is None or ends[2] is None:
+        return None
+    spread = abs(ends[2] - ends[0]) / 2
+    return Figure(ends[1], hypot(spread, _COAST_MODEL * ends[1]), coast.source)
+
+
+def _without_boost(figures: Mapping[str, Figure], speed: Figure, needed: str) -> tuple[dict[str, Figure], tuple[str]]:
+    """The figures without those of the boost, because the climb after it needs another speed."""
+    out = [name for name in ("top_speed", *BOOST) if name in figures]
+    names = ", ".join(_NAMES[name] for name in out)
+    why = f"not measured: {names}; {speed.value:.0f} m/s do not fit the climb after burnout, which needs {needed}"
+    return {name: one for name, one in figures.items() if name not in out}, (why,)
 
 
 def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:

@@ -36,7 +36,8 @@ def simulated(clocks: Sequence[Series], stated: Mapping[str, float]) -> Recorded
     speed = np.gradient(height, _rising(time)) if speed is None else speed
     acceleration = _channel(series, "acceleration", there)
     acceleration = np.gradient(speed, _rising(time)) if acceleration is None else acceleration
-    moments = {"apogee": float(time[np.argmax(height)]), **stated}
+    moments = {"apogee": float(time[np.argmax(height)])}
+    moments |= {name: when for name, when in stated.items() if name != "apogee" or time[0] <= when <= time[-1]}
     moments.setdefault("liftoff", _first(time, speed > _MOVING_SPEED))
     moments.setdefault("burnout", _burnout(series, there, time, speed, moments["apogee"]))
     events = {name: Event(when, _step(time, when), SOURCE) for name, when in moments.items()}

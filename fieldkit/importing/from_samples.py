@@ -8,7 +8,7 @@ from fieldkit.analysis import NO_FLIGHT, columns, measure, rises, simulated, wid
 from fieldkit.analysis.channels import MIN_SAMPLES
 from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
-from fieldkit.flight import READOUTS
+from fieldkit.flight import MEASURED, READOUTS
 from fieldkit.importing.companion_files import KINDS
 from fieldkit.importing.height_units import with_proven_heights
 from fieldkit.importing.reading import Note, Parsed, Reading
@@ -53,6 +53,11 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     if NO_HEIGHT in recorded.notes and not (reading.part or _states_figures(reading) or rises(reading.clocks)):
         return [DamagedLog(f"found no flight: {NO_HEIGHT}, and no thrust in an acceleration", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)
+    if not (
+        reading.part or _states_figures(reading) or any(fields.get(column.name) is not None for column in MEASURED)
+    ):
+        why = "; ".join(recorded.notes) or "the samples show none"
+        return [DamagedLog(f"found a flight without any readout: {why}", row=reading.row)]
     if not fields.get("flight_id"):
         when = fields.get("date_time")
         start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"

@@ -62,9 +62,21 @@ class Note:
     row: int | None = None
 
 
+EXCLUDE = "exclude"
+"""What a choice says instead of a channel for a column that is not to be used; it may do so more than once."""
+
+
+def is_exclusion(channel: str) -> bool:
+    """Whether a choice excludes a column rather than naming its channel: `exclude`, `exclude 2`."""
+    return channel.partition(" ")[0] == EXCLUDE
+
+
 @dataclass(frozen=True, slots=True)
 class ColumnChoice:
-    """Channel to column, as the user wrote them, and the headers they apply to; without headers, any table."""
+    """Channel to column, as the user wrote them, and the headers they apply to; without headers, any table.
+
+    Columns that are not to be used have the channels `exclude`, `exclude 2`.
+    """
 
     channels: Mapping[str, str]
     headers: tuple[str, ...] = ()

@@ -163,7 +163,10 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     """
     sheet = _sheet_of(log, source)
     log, others = sheet.content, sheet.others
-    names = _candidates(log, format, source, choices)
+    try:
+        names = _candidates(log, format, source, choices)
+    except DamagedLog as error:
+        raise shown_damage(error, source) from error
     tried: list[ParsedLog | DamagedLog] = []
     for name in names:
         try:

@@ -187,7 +187,7 @@ def test_a_speed_determines_the_other_units() -> None:
 
 def test_a_unit_that_nothing_determines_is_asked_for() -> None:
     descent = b"t (s),alt\n" + b"".join(b"%d,%d\n" % (i, 900 - 3 * i) for i in range(200))
-    with pytest.raises(DamagedLog, match=r"expected one of m, .*: write --map 'altitude=alt \[m\]'"):
+    with pytest.raises(DamagedLog, match=r"expected one of m, .*: write --map 'altitude=#2 \[m\]'"):
         found(descent)
     (series,), line = found(descent, read_choice(["altitude=alt [ft]"]))
     assert series.altitude_msl is not None or top(series) == pytest.approx(900 * FOOT)
@@ -196,7 +196,7 @@ def test_a_unit_that_nothing_determines_is_asked_for() -> None:
 
 def test_the_unit_of_an_ambiguous_pressure_is_asked_for() -> None:
     log = b"t (s),press\n" + b"".join(b"%d,%d\n" % (i, 700 - i) for i in range(60))
-    with pytest.raises(DamagedLog, match=r"write --map 'pressure=press \[Pa\]'"):
+    with pytest.raises(DamagedLog, match=r"write --map 'pressure=#2 \[Pa\]'"):
         found(log)
 
 

@@ -39,8 +39,11 @@ class Channel:
         return not (self.suffix or self.clock)
 
 
-_GROUPED_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
-"""A number whose thousands a spreadsheet has separated: `1,234.5`."""
+_GROUPED_THOUSANDS = re.compile(
+    r"[+-]?[1-9][0-9]{0,2}(?:(?:,[0-9]{3})+(?:\.[0-9]*)?|(?:[ \u00a0\u2009\u202f'\u2019][0-9]{3})+(?:\.[0-9]*)?)"
+)
+"""A number whose thousands a spreadsheet has separated: `1,234.5`, `1 234.5`, `1'234.5`."""
+_GROUPING = str.maketrans("", "", ", \u00a0\u2009\u202f'\u2019")
 _CLOCK = re.compile(
     r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2})(?:[.,](\d{1,9})|:(\d{3}))? ?([AaPp][Mm])?"
     r" ?(?:Z|UTC|GMT|[+-]\d\d:?\d\d)?",
@@ -56,19 +59,25 @@ def number_in(cell: str, channel: Channel) -> float | None:
         return None if channel.needed else math.nan
     if channel.clock:
         return _seconds(cell)
-    if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
-        return None
     number = cell[: len(cell) - len(channel.suffix)].strip()
+    number = ungrouped(number)
+    if not (cell.endswith(channel.suffix) and number.isascii() and "_" not in number):
+        return None
     try:
-        value = float(number.replace(",", "") if is_grouped(number) else number)
+        value = float(number)
     except ValueError:
         return None
     return value if abs(value) <= MAX_CELL_VALUE else None
 
 
 def is_grouped(number: str) -> bool:
-    """Whether a number has commas between its thousands, as in `1,234.5`."""
+    """Whether a number has marks between its thousands, as in `1,234.5` or `1 234.5`; its decimal mark is a point."""
     return _GROUPED_THOUSANDS.fullmatch(number) is not None
+
+
+def ungrouped(number: str) -> str:
+    """A number without the marks between its thousands."""
+    return number.translate(_GROUPING) if is_grouped(number) else number
 
 
 def _seconds(cell: str) -> float | None:

@@ -1,17 +1,18 @@
 """Assign the columns of a table to channels: by their names, or as the flyer specifies."""
 
 import re
-from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import ColumnChoice
+from fieldkit.importing.reading import ColumnChoice, is_exclusion
 from fieldkit.importing.tables.columns import LogTable
 from fieldkit.importing.tables.headings import (
     QUANTITIES,
+    Heading,
     barometric,
     channel,
     heading,
@@ -65,10 +66,15 @@ class Pick:
 def side_by_side(layout: Layout) -> list[range]:
     """The columns of each table if several are side by side: each begins with a clock of the same name."""
     heads = [heading(name) for name in layout.headers]
-    starts = [i for i, head in enumerate(heads) if channel(head) == "time" and head.words == heads[0].words]
+    starts = [i for i, head in enumerate(heads) if channel(head) == "time" and _is_same_clock(head, heads[0])]
     if not starts or starts[0] or any(b - a < 2 for a, b in pairwise(starts)):
         starts = [0]
     return [range(a, b) for a, b in pairwise([*starts, len(heads)])]
+
+
+def _is_same_clock(one: Heading, other: Heading) -> bool:
+    """Whether two names of clocks are one name; `T` beside `t` is a temperature."""
+    return one.words == other.words and (one.spelled == other.spelled or len(one.words[0]) > 1)
 
 
 def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]:
@@ -111,8 +117,14 @@ def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:
 
 
 def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
-    """The columns with only the first of the clocks; later clocks belong to an update or another sensor."""
+    """The columns with only the first of the clocks; later clocks belong to an update or another sensor. One whose unit
+    is unknown, as in `time (not s)`, comes after one whose unit is stated."""
     clocks = [pick for pick in picks if pick.channel == "time"]
+    small = {pick.name[:1] for pick in clocks}
+    clocks = [
+        pick for pick in clocks if not (pick.name[:1] == "T" and "t" in small and len(heading(pick.name).words[0]) == 1)
+    ]
+    clocks.sort(key=lambda pick: bool(pick.unit) and pick.unit != "clock" and not unit_named("time", pick.unit))
     return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
 
 
@@ -120,7 +132,10 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
     """The columns that the flyer named, and a guess for the rest. Raises DamagedLog for a missing or ambiguous column,
     or a unit that does not fit its channel."""
     picks: list[Pick] = []
+    excluded = {_find(layout, text)[0] for name, text in choice.channels.items() if is_exclusion(name)}
     for name, text in choice.channels.items():
+        if is_exclusion(name):
+            continue
         place, unit = _find(layout, text)
         if same := next((pick.channel for pick in picks if pick.place == place), ""):
             raise DamagedLog(
@@ -131,7 +146,7 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
             expected = ", ".join(UNITS[QUANTITIES[name]])
             raise DamagedLog(f"found the unit {shown(stated)} for {name}, expected one of {expected}")
         picks.append(Pick(name, place, layout.headers[place], _clock_unit(name, stated, layout, place), chosen=True))
-    taken, places = {pick.channel for pick in picks}, {pick.place for pick in picks}
+    taken, places = {pick.channel for pick in picks}, {pick.place for pick in picks} | excluded
     if "felt" in taken or "acceleration" in taken:
         taken |= {"felt?"}
     return picks + [pick for pick in guessed(layout, columns) if pick.channel not in taken and pick.place not in places]
@@ -140,12 +155,14 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
 def _find(layout: Layout, text: str) -> tuple[int, str]:
     """The index of a column, and the unit that follows its name in brackets. Raises DamagedLog."""
     bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
-    ways: list[tuple[str, str, Callable[[str], str]]] = [(text, "", _folded)]
+    exact: Callable[[str], str] = str.strip
+    ways = [(text, "", exact), *([(bare[1], bare[2], exact)] if bare else []), (text, "", _folded)]
     if bare:
         ways.append((bare[1], bare[2], _folded))
     ways.append((text, "", lambda name: " ".join(heading(name).words)))
     for wanted, unit, spelling in ways:
-        places = [place for place, name in enumerate(layout.headers) if spelling(name) == _folded(wanted)]
+        sought = wanted.strip() if spelling is exact else _folded(wanted)
+        places = [place for place, name in enumerate(layout.headers) if spelling(name) == sought]
         if wanted.startswith("#") and wanted[1:].isdecimal() and 1 <= int(wanted[1:][:6]) <= len(layout.headers):
             places = [int(wanted[1:][:6]) - 1]
         if len(places) == 1:
@@ -172,7 +189,10 @@ def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     values = table.values[f"{pick.place}"]
     if pick.unit == "clock":
         return _over_midnight(values)
-    return _running_on(values) if pick.channel == "time" else np.where(np.abs(values) < LIMIT, values, np.nan)
+    if pick.channel == "time":
+        return _running_on(values)
+    values = np.where(np.abs(values) < LIMIT, values, np.nan)
+    return _unwrapped(values) if pick.channel in (*HEIGHTS, "pressure") else values
 
 
 def to_si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
@@ -189,9 +209,13 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     """
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
+    columns = {pick.place: _column(pick, table) for pick in picks}
+    picks = _satellites_apart([pick for pick in picks if not np.isnan(columns[pick.place]).all()], columns)
+    moving = {pick.channel for pick in picks if not _is_stuck(columns[pick.place])}
     for pick in picks:
-        column = _column(pick, table)
-        if np.isnan(column).all():
+        column = columns[pick.place]
+        others = {pick.channel} if pick.channel not in ("altitude_msl", "pressure") else {pick.channel, "altitude"}
+        if not pick.chosen and _is_stuck(column) and others & moving:
             continue
         if pick.channel not in values:
             kept.append(pick)
@@ -218,6 +242,24 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     if missing := missing_channel(set(values)):
         raise DamagedLog(f"found no number in the columns of {missing}, expected at least one")
     return kept, values
+
+
+def _is_stuck(values: Float[Array, "row"]) -> bool:
+    """Whether a sensor returned one value throughout a log."""
+    there = values[np.isfinite(values)]
+    return there.size >= _START_SAMPLES and float(np.ptp(there)) == 0
+
+
+def _satellites_apart(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
+    """The columns, of which a second height right beside a latitude or longitude is that of the satellites."""
+    places = [pick.place for pick in picks if pick.channel in ("latitude", "longitude")]
+    heights = [pick for pick in picks if pick.channel in ("altitude", "altitude_msl")]
+    has_own = any(pick.channel == "gps_altitude_msl" for pick in picks)
+    near = [pick for pick in heights if not pick.chosen and min((abs(pick.place - p) for p in places), default=9) == 1]
+    if has_own or len(near) != 1 or len(heights) < 2 or barometric(heading(near[0].name)):
+        return list(picks)
+    rest = [one for one in heights if one is not near[0] and not _is_stuck(columns[one.place])]
+    return [replace(p, channel="gps_altitude_msl") if p is near[0] and rest else p for p in picks]
 
 
 def _barometric_one(one: Pick, other: Pick) -> Pick | None:
@@ -265,6 +307,25 @@ def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:
     span = _HOUR if float(np.nanmax(clock, initial=0.0)) < _HOUR else 24 * _HOUR
     over = np.diff(clock, prepend=clock[:1]) < -0.9 * span
     return np.asarray(clock + np.cumsum(over) * span)
+
+
+_WRAPPED_UNITS = (1.0, 0.1, 0.01)
+"""Units in which a logger stores a height in 16 bits, relative to the one it is written in: `cm` written in m. [1]"""
+
+
+def _unwrapped(values: Float[Array, "row"]) -> Float[Array, "row"]:
+    """Values stored in 16 bits with their overflows removed: they jump from one end of the range to the other."""
+    there = np.flatnonzero(np.isfinite(values))
+    known = values[there]
+    for unit in _WRAPPED_UNITS if known.size else ():
+        span = 2.0**16 * unit
+        signed = -span / 2 <= known.min() and known.max() < span / 2
+        over = np.abs(np.diff(known)) > 0.9 * span
+        if over.any() and (signed or (known.min() >= 0 and known.max() < span)):
+            values = values.copy()
+            values[there] = np.unwrap(known, period=span)
+            break
+    return values
 
 
 def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:

@@ -14,6 +14,7 @@ from fieldkit.importing.tables.headings import QUANTITIES, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
+    epoch_unit,
     height_unit_by_pressure,
     last_of_climb,
     rest,
@@ -52,10 +53,12 @@ def units_of(
         elif pick.unit and (unit := unit_named(QUANTITIES[name.rstrip("?")], pick.unit)):
             units[name] = unit, pick.unit, ""
     if "pressure" in units and not by_channel["pressure"].chosen:
-        _check_pressure(by_channel["pressure"], units["pressure"], values, needed="altitude" not in units)
+        _check_pressure(by_channel["pressure"], units["pressure"], values, needed="altitude" not in by_channel)
     if "altitude" in units:
         units["altitude"] = _beside_pressure(by_channel["altitude"], units["altitude"], values)
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
+    if by_channel.get("time") and by_channel["time"].unit and not epoch_unit(values["time"]):
+        settled.pop("time", None)  # a unit that is stated but unknown, as in `time (ticks)`, is not replaced by a guess
     for name, one in settled.items():
         units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
     left_out: dict[str, str] = {}
@@ -64,9 +67,8 @@ def units_of(
         if name not in units and (pick.chosen or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that implies one"
-            column = pick.name.split("[")[0].split("(")[0].strip() or pick.name
             raise DamagedLog(
-                f"found {found}, expected one of {expected}: write --map '{name}={printable(column)} [{_usual(name)}]'",
+                f"found {found}, expected one of {expected}: write --map '{name}=#{pick.place + 1} [{_usual(name)}]'",
                 column=printable(pick.name),
             )
         if name not in units:
@@ -80,14 +82,14 @@ def units_of(
 def _check_pressure(
     pick: Pick, stated: tuple[Unit, str, str], values: dict[str, Float[Array, "row"]], *, needed: bool
 ) -> None:
-    """Raise DamagedLog if the highest pressure is impossible on the ground and another unit makes it possible."""
+    """Raise DamagedLog if the highest pressure is impossible on the ground, and no height could replace it."""
     pressure = values["pressure"][np.isfinite(values["pressure"])]
     highest = float(np.percentile(to_si(stated[0], pressure), 98)) if len(pressure) else 0.0
     other = settle_pressure(pressure)
-    if needed and other and not _PAD_PRESSURES[0] < highest < _PAD_PRESSURES[1]:
+    if needed and not _PAD_PRESSURES[0] < highest < _PAD_PRESSURES[1]:
         raise DamagedLog(
             f"found pressures up to {highest / 100:.0f} hPa by the unit {shown(stated[1])}, expected about 1000 hPa; "
-            f"write --map 'pressure=#{pick.place + 1} [{other.unit}]', or the unit that you trust",
+            f"write --map 'pressure=#{pick.place + 1} [{other.unit if other else 'hPa'}]', or the unit that you trust",
             column=pick.name,
         )
 
@@ -131,12 +133,12 @@ def _settled(
     if "pressure" in values and "pressure" not in units and (one := settle_pressure(values["pressure"])):
         settled["pressure"] = one
     felt = "felt_total" if "felt_total" in values else "felt?"
-    if felt in values and felt not in units and (one := settle_felt(values[felt])):
+    if felt in values and felt not in units and (one := settle_felt(values[felt], is_total=felt == "felt_total")):
         settled[felt] = one
     axes = [name for name in AXES if name in values]
     if len(axes) == 3 and not any(name in units for name in axes):
         total = np.sqrt(sum((values[name] ** 2 for name in axes), np.zeros_like(values["time"])))
-        if one := settle_felt(total):
+        if one := settle_felt(total, is_total=True):
             settled |= dict.fromkeys(axes, one)
     return {name: one for name, one in settled.items() if name not in units}
 
@@ -171,3 +173,10 @@ def _settle_zero(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[
             units["altitude_msl"] = *units["altitude"][:2], "it does not start at zero"
             values["altitude_msl"] = values["altitude"]
             del units["altitude"]
+    position, others = {"latitude", "longitude"} <= units.keys(), {"felt", "acceleration", "felt_total", *AXES}
+    alone = position and not ({"pressure", "temperature"} & values.keys() or others & units.keys())
+    if (
+        alone and "altitude_msl" in units and "gps_altitude_msl" not in units
+    ):  # a tracker, whose heights are of satellites
+        units["gps_altitude_msl"] = *units.pop("altitude_msl")[:2], "beside a position, and no barometer"
+        values["gps_altitude_msl"] = values["altitude_msl"]

@@ -75,6 +75,11 @@ KNOWN_WORDS = _known_words()
 _NAMES, _WITH_UNIT, _ROLES = KNOWN_WORDS["quantities"], KNOWN_WORDS["with_unit"], KNOWN_WORDS["roles"]
 _NOT_A_SAMPLE = frozenset().union(*KNOWN_WORDS["not_a_sample"].values())
 """Words of columns that are not samples of a channel: limits, other sensors, other directions, counters."""
+_ONE_MEANING = {
+    name: frozenset(word for word in _NAMES[name] if len(word) > 3) - _NAMES["time"]
+    for name in ("temperature", "voltage")
+}
+"""Words that mean a temperature or a voltage whatever else a name says."""
 _TIME, _HEIGHT, _SPEED = _NAMES["time"], _NAMES["height"], _NAMES["speed"]
 _ACCEL, _PRESSURE = _NAMES["acceleration"], _NAMES["pressure"]
 _NUMBERED = frozenset().union(*_NAMES.values()) - frozenset("abcdefghijklmnopqrstuvwxyz")
@@ -200,6 +205,10 @@ def _named_channel(head: Heading) -> str:
     words = set(head.words)
     if short := _only_a_unit(head) or _beside_unit(head):
         return short
+    if not words & (_NOT_A_SAMPLE - {"dynamic", "mag", "total_pressure"}):  # a sensor beside it: `baro_temperature`
+        for name in ("temperature", "voltage"):
+            if words & _ONE_MEANING[name] and _of_quantity(head, name):
+                return name
     if words & _TIME and head.words[-1] == "min":  # minutes, not a minimum
         words -= {"min"}
     if words & _HEIGHT and words & _ROLES["above"]:
@@ -243,6 +252,11 @@ def _beside_unit(head: Heading) -> str:
     return ""
 
 
+def _of_quantity(head: Heading, channel: str) -> bool:
+    """Whether the unit beside a name, if there is one, is of the quantity of a channel."""
+    return not is_unit(head.unit) or unit_named(QUANTITIES[channel], head.unit) is not None
+
+
 def _is_clock(words: set[str]) -> bool:
     """Whether a name is a time since something: `time from launch`, `seconds_since_boot`."""
     units = {word for word in words if len(word) > 2 and unit_named("time", word)}
@@ -261,6 +275,8 @@ def _acceleration(words: set[str]) -> str:
 
 
 def _height(words: set[str]) -> str:
+    if words & _ROLES["receiver"]:
+        return ""
     if words & _ROLES["worked_out"]:
         return "inertial_altitude" if words & {"inertial", "integrated"} and not words & _ROLES["gps"] else ""
     if words & _ROLES["gps"]:

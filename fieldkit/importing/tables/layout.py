@@ -9,6 +9,7 @@ import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.cell import is_grouped
@@ -20,6 +21,8 @@ LOOKED_AT = 400
 """Number of lines among which the first rows of numbers must be. [1]"""
 _MOST_ABOVE = 4
 """Number of lines above a table among which its names must be: a logger may write messages below them. [1]"""
+_CLOCK_ROWS, _LEAST_CLOCK_STEPS, _EVEN = 100, 8, 0.8
+"""Number of rows whose times are compared, least number of steps, and fraction of them within a factor of two. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
 _WITH_UNIT = re.compile(r"\s*[+-]?\d+(?:[.,]\d*)?\s*([A-Za-z°%][A-Za-z°%/²]{0,4})\s*")
@@ -28,6 +31,8 @@ _ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true",
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMALS = {mark: re.compile(rf"\s*[+-]?\d*[{mark}]\d+([eE][+-]?\d+)?\s*") for mark in ",."}
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}[,.]\d{3}\s*")
+_SPACED = re.compile(r"(?<=\d)[ \u00a0\u2009\u202f'\u2019](?=\d)")
+"""A mark between thousands that is no decimal mark."""
 _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,4}){0,4}[\])}]?")
 
 
@@ -53,6 +58,13 @@ class Layout:
         forms = zip(self.headers, map(_form, self.first), strict=False)
         return self.headers if self.named else tuple(f"{number} {form}" for number, form in forms)
 
+    @property
+    def splits_decimals(self) -> bool:
+        """Whether commas separate both cells and decimals: a row has more cells than the header, all of them digits."""
+        unnamed = sum(name.startswith("#") for name in self.headers)
+        digits = all(re.fullmatch(r"[+-]?\d+", cell) for cell in self.first)
+        return self.named and self.separator == "," and unnamed > 0 and digits
+
     def says(self, place: int) -> bool:
         """Whether the first row has a word rather than a number in this column."""
         cell = self.first[place] if place < len(self.first) else ""
@@ -73,7 +85,9 @@ def _form(cell: str) -> str:
 
 def _is_number(cell: str) -> bool:
     """Whether a cell is a number, also with separated thousands, or a time of day."""
-    return bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell) or is_grouped(cell.strip()))
+    spelled = cell.strip()
+    grouped = is_grouped(spelled) or is_grouped(spelled.replace(",", "."))
+    return bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell) or grouped)
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -174,9 +188,32 @@ def decimal_mark(cells: Sequence[str]) -> str:
     """The decimal mark of a table: the one that more cells certainly have. Raises DamagedLog if `1,148` could be either
     number.
     """
+    cells = [_SPACED.sub("", cell) if is_grouped(cell.strip().replace(",", ".")) else cell for cell in cells]
     commas, points = ([cell for cell in cells if _DECIMALS[mark].fullmatch(cell)] for mark in ",.")
     certain = [sum(not _THOUSANDS.fullmatch(cell) for cell in numbers) for numbers in (commas, points)]
     if commas and not points and not certain[0]:
         found = f"found {commas[0].strip()!r}, which may be {commas[0].strip().replace(',', '')!r} or a decimal comma"
         raise DamagedLog(f"{found}, expected unambiguous numbers")
     return "," if certain[0] > certain[1] else "."
+
+
+def runs_like_a_log(head: bytes) -> bool:
+    """Whether a table has a clock that increases in even steps from row to row, beside numbers: samples of one flight,
+    whatever running totals are among its columns."""
+    try:
+        layout = layout_of(head)
+    except DamagedLog:
+        return False
+    clocks = [place for place, name in enumerate(layout.headers) if channel(heading(name)) == "time"]
+    if not layout.named or not clocks:
+        return False
+    text = next(iter(encodings(head[:2])))
+    lines = head.decode(text, "replace").splitlines()[layout.above : layout.above + _CLOCK_ROWS]
+    cells = [split(line, layout.separator) for line in lines if line.strip()][:-1]
+    times = [row[clocks[0]].replace(layout.decimal, ".") for row in cells if len(row) > clocks[0]]
+    numbers = [float(cell) for cell in times if re.fullmatch(r"\s*[+-]?\d+(\.\d+)?\s*", cell)]
+    steps = sorted(after - before for before, after in pairwise(numbers))
+    if len(steps) < _LEAST_CLOCK_STEPS or steps[0] <= 0:
+        return False
+    middle = steps[len(steps) // 2]
+    return sum(middle / 2 <= step <= 2 * middle for step in steps) > _EVEN * len(steps)

@@ -14,7 +14,7 @@ from fieldkit.errors import BadValue, FieldkitError, unknown
 from fieldkit.file_lock import changing
 from fieldkit.files import read_own, replace
 from fieldkit.flight import BY_NAME, TEXT_COLUMNS
-from fieldkit.importing.reading import ColumnChoice
+from fieldkit.importing.reading import EXCLUDE, ColumnChoice, is_exclusion
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.paths import data_file
 
@@ -35,22 +35,28 @@ def read_choice(texts: Iterable[str]) -> ColumnChoice:
         name, mark, column = (part.strip() for part in text.partition("="))
         if not (mark and column):
             raise BadValue(f"--map: found {text!r}, expected a channel and a column such as 'altitude=Alt (ft)'")
+        if is_exclusion(name):
+            count = sum(map(is_exclusion, channels)) + 1
+            channels[EXCLUDE if count == 1 else f"{EXCLUDE} {count}"] = column
+            continue
         if name not in QUANTITIES and name not in FLIGHT_COLUMNS:
             raise BadValue(
                 f"--map: found the channel {name!r}, expected one of {', '.join(QUANTITIES)} for samples, "
+                f"{EXCLUDE} for a column that is not to be used, "
                 f"or one of {', '.join(FLIGHT_COLUMNS)} for flights"
             )
         if name in channels:
             raise BadValue(f"--map: found {name} twice, expected it once")
         channels[name] = column
-    if not (channels.keys() <= QUANTITIES.keys() or channels.keys() <= set(FLIGHT_COLUMNS)):
+    named = {name for name in channels if not is_exclusion(name)}
+    if not (named <= QUANTITIES.keys() or (named <= set(FLIGHT_COLUMNS) and len(named) == len(channels))):
         raise BadValue("--map: found both sample channels and flight columns, expected one or the other")
     return ColumnChoice(channels)
 
 
 def is_of_flights(choice: ColumnChoice) -> bool:
     """Whether a choice names columns of a table of flights; if ambiguous, it is of samples."""
-    return not choice.channels.keys() <= QUANTITIES.keys()
+    return not {name for name in choice.channels if not is_exclusion(name)} <= QUANTITIES.keys()
 
 
 def choice_for(headers: Sequence[str], choices: Iterable[ColumnChoice]) -> ColumnChoice | None:
@@ -76,7 +82,8 @@ def remembered() -> tuple[ColumnChoice, ...]:
 
 
 def _texts(mapping: object) -> dict[str, str]:
-    if not isinstance(mapping, dict) or not mapping.keys() <= QUANTITIES.keys() | {*FLIGHT_COLUMNS}:
+    known = QUANTITIES.keys() | {*FLIGHT_COLUMNS}
+    if not isinstance(mapping, dict) or not all(name in known or is_exclusion(name) for name in mapping):
         raise ValueError(mapping)
     return {str(channel): str(column) for channel, column in mapping.items()}
 

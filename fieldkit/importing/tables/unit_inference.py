@@ -123,17 +123,33 @@ def _lasting(values: Float[Array, "piece"], width: int) -> Float[Array, "piece"]
     return np.asarray(windows(padded, width).max(axis=1))
 
 
-def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:
-    """The unit in which an accelerometer feels one g at rest and more in a boost; None without a rest."""
-    at_rest = abs(rest(acceleration))
+def settle_felt(acceleration: Float[Array, "time"], *, is_total: bool = False) -> InferredUnit | None:
+    """The unit in which an accelerometer feels one g at rest and more in a boost; None without a rest.
+
+    A total feels one g also where it lies after the flight, so the quietest part of the end of a log counts too.
+    """
     finite = np.abs(acceleration[np.isfinite(acceleration)])
-    least, most = np.quantile(finite, (0.05, 0.995)).tolist() if len(finite) else (0.0, 0.0)
+    if len(finite) < _LEAST_REST:
+        return None
+    at_rest = [abs(rest(acceleration)), *([_quietest(finite[-len(finite) // 5 :])] if is_total else [])]
+    least, usual = np.quantile(finite, (0.05, 0.995)).tolist()
+    most = float(_lasting(finite, min(_LEAST_REST, len(finite) - 1)).max())
     for unit in ("g", "m/s2", "mg", "ft/s2"):
         gravity = STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
-        never_left = least / gravity > 0.9 and most / gravity < 1.1
-        if 0.93 < at_rest / gravity < 1.07 and (never_left or _LIFTS < most / gravity < _MOST_GRAVITIES):
+        never_left = least / gravity > 0.9 and usual / gravity < 1.1
+        lifts = _LIFTS < most / gravity < _MOST_GRAVITIES
+        if any(0.93 < level / gravity < 1.07 for level in at_rest) and (never_left or lifts):
             return InferredUnit(unit, "from one g at rest")
     return None
+
+
+def _quietest(values: Float[Array, "time"]) -> float:
+    """The mean of the quietest piece of some samples; nan if they are few."""
+    length = max(min(len(values) // 8, _REST_SAMPLES), _LEAST_REST)
+    if len(values) < length:
+        return float("nan")
+    pieces = values[: len(values) // length * length].reshape(-1, length)
+    return float(pieces[pieces.std(axis=1).argmin()].mean())
 
 
 def _median(values: Float[Array, "some"]) -> float:

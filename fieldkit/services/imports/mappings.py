@@ -8,7 +8,7 @@ from pathlib import Path
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
 from fieldkit.importing import HEAD, ColumnChoice
-from fieldkit.importing.recognize import table_of
+from fieldkit.importing.recognize import shown_damage, table_of
 from fieldkit.importing.tables.column_choice import guessed
 from fieldkit.importing.tables.flight_headings import role_of, shape, table_names
 from fieldkit.importing.tables.headings import QUANTITIES, heading
@@ -117,13 +117,16 @@ def table_columns(path: Path, of: str = "") -> TableColumns:
     """The columns of the table in a file; `of` overrides the detected kind of its rows. Raises FieldkitError for a file
     without a table."""
     head = table_of(read_file(path), path.name)[:HEAD]
-    if of != "flights":
-        try:
-            return _of_samples(head, certain=of == "samples")
-        except DamagedLog:
-            if of == "samples":
-                raise
-    return _of_flights(head)
+    try:
+        if of != "flights":
+            try:
+                return _of_samples(head, certain=of == "samples")
+            except DamagedLog:
+                if of == "samples":
+                    raise
+        return _of_flights(head)
+    except DamagedLog as error:
+        raise shown_damage(error, path.name) from error
 
 
 def _of_samples(head: bytes, *, certain: bool) -> TableColumns:

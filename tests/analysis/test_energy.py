@@ -1,0 +1,68 @@
+"""A top speed agrees with the climb after burnout, whatever sensors measured it."""
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis.possible import by_energy, speed_of_coast
+from fieldkit.analysis.records import Figure
+from fieldkit.physics.standard_atmosphere import GRAVITY
+
+
+def coast(speed: float, drag: float) -> tuple[float, float]:
+    """Rise [m] and duration [s] of a coast with drag in proportion to v², `drag` times the weight at its start."""
+    height = time = 0.0
+    now = speed
+    while now > 0:
+        now -= GRAVITY * (1 + drag * (now / speed) ** 2) * 1e-4
+        height, time = height + now * 1e-4, time + 1e-4
+    return height, time
+
+
+@pytest.mark.parametrize("drag", [0.1, 0.5, 1.5, 3.0])
+@pytest.mark.parametrize("speed", [30.0, 90.0, 200.0])
+def test_rise_and_duration_of_a_coast_give_its_speed(speed: float, drag: float) -> None:
+    rise, lasts = coast(speed, drag)
+    found = speed_of_coast(rise, Figure(lasts, 0.0, "baro"))
+    assert found is not None
+    assert found.value == pytest.approx(speed, rel=0.003)
+
+
+def test_an_early_charge_gives_no_speed() -> None:
+    assert speed_of_coast(120.0, Figure(2.5, 0.05, "baro")) is None
+
+
+def figures(speed: float, sd: float, *, source: str) -> dict[str, Figure]:
+    """The figures of a flight that reaches 60 m/s at 20 m and coasts to 190 m, with another top speed."""
+    rise, lasts = coast(60.0, 0.15)
+    known = {"top_speed": (speed, sd), "burn_time": (0.7, 0.05), "avg_accel": (speed / 0.7, sd / 0.7)}
+    known |= {"apogee": (20 + rise, 0.3), "coast_to_apogee": (lasts, 0.05)}
+    return {name: Figure(*one, source) for name, one in known.items()}
+
+
+@pytest.mark.parametrize("source", ["pressure", "GPS altitude", "barometric altitude and acceleration", "acceleration"])
+@pytest.mark.parametrize("speed", [39.0, 90.0])
+def test_a_top_speed_that_does_not_fit_the_climb_is_not_reported_for_any_sensor(speed: float, source: str) -> None:
+    kept, (why,) = by_energy(figures(speed, 3.0, source=source), 20.0)
+    assert kept.keys() == {"apogee", "coast_to_apogee"}
+    assert "do not fit the climb after burnout" in why
+
+
+def test_a_top_speed_below_what_the_climb_needs_is_bounded_by_it() -> None:
+    """The normal distribution truncated at the bound, by a million draws."""
+    before = figures(50.0, 6.0, source="pressure")
+    after, notes = by_energy(before, 20.0)
+    rng = np.random.default_rng(1)
+    draws = rng.normal(50.0, 6.0, 1_000_000)
+    rise = before["apogee"].value - 20.0
+    least = np.sqrt(2 * GRAVITY * rise)
+    bound = least + rng.normal(0, GRAVITY * 50.0 * 0.05 / least, draws.size)
+    kept = draws[draws > bound]
+    assert after["top_speed"].value == pytest.approx(kept.mean(), abs=0.1)
+    assert after["top_speed"].sd == pytest.approx(kept.std(), rel=0.03)
+    assert after["avg_accel"].value == pytest.approx(after["top_speed"].value / 0.7)
+    assert "at least 5" in notes[0]
+
+
+def test_a_top_speed_that_fits_is_unchanged() -> None:
+    before = figures(60.0, 0.8, source="pressure")
+    assert by_energy(before, 20.0) == (before, ())

@@ -1,0 +1,195 @@
+"""Tables of samples with the columns that loggers, apps, spreadsheets and people give them, each of a known flight."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.importing import ImportedFile
+from fieldkit.importing.read import read
+from fieldkit.importing.tables.mapping import read_choice
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
+from fieldkit.units import FOOT
+from tests.samples import any_motor
+
+PAD = 250.0
+RNG = np.random.default_rng(8)
+TIME = np.arange(-3.0, 45.0, 0.05)
+BURN, PUSH, SINKS = 1.6, 40.0, 6.0
+_SPEED = PUSH * BURN
+_BURNOUT = PUSH * BURN**2 / 2
+_TOP = BURN + _SPEED / GRAVITY
+APOGEE = _BURNOUT + _SPEED**2 / (2 * GRAVITY)
+HEIGHT = np.select(
+    [TIME < 0, TIME < BURN, TIME < _TOP],
+    [0 * TIME, PUSH * TIME**2 / 2, APOGEE - GRAVITY * (TIME - _TOP) ** 2 / 2],
+    np.maximum(APOGEE - SINKS * (TIME - _TOP), 0),
+)
+SPEED = np.gradient(HEIGHT, TIME)
+SEEN = HEIGHT + RNG.normal(0, 0.1, TIME.size)
+PRESSURE = height_pressure(SEEN + PAD)
+FELT = np.select([TIME < 0, TIME < BURN, TIME < _TOP], [1.0, PUSH / GRAVITY + 1, 0.0], 0.4) + RNG.normal(
+    0, 0.02, TIME.size
+)
+
+
+def table(names: str, *columns: np.ndarray | Sequence[str], separator: str = ",") -> bytes:
+    """A table with these names and columns; numbers have three decimals."""
+    cells = [[one if isinstance(one, str) else f"{one:.3f}" for one in column] for column in columns]
+    return "\n".join([names, *(separator.join(row) for row in zip(*cells, strict=True)), ""]).encode()
+
+
+def opened(log: bytes, *maps: str) -> ImportedFile:
+    return read(log, "log.csv", any_motor, None, [read_choice(maps)] if maps else [])
+
+
+def apogee(log: bytes, *maps: str) -> float:
+    """The apogee of the one flight in a log. [m]"""
+    (flight,) = opened(log, *maps).flights
+    assert flight.apogee is not None
+    return flight.apogee
+
+
+def text(values: np.ndarray, form: str) -> list[str]:
+    return [form.format(one) for one in values.tolist()]
+
+
+def wrapped(values: np.ndarray, *, signed: bool) -> np.ndarray:
+    """Integers as 16 bits store them."""
+    return values.astype(np.int64).astype(np.int16 if signed else np.uint16).astype(float)
+
+
+CLOCK = 1000 * (TIME - TIME[0])
+NORTH, EAST = 47 + 0 * TIME, 8 + 0 * TIME
+HIGHEST, FASTEST = np.maximum.accumulate(SEEN), np.maximum.accumulate(SPEED)
+LATER = 22.0 + 0 * TIME + RNG.normal(0, 0.1, TIME.size)
+GPS = HEIGHT + PAD + 12 + RNG.normal(0, 3, TIME.size)
+
+
+@pytest.mark.parametrize(
+    ("names", "columns"),
+    [
+        ("time_ms,altitude_m,temperature_alt_celsius", (CLOCK, SEEN, LATER)),
+        ("time_ms,baro_temperature,baro_altitude", (CLOCK, LATER, SEEN)),
+        ("time_ms,altitude_m,alt_temp,baro_voltage,density_altitude_m", (CLOCK, SEEN, LATER, LATER / 3, SEEN + 400)),
+        ("t [ms],T,p [Pa]", (CLOCK, LATER, PRESSURE)),
+        ("ts[deciseconds],altitude[m]", (CLOCK / 100, SEEN)),
+        ("time (not s),time approx (s),z (m)", (CLOCK / 50, CLOCK / 1000, SEEN)),
+        (
+            "time (s),latitude,longitude,altitude (m),height (m),pressure (Pa)",
+            (TIME, NORTH, EAST, GPS, SEEN, PRESSURE),
+        ),
+        (
+            "time (s),height (m),altitude (m),lat,lon,altitude (m)",
+            (TIME, SEEN, SEEN + PAD, NORTH, EAST, GPS),
+        ),
+        ("time (s),altitude (m),pressure (Pa)", (TIME, SEEN, 0 * TIME + 99_000)),
+        ("time (s),altitude (m),altitude 2 (m)", (TIME, SEEN, 0 * TIME)),
+        ("time (s),height (cm)", (TIME, wrapped(100 * (SEEN + 260), signed=False))),
+        ("time (s),height (cm)", (TIME, wrapped(100 * (SEEN + 260), signed=True))),
+        ("time (s),height (m)", (TIME, wrapped(100 * (SEEN + 450), signed=True) / 100)),
+        (
+            "time (s),altitude (m),Apogee (m),duration_s,top_speed",
+            (TIME, SEEN, HIGHEST, TIME + 3, FASTEST),
+        ),
+        ("time,GS Alt asl (ft),TRACKER Alt asl (ft)", (CLOCK / 1000, 0 * TIME + 900, GPS / FOOT)),
+    ],
+    ids=lambda one: one[:40] if isinstance(one, str) else "",
+)
+def test_the_apogee_is_that_of_the_height_among_other_columns(names: str, columns: tuple[np.ndarray, ...]) -> None:
+    error = 6.0 if "TRACKER" in names else 1.5
+    assert apogee(table(names, *columns)) == pytest.approx(APOGEE, abs=error)
+
+
+@pytest.mark.parametrize("mark", [" ", "\u00a0", "\u202f", "'", "\u2019"])
+@pytest.mark.parametrize("start", [0.0, 2000.0])
+def test_thousands_may_be_separated_by_a_space_or_an_apostrophe(mark: str, start: float) -> None:
+    feet = [f"{one:,.1f}".replace(",", mark).replace(".", ",") for one in (SEEN / FOOT + start).tolist()]
+    log = table("Temps (s);Hauteur (ft)", text(TIME + 3, "{:.2f}"), feet, separator=";").decode()
+    lines = [line.partition(";")[0].replace(".", ",") + ";" + line.partition(";")[2] for line in log.splitlines()[1:]]
+    assert apogee("\n".join(["Temps (s);Hauteur (ft)", *lines, ""]).encode()) == pytest.approx(APOGEE, abs=1.5)
+
+
+def test_a_decimal_comma_that_also_separates_cells_is_named() -> None:
+    log = table("time (s),altitude (m)", TIME + 3, SEEN).decode().replace(".", ",")
+    with pytest.raises(DamagedLog, match=r"log.csv, row 2: .*commas of the decimals"):
+        opened(log.encode())
+
+
+def test_two_columns_that_differ_in_case_are_chosen_by_their_exact_names() -> None:
+    log = table("t,T,p", CLOCK, LATER, PRESSURE)
+    assert apogee(log, "time=t [ms]", "pressure=p [Pa]") == pytest.approx(APOGEE, abs=1.5)
+    imported = opened(log, "time=#1 [ms]", "pressure=#3 [Pa]")
+    assert imported.recognition.rows == TIME.size
+
+
+def test_a_hint_for_a_unit_is_accepted() -> None:
+    log = table("time(not s),alt (m)", CLOCK / 50, SEEN)
+    with pytest.raises(DamagedLog, match=r"write --map 'time=#1 \[s\]'"):
+        opened(log)
+    assert opened(log, "time=#1 [s]").recognition.rows == TIME.size
+
+
+def test_a_column_can_be_excluded() -> None:
+    log = table("time (s),alt a (m),alt b (m)", TIME, SEEN, SEEN + 30 * np.sin(TIME))
+    with pytest.raises(DamagedLog, match="two columns for altitude"):
+        opened(log)
+    assert apogee(log, "exclude=alt b (m)") == pytest.approx(APOGEE, abs=1.5)
+    assert apogee(log, "exclude=#3", "time=time (s)") == pytest.approx(APOGEE, abs=1.5)
+
+
+def test_a_pressure_that_no_pad_has_is_refused_whether_too_low_or_too_high() -> None:
+    for factor in (3.4, 0.1):
+        with pytest.raises(DamagedLog, match="expected about 1000 hPa"):
+            opened(table("time (s),pressure (atm)", TIME, factor * PRESSURE / 101_325))
+
+
+def test_trackers_in_one_table_are_flights_of_their_own() -> None:
+    names = np.where(np.arange(2 * TIME.size) % 2, "Alpha", "Beta").tolist()
+    both = np.ravel(np.column_stack([TIME, TIME + 0.01])) + 3
+    heights = np.ravel(np.column_stack([GPS, 0.5 * HEIGHT + 300 + RNG.normal(0, 1, TIME.size)]))
+    imported = opened(table("TRACKER,time (s),Alt asl (m)", names, both, heights))
+    assert len(imported.flights) == 2
+    tops = sorted(flight.apogee or 0.0 for flight in imported.flights)
+    assert tops == pytest.approx([APOGEE / 2, APOGEE], abs=8)
+
+
+@pytest.mark.parametrize("total", [True, False])
+def test_accelerations_without_a_unit_are_in_the_one_that_reads_one_g_at_rest(*, total: bool) -> None:
+    """Also if the boost is a small part of a long log."""
+    wait = np.arange(-400.0, -3.0, 0.05)
+    time, seen = np.append(wait, TIME), np.append(0 * wait, SEEN)
+    felt = 9.8 * np.append(1 + RNG.normal(0, 0.02, wait.size), FELT)
+    noise = RNG.normal(0, 0.1, time.size)
+    columns = (np.abs(felt),) if total else (noise, felt, noise)
+    log = table(f"time (s),altitude (m),{'total acceleration' if total else 'ax,ay,az'}", time, seen, *columns)
+    (flight,) = opened(log).flights
+    if not total:
+        assert flight.peak_accel == pytest.approx(PUSH, rel=0.1)
+    assert flight.burn_time == pytest.approx(BURN, abs=0.15 if total else 0.06)
+
+
+def test_a_table_of_simulations_is_refused() -> None:
+    names = "Name,Configuration,Velocity off rod (m/s),Apogee (m),Optimum delay (s),Ground hit velocity (m/s)"
+    with pytest.raises(DamagedLog, match="table of simulations"):
+        opened(f"{names}\nSimulation 1,[C6-5],15.1,310,5.6,4.5\nSimulation 2,[B6-4],14.1,110,4.6,4.5\n".encode())
+
+
+@pytest.mark.parametrize(
+    "names",
+    ["Time (sec),Altitude (ft),Thrust (lb)", "Time (sec),Mach Number,Altitude (ft)", "time (s),CD,altitude (ft)"],
+)
+def test_a_trimmed_export_of_a_simulation_is_no_flight(names: str) -> None:
+    feet, other = HEIGHT / FOOT, np.maximum(SPEED, 0)
+    columns = (feet, other) if names.lower().index("alt") < 14 else (other, feet)
+    with suppress(UnknownFormat):
+        assert opened(table(names, TIME + 3, *columns)).flights == ()
+
+
+def test_a_log_without_any_readout_is_not_a_flight() -> None:
+    axes = (0 * TIME, 0 * TIME, 9.81 * FELT)
+    imported = opened(table("Time (s),Vel Z (m/s),Acc X (m/s2),Acc Y (m/s2),Acc Z (m/s2)", TIME, SPEED, *axes))
+    assert imported.flights == ()
+    assert "without any readout" in imported.rejected[0].error
