@@ -65,8 +65,9 @@ def by_energy(
     """The figures with a top speed that suffices for the climb after it, whatever sensors measured it, and notes.
 
     A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of burnout moves by its
-    height: the normal distribution of the measured speed, truncated there. With drag in proportion to v², the rise h and the duration t of a coast give the speed too: a
-    top speed far from that, or far below the bound, contradicts the rest of the flight, and the boost is not reported.
+    height: the normal distribution of the measured speed, truncated there. With drag in proportion to v²,
+    the rise h and the duration t of a coast give the speed too: a top speed far from that, or far below the bound,
+    contradicts the rest of the flight, and the boost is not reported.
     """
     speed, apogee, coast = (figures.get(name) for name in ("top_speed", "apogee", "coast_to_apogee"))
     if speed is None or apogee is None or height_at_burnout is None or speed.sd <= 0:

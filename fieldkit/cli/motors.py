@@ -213,8 +213,8 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
 def _added(file: Path) -> "list[Motor]":
     from fieldkit.motors.own import import_file
 
-    found = import_file(file, motor_folder())
-    remarks = [remark for motor in found for remark in motor.remarks]
+    found, errors = import_file(file, motor_folder())
+    remarks = [*map(str, errors), *(remark for motor in found for remark in motor.remarks)]
     complain("\n".join([f"Added {counted(len(found), 'motor')} from {file}", *remarks]))
     return found
 

@@ -54,7 +54,8 @@ class FileLine:
 
 @dataclass(slots=True)
 class MotorDraft:
-    """The header of a motor in SI units, and the samples read so far, each with its line in the file."""
+    """The header of a motor in SI units, and the samples read so far, each with its line in the file; `failed` if one
+    of them is damaged."""
 
     place: FileLine
     maker: str
@@ -66,6 +67,7 @@ class MotorDraft:
     propellant_mass: float
     loaded_mass: float
     samples: list[tuple[FileLine, float, float]] = field(default_factory=list)
+    failed: bool = False
 
     def add(self, place: FileLine, time: float, thrust: float) -> None:
         """Add a sample [s, N]. Raises DamagedLog if time is negative or goes backward."""
@@ -168,6 +170,21 @@ def delays(text: str, place: FileLine) -> tuple[float, ...]:
         elif not re.fullmatch(r"[A-Z*]*", word):
             raise place.damaged(f"found {word!r}, expected delays such as 4-7-10 or P", "delays")
     return tuple(found)
+
+
+def finished(drafts: list[MotorDraft], errors: list[DamagedLog]) -> tuple[list[Motor], list[DamagedLog]]:
+    """The motors of a file, and its errors: those found while it was read, and those of motors that are impossible. A
+    damaged motor does not affect the others; an error within its rows is the one reported."""
+    motors: list[Motor] = []
+    damaged = list(errors)
+    for draft in drafts:
+        if draft.failed:
+            continue
+        try:
+            motors.append(draft.motor())
+        except DamagedLog as error:
+            damaged.append(error)
+    return motors, damaged
 
 
 def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:

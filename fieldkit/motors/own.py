@@ -15,9 +15,21 @@ MAX_MOTOR_FILE_SIZE = 16 << 20
 
 
 def read(data: bytes, source: str) -> list[Motor]:
-    """The motors in a file; RockSim or RASP is recognized by content. Raises DamagedLog."""
+    """The motors in a file, all of which are sound. Raises DamagedLog."""
+    motors, errors = sound_motors(data, source)
+    if errors:
+        raise errors[0]
+    return motors
+
+
+def sound_motors(data: bytes, source: str) -> tuple[list[Motor], list[DamagedLog]]:
+    """The motors in a file, and the errors of the damaged ones; RockSim or RASP is recognized by content. Raises
+    DamagedLog if no motor is sound."""
     markup = data.lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n\0").startswith(b"<")
-    return rocksim.read(data, source) if markup else rasp.read(data, source)
+    motors, errors = rocksim.read(data, source) if markup else rasp.read(data, source)
+    if not motors:
+        raise errors[0]
+    return motors, errors
 
 
 def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
@@ -30,7 +42,9 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
     for path in sorted(folder.iterdir()) if folder.is_dir() else []:
         if path.suffix.lower() in SUFFIXES:
             try:
-                motors += read(_content(path), path.name)
+                found, damaged = sound_motors(_content(path), path.name)
+                motors += found
+                errors += damaged
             except FieldkitError as error:
                 errors.append(error)
     return motors, errors
@@ -46,16 +60,17 @@ def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
     return known, [*errors, *unread, *unused]
 
 
-def import_file(path: Path, folder: Path) -> list[Motor]:
-    """Read a motor file and save a copy in the folder; returns its motors. Raises DamagedLog, FieldkitError.
+def import_file(path: Path, folder: Path) -> tuple[list[Motor], list[DamagedLog]]:
+    """Read a motor file and save a copy in the folder; returns its motors, and the errors of damaged ones. Raises
+    DamagedLog, FieldkitError.
 
     A file of the same name is replaced, which allows users to correct it.
     """
     content = _content(path)
-    motors = read(content, path.name)
+    motors, errors = sound_motors(content, path.name)
     suffix = path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0]
     files.replace(folder / f"{path.stem}{suffix}", content)
-    return motors
+    return motors, errors
 
 
 def _content(path: Path) -> bytes:

@@ -10,14 +10,15 @@ import re
 from xml.parsers.expat import ExpatError, ParserCreate
 
 from fieldkit.errors import DamagedLog
-from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, decoded, delays
+from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, decoded, delays, finished
 from fieldkit.motors.motor import Motor
 
 _KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
 
 
-def read(data: bytes, source: str) -> list[Motor]:
-    """The motors in a RockSim file. Raises DamagedLog that names the line."""
+def read(data: bytes, source: str) -> tuple[list[Motor], list[DamagedLog]]:
+    """The motors in a RockSim file, and the errors of damaged ones, each naming its line. Raises DamagedLog for a file
+    that is none."""
     reader = _Reader(source)
     try:
         reader.parser.Parse(_text(data), True)
@@ -25,9 +26,9 @@ def read(data: bytes, source: str) -> list[Motor]:
         raise DamagedLog(f"found broken XML ({error})", row=error.lineno, source=source) from error
     except (LookupError, ValueError) as error:
         raise DamagedLog(f"found an encoding that cannot be read ({error})", row=1, source=source) from error
-    if not reader.drafts:
+    if not (reader.drafts or reader.errors):
         raise DamagedLog("found no <engine>, expected an <engine-database> with one or more", row=1, source=source)
-    return [draft.motor() for draft in reader.drafts]
+    return finished(reader.drafts, reader.errors)
 
 
 def _text(data: bytes) -> bytes | str:
@@ -44,6 +45,8 @@ class _Reader:
     def __init__(self, source: str) -> None:
         self.source = source
         self.drafts: list[MotorDraft] = []
+        self.errors: list[DamagedLog] = []
+        self.skips = False
         self.parser = ParserCreate()
         self.parser.StartElementHandler = self._start
         self.parser.StartDoctypeDeclHandler = self._doctype
@@ -57,13 +60,20 @@ class _Reader:
 
     def _start(self, element: str, attributes: dict[str, str]) -> None:
         fields = _Fields(self._place, element, attributes)
-        if element == "engine":
-            add_draft(self.drafts, _engine(fields))
-        elif element == "eng-data":
-            if not self.drafts:
-                raise self._place.damaged("found <eng-data>, expected an <engine> around it")
-            place = self._place
-            self.drafts[-1].add(place, place.number(fields["t"], "t", "s"), place.number(fields["f"], "f", "N"))
+        if element == "eng-data" and not (self.drafts or self.errors):
+            raise self._place.damaged("found <eng-data>, expected an <engine> around it")
+        self.skips = self.skips and element != "engine"
+        try:
+            if element == "engine":
+                add_draft(self.drafts, _engine(fields))
+            elif element == "eng-data" and not self.skips:
+                place = self._place
+                self.drafts[-1].add(place, place.number(fields["t"], "t", "s"), place.number(fields["f"], "f", "N"))
+        except DamagedLog as error:
+            self.errors.append(error)
+            self.skips = True  # up to the next motor
+            if element == "eng-data":
+                self.drafts[-1].failed = True
 
 
 class _Fields:

@@ -114,11 +114,25 @@ def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     own, below = override(part)
     if own is not None and below:
         return own
+    _fit_inside(part, size)
     inside = sum(mass(one, None, unknown) for one in children(part) if one.tag not in AIRFRAME)
     if part.tag in ASSEMBLIES:
         parts = airframe(part)
         inside += sum(mass(one, of, unknown) for one, of in zip(parts, sizes(parts), strict=True))
     return (own if own is not None else own_mass(part, size, unknown)) + copies(part) * inside
+
+
+def _fit_inside(part: "Element", size: Size | None) -> None:
+    """Fill in the automatic radii of the parts in a tube, which older files do not store: the outer one is the bore of
+    the tube, and the inner one of a ring is that of the inner tubes beside it. [m]"""
+    outer = max(size.fore, size.aft) if size else _outer_radius(part)
+    bore = max(outer - number(part, "thickness"), 0.0)
+    tubes = max((_outer_radius(one) for one in children(part) if one.tag == "innertube"), default=0.0)
+    for one in children(part):
+        for name, radius in (("outerradius", bore), ("innerradius", tubes)):
+            found = one.find(name)
+            if found is not None and math.isnan(number(one, name, math.nan)):
+                found.text = repr(radius)
 
 
 def copies(part: "Element") -> int:

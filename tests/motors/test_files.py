@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog
-from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue, rasp, rocksim
-from fieldkit.motors.own import import_file, own_motors, read
+from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue
+from fieldkit.motors.own import import_file, own_motors, read, sound_motors
 from tests.effort import examples
 
 pytestmark = pytest.mark.fast
@@ -60,7 +60,7 @@ def as_rasp_file(motor: Motor) -> bytes:
 
 @given(_one_of_the_catalogue())
 def test_a_motor_written_as_a_rasp_file_round_trips(motor: Motor) -> None:
-    [back] = rasp.read(as_rasp_file(motor), "mine.eng")
+    [back] = read(as_rasp_file(motor), "mine.eng")
     for field in ("maker", "designation", "delays"):
         assert getattr(back, field) == getattr(motor, field)
     for field in ("diameter", "length", "propellant_mass", "casing_mass", "total_impulse", "burn_time"):
@@ -70,7 +70,7 @@ def test_a_motor_written_as_a_rasp_file_round_trips(motor: Motor) -> None:
 
 
 def test_a_rasp_file_may_hold_several_motors() -> None:
-    first, second = rasp.read(ENG, "mine.eng")
+    first, second = read(ENG, "mine.eng")
     assert (first.maker, first.name, first.designation, first.delays) == ("AeroTech", "F24", "F24W", (4, 7))
     assert first.propellant_mass == 0.019
     assert first.casing_mass == pytest.approx(0.0439)
@@ -81,8 +81,8 @@ def test_a_rasp_file_may_hold_several_motors() -> None:
 
 def test_a_rasp_file_from_windows_with_a_byte_order_mark_and_tabs_is_read() -> None:
     text = ENG.decode().replace("\n", "\r\n").replace("   ", "\t")
-    assert len(rasp.read(b"\xef\xbb\xbf" + text.encode(), "mine.eng")) == 2
-    assert len(rasp.read(text.replace("my own", "J\xfcrgen").encode("cp1252"), "mine.eng")) == 2
+    assert len(read(b"\xef\xbb\xbf" + text.encode(), "mine.eng")) == 2
+    assert len(read(text.replace("my own", "J\xfcrgen").encode("cp1252"), "mine.eng")) == 2
 
 
 @pytest.mark.parametrize(
@@ -108,12 +108,12 @@ def test_for_a_damaged_rasp_file_the_line_and_the_expected_content_are_named(
     old: str, new: str, complaint: str
 ) -> None:
     with pytest.raises(DamagedLog) as caught:
-        rasp.read(ENG.decode().replace(old, new).encode(), "mine.eng")
+        read(ENG.decode().replace(old, new).encode(), "mine.eng")
     assert complaint in str(caught.value)
 
 
 def test_a_curve_without_its_last_zero_falls_to_zero_there() -> None:
-    first, second = rasp.read(ENG.replace(b"2.13  0", b"2.13 20"), "mine.eng")
+    first, second = read(ENG.replace(b"2.13  0", b"2.13 20"), "mine.eng")
     assert first.remarks == (
         "mine.eng, row 6: the curve ends at 20 N, taken to fall to 0 there: the file may be cut short",
     )
@@ -123,7 +123,7 @@ def test_a_curve_without_its_last_zero_falls_to_zero_there() -> None:
 
 
 def test_negative_noise_of_a_test_stand_counts_as_zero() -> None:
-    first, _ = rasp.read(ENG.replace(b"2.13  0", b"2.1 -0.4\n2.13 0.1\n2.2 -0.1"), "mine.eng")
+    first, _ = read(ENG.replace(b"2.13  0", b"2.1 -0.4\n2.13 0.1\n2.2 -0.1"), "mine.eng")
     assert first.remarks == ("mine.eng, row 6: 2 thrusts down to -0.4 N taken as 0",)
     assert first.thrust.min() == 0
 
@@ -163,16 +163,16 @@ def test_a_rocksim_file_with_another_ending_or_encoding_is_read(data: bytes) -> 
 @pytest.mark.parametrize("data", [b"", b"; only a comment\n", b"\n\n"])
 def test_a_rasp_file_without_a_motor_reports_it(data: bytes) -> None:
     with pytest.raises(DamagedLog, match="found no motor, expected a header"):
-        rasp.read(data, "mine.eng")
+        read(data, "mine.eng")
 
 
 def test_a_header_without_samples_is_damaged() -> None:
     with pytest.raises(DamagedLog, match="row 1: found no thrust for F24W"):
-        rasp.read(b"F24W 24 70 4-7 0.019 0.0629 AT\n;\n", "mine.eng")
+        read(b"F24W 24 70 4-7 0.019 0.0629 AT\n;\n", "mine.eng")
 
 
 def test_a_rocksim_file_is_read_in_grams() -> None:
-    [motor] = rocksim.read(RSE, "mine.rse")
+    [motor] = read(RSE, "mine.rse")
     assert (motor.maker, motor.name, motor.kind, motor.delays) == ("Estes", "C6", "SU", (0, 3, 5, PLUGGED_DELAY))
     assert motor.propellant_mass == pytest.approx(0.0108)
     assert motor.casing_mass == pytest.approx(0.0133)
@@ -193,7 +193,7 @@ def test_a_rocksim_file_is_read_in_grams() -> None:
 def test_for_a_damaged_rocksim_file_the_line_is_named(old: str, new: str, complaint: str) -> None:
     data = RSE.decode().replace(old, new).replace("</engine>", "</motor>" if "motor" in new else "</engine>")
     with pytest.raises(DamagedLog) as caught:
-        rocksim.read(data.encode(), "mine.rse")
+        read(data.encode(), "mine.rse")
     assert complaint in str(caught.value)
 
 
@@ -203,7 +203,7 @@ def test_for_a_damaged_rocksim_file_the_line_is_named(old: str, new: str, compla
 def test_a_rocksim_file_with_entities_is_refused_before_they_are_read(entity: str) -> None:
     bomb = RSE.replace(b"<engine-database>", f"<!DOCTYPE e [{entity}]>\n<engine-database>".encode())
     with pytest.raises(DamagedLog, match=r"row 2: found a document type declaration"):
-        rocksim.read(bomb.replace(b"one of mine", b"&b;"), "mine.rse")
+        read(bomb.replace(b"one of mine", b"&b;"), "mine.rse")
 
 
 @st.composite
@@ -237,9 +237,8 @@ def test_a_truncated_motor_file_is_damaged_or_still_complete_but_never_a_crash(d
 
 @given(st.binary(max_size=60))
 def test_no_bytes_cause_a_crash(data: bytes) -> None:
-    for reader in (rasp.read, rocksim.read, read):
-        with pytest.raises(DamagedLog):
-            reader(data, "noise")
+    with pytest.raises(DamagedLog):
+        read(data, "noise")
 
 
 def test_a_damaged_file_in_the_folder_of_own_motors_does_not_affect_the_others(tmp_path: Path) -> None:
@@ -275,3 +274,42 @@ def test_a_damaged_file_is_not_kept(tmp_path: Path) -> None:
 def test_a_changed_motor_is_a_different_motor() -> None:
     motor = catalogue().find("F24").motor
     assert dataclasses.replace(motor, total_impulse=40.0) != motor
+
+
+CUT_SHORT = """R11 24 70 4 0.012 0.040 Lab
+0.02 5
+0.9 9
+1 0
+R12 24 70 4 0.012 0.040 Lab
+0.02 5
+R13 24 70 4 0.012 0.040 Lab
+0.02 6
+0.9 10
+1 0
+"""
+
+
+@pytest.mark.parametrize(
+    ("damage", "row"),
+    [
+        ("0.02 5\nR13", 5),
+        ("0.02 five\nR13", 6),
+        ("R12 24 70 4 0.012 0.040 Lab", 5),
+        ("R12 24 seventy 4 0.012 0.040 Lab", 5),
+    ],
+)
+def test_a_damaged_motor_does_not_affect_the_others_of_its_file(damage: str, row: int) -> None:
+    old = "0.02 5\nR13" if damage.endswith("R13") else "R12 24 70 4 0.012 0.040 Lab"
+    motors, (error,) = sound_motors(CUT_SHORT.replace(old, damage).encode(), "three.eng")
+    assert [motor.designation for motor in motors] == ["R11", "R13"]
+    assert (error.source, error.row) == ("three.eng", row)
+
+
+def test_a_damaged_motor_does_not_affect_the_others_of_a_rocksim_file() -> None:
+    engine = RSE[RSE.index(b"<engine ") : RSE.index(b"</engine>") + len(b"</engine>")]
+    bad = engine.replace(b'code="C6"', b'code="C7"').replace(b'f="14.', b'f="l4.')
+    assert bad.count(b"l4.") == 1
+    whole = RSE.replace(engine, engine + b"\n" + bad + b"\n" + engine.replace(b'code="C6"', b'code="C8"'))
+    motors, (error,) = sound_motors(whole, "three.rse")
+    assert [motor.designation for motor in motors] == ["C6", "C8"]
+    assert "l4." in str(error)

@@ -51,11 +51,31 @@ def test_every_tube_of_a_cluster_and_its_contents_have_mass() -> None:
     assert _mass(mount) == pytest.approx(3 * (700 * math.pi * (0.01**2 - 0.009**2) * 0.1 + 0.02))
 
 
-def test_a_ring_without_a_stored_radius_is_unknown_and_not_negative() -> None:
+@pytest.mark.parametrize("inner", ["0.01", "auto"])
+def test_an_automatic_radius_of_a_ring_that_is_not_stored_is_that_of_the_tubes_it_joins(inner: str) -> None:
+    """Versions before 15 of OpenRocket write `auto` alone."""
     ring = f"""<centeringring><name>Ring</name>{PAPER}<length>0.005</length><outerradius>auto</outerradius>
-<innerradius>0.01</innerradius></centeringring>"""
-    assert _mass(ring) == pytest.approx(0.0, abs=1e-12)
-    assert any("mass of Ring is unknown" in note for note in _read(ring).notes)
+<innerradius>{inner}</innerradius></centeringring>"""
+    tube = (
+        f"<innertube>{PAPER}<length>0.1</length><thickness>0.001</thickness><outerradius>0.01</outerradius></innertube>"
+    )
+    inside = 700 * math.pi * ((0.029**2 - 0.01**2) * 0.005 + (0.01**2 - 0.009**2) * 0.1)
+    assert _mass(tube + ring) == pytest.approx(inside)
+    assert not any("unknown" in note for note in _read(tube + ring).notes)
+
+
+def test_an_automatic_radius_of_a_nose_that_is_not_stored_is_that_of_the_tube_behind_it() -> None:
+    nose = f"""<nosecone>{PAPER}<length>0.1</length><thickness>0.002</thickness><shape>ogive</shape>
+<aftradius>{{}}</aftradius></nosecone>"""
+    masses = []
+    for radius in ("auto", "0.03"):
+        parts = nose.format(radius) + TUBE.format(inside="")
+        stage = f"<stage><subcomponents>{parts}</subcomponents></stage>"
+        rocket = f"<rocket><name>A</name><subcomponents>{stage}</subcomponents></rocket>"
+        masses.append(read_design(f'<openrocket version="1.4">{rocket}</openrocket>'.encode(), "a.ork").dry_mass)
+    assert masses[0] == pytest.approx(masses[1])
+    assert masses[1] is not None
+    assert masses[1] > BODY
 
 
 @pytest.mark.parametrize("shape", ["ogive", "ellipsoid", "conical"])

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from fieldkit.errors import DamagedLog
 from fieldkit.flight import BY_NAME
 from fieldkit.importing.manual_entry import Question
 from fieldkit.motors import Motor
@@ -132,14 +133,17 @@ def _import(page: PageScreen, text: str | None) -> None:
     if not text or not text.strip():
         return
 
-    def work() -> list[Motor]:
+    def work() -> tuple[list[Motor], list[DamagedLog]]:
         return import_file(expanded(text.strip()), motor_folder())
 
     page.ask(work, partial(_imported, page), "import")
 
 
-def _imported(page: PageScreen, motors: list[Motor]) -> None:
+def _imported(page: PageScreen, found: tuple[list[Motor], list[DamagedLog]]) -> None:
+    motors, errors = found
     page.resources.forget_motors()
     added = f"Added {counted(len(motors), 'motor')}: {', '.join(one.designation for one in motors[:4])}"
-    page.show_notice("; ".join([added, *(remark for motor in motors for remark in motor.remarks)][:4]))
+    page.show_notice(
+        "; ".join([added, *map(str, errors), *(remark for motor in motors for remark in motor.remarks)][:4])
+    )
     page.field_app.changed()
