@@ -1,7 +1,7 @@
 """From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
 from fieldkit.analysis.columns import columns
-from fieldkit.analysis.measure import measure, rises
+from fieldkit.analysis.measure import by_device, measure, rises
 from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.possible import widened_by_contradictions
 from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
@@ -15,6 +15,7 @@ __all__ = [
     "HeightTrack",
     "MeasuredClimb",
     "Recorded",
+    "by_device",
     "columns",
     "measure",
     "rises",

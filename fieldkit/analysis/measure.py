@@ -1,4 +1,7 @@
-"""Measure the readouts of a flight from its samples: `measure` is the only entry point."""
+"""Measure the readouts of a flight from its samples: `measure` is the only entry point.
+
+Derivation: a readout that is a time is the difference between two events.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -46,6 +49,13 @@ _MAX_MISS = 0.08
 fraction of the climb. [1]"""
 _LAST_FELT, _THRUST = 0.2, 2 * GRAVITY
 """If the last readings of an accelerometer, over this time [s], are above this value [m/s^2], they are thrust."""
+_BETWEEN_EVENTS = {
+    "burn_time": ("liftoff", "burnout"),
+    "coast_to_apogee": ("burnout", "apogee"),
+    "apogee_to_eject": ("apogee", "ejection"),
+    "duration": ("liftoff", "landing"),
+}
+"""Readouts that are times between two events."""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
 _MIN_LAG = 0.08
@@ -61,6 +71,24 @@ def rises(clocks: Sequence[Series]) -> bool:
         return _first_flight(clocks) is not None
     channels = [(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total")]
     return any(_feels_thrust(series.time, getattr(series, name)) for series, name in channels)
+
+
+def by_device(clocks: Sequence[Series], recorded: Recorded, stated: Mapping[str, float]) -> dict[str, float]:
+    """Readouts as the logger has them: the largest of its own speeds on the way up, and the times between the events
+    that it marked. [SI]"""
+    found = {
+        name: stated[end] - stated[begin]
+        for name, (begin, end) in _BETWEEN_EVENTS.items()
+        if begin in stated and end in stated
+    }
+    lift, top = recorded.events.get("liftoff"), recorded.events.get("apogee")
+    for series in clocks if lift is not None and top is not None else ():
+        speed = series.speed if series.speed is not None else series.inertial_speed
+        if speed is not None and lift is not None and top is not None:
+            climbs = speed[(series.time >= lift.time) & (series.time <= top.time) & np.isfinite(speed)]
+            if climbs.size:
+                found.setdefault("top_speed", float(climbs.max()))
+    return found
 
 
 def _first_flight(clocks: Sequence[Series]) -> tuple[Array, Heights, Outline] | None:

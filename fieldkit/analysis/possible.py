@@ -62,7 +62,8 @@ _MAX_RELATIVE_SD = 0.5
 def by_energy(
     figures: Mapping[str, Figure], height_at_burnout: float | None
 ) -> tuple[dict[str, Figure], tuple[str, ...]]:
-    """The figures with a top speed that suffices for the climb after it, whatever sensors measured it, and notes.
+    """The figures with a top speed that suffices for the climb after burnout [m], whatever sensors measured it, and
+    notes.
 
     A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of burnout moves by its
     height: the normal distribution of the measured speed, truncated there. With drag in proportion to v²,

@@ -105,6 +105,8 @@ class Recorded:
     forces: Forces | None = None
     notes: tuple[str, ...] = ()
     track: HeightTrack | None = None
+    device: Mapping[str, float] = field(default_factory=dict)
+    """Readouts by the logger's own speed and the events that it marked, for comparison. [SI]"""
 
     def height_at(self, time: float) -> float | None:
         """Height above the pad at a time on the log's clock, from the smoothed ascent if it covers that time. [m]"""

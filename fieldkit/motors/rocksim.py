@@ -17,8 +17,8 @@ _KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
 
 
 def read(data: bytes, source: str) -> tuple[list[Motor], list[DamagedLog]]:
-    """The motors in a RockSim file, and the errors of damaged ones, each naming its line. Raises DamagedLog for a file
-    that is none."""
+    """The motors in a RockSim file, and the errors of damaged ones, each naming its line. Raises DamagedLog for
+    any other file."""
     reader = _Reader(source)
     try:
         reader.parser.Parse(_text(data), True)

@@ -15,6 +15,7 @@ from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
     epoch_unit,
+    height_unit_by_free_fall,
     height_unit_by_pressure,
     last_of_climb,
     rest,
@@ -55,7 +56,7 @@ def units_of(
     if "pressure" in units and not by_channel["pressure"].chosen:
         _check_pressure(by_channel["pressure"], units["pressure"], values, needed="altitude" not in by_channel)
     if "altitude" in units:
-        units["altitude"] = _beside_pressure(by_channel["altitude"], units["altitude"], values)
+        units["altitude"] = _by_physics(by_channel["altitude"], units, values)
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
     if by_channel.get("time") and by_channel["time"].unit and not epoch_unit(values["time"]):
         settled.pop("time", None)  # a unit that is stated but unknown, as in `time (ticks)`, is not replaced by a guess
@@ -94,22 +95,24 @@ def _check_pressure(
         )
 
 
-def _beside_pressure(
-    pick: Pick, stated: tuple[Unit, str, str], values: Mapping[str, Float[Array, "row"]]
+def _by_physics(
+    pick: Pick, units: Mapping[str, tuple[Unit, str, str]], values: Mapping[str, Float[Array, "row"]]
 ) -> tuple[Unit, str, str]:
-    """The stated unit of heights, checked against the pressure.
+    """The stated unit of heights, checked against the pressure or, without one, against gravity before apogee.
 
-    If the pressure implies another unit, a note is added if the user chose the stated unit; otherwise DamagedLog is
-    raised.
+    If physics implies another unit, a note is added if the user chose the stated unit; otherwise DamagedLog is raised.
     """
-    unit, name, _ = stated
-    shows = height_unit_by_pressure(values)
+    unit, name, _ = stated = units["altitude"]
+    shows, why = height_unit_by_pressure(values), "the pressure column"
+    if not shows and "time" in units and plain(name) in ("m", "ft"):
+        seconds = {**values, "time": to_si(units["time"][0], values["time"])}
+        shows, why = height_unit_by_free_fall(seconds, plain(name)), "gravity before apogee"
     if not shows or 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
         return stated
     if pick.chosen:
-        return unit, name, f"as you chose, although the pressure column implies {shows}"
+        return unit, name, f"as you chose, although {why} implies {shows}"
     raise DamagedLog(
-        f"found heights in {shown(pick.unit)} that the pressure column implies to be in {shows}; "
+        f"found heights in {shown(pick.unit)} that {why} implies to be in {shows}; "
         f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
         column=pick.name,
     )

@@ -21,7 +21,7 @@ LOOKED_AT = 400
 """Number of lines among which the first rows of numbers must be. [1]"""
 _MOST_ABOVE = 4
 """Number of lines above a table among which its names must be: a logger may write messages below them. [1]"""
-_CLOCK_ROWS, _LEAST_CLOCK_STEPS, _EVEN = 100, 8, 0.8
+_CLOCK_ROWS, _LEAST_CLOCK_STEPS, _EVEN_FRACTION = 100, 8, 0.8
 """Number of rows whose times are compared, least number of steps, and fraction of them within a factor of two. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
@@ -216,4 +216,4 @@ def runs_like_a_log(head: bytes) -> bool:
     if len(steps) < _LEAST_CLOCK_STEPS or steps[0] <= 0:
         return False
     middle = steps[len(steps) // 2]
-    return sum(middle / 2 <= step <= 2 * middle for step in steps) > _EVEN * len(steps)
+    return sum(middle / 2 <= step <= 2 * middle for step in steps) > _EVEN_FRACTION * len(steps)

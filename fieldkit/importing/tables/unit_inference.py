@@ -216,25 +216,48 @@ def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str
 
 def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
     """Whether the end of the climb decelerates at one g plus a little drag, and the duration of the climb fits."""
+    slowing, fall_rate = _gravities(raw, way)
+    return 0.75 < slowing < 1.45 and 0.4 < fall_rate < 3.2
+
+
+def height_unit_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: str) -> str:
+    """The unit of heights in which a climb slows down like a coast, if in the stated one neither its end nor its whole
+    duration can be a coast's; "" otherwise. A charge before apogee stops a rocket faster, but does not shorten its
+    climb before."""
+    slowing, fall_rate = _gravities(raw, {"altitude": stated, "time": "s"})
+    other = "ft" if stated == "m" else "m"
+    fast = slowing > _TOO_FAST[0] and fall_rate > _TOO_FAST[1]
+    slow = slowing < 1 / _TOO_FAST[0] and fall_rate < 0.4
+    return other if (fast or slow) and _free_fall_agrees(raw, {"altitude": other, "time": "s"}) else ""
+
+
+def _gravities(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> tuple[float, float]:
+    """The deceleration at the end of a climb, and that of a free rise of the same height and duration; nan if there is
+    no climb. [g]"""
     if "altitude" not in raw:
-        return False
+        return float("nan"), float("nan")
     time, height = _ascent(_with_heights(raw), way)
     if time is None or height is None or len(time) < 12:
-        return False
+        return float("nan"), float("nan")
     top, bottom = height[-1], np.nanmin(height)
     last = np.flatnonzero(height < top - 0.06 * (top - bottom))
     begin = last[-1] + 1 if len(last) else 0
     t, h = time[begin:] - time[-1], height[begin:]
     whole = np.isfinite(t) & np.isfinite(h)
     if whole.sum() < 6 or np.ptp(t[whole]) <= 0:
-        return False
+        return float("nan"), float("nan")
     span = float(np.ptp(t[whole]))
     powers = np.vander(t[whole] / span, 3)
     slowing = -2 * float(np.linalg.lstsq(powers, h[whole], rcond=None)[0][0]) / span**2
     off = np.flatnonzero(height < bottom + 0.03 * (top - bottom))
     climb = time[-1] - time[off[-1] if len(off) else 0]
     fall_rate = 2 * float(top - bottom) / float(climb) ** 2 if climb > 0 else 0.0
-    return 0.75 < slowing / STANDARD_GRAVITY < 1.45 and 0.4 < fall_rate / STANDARD_GRAVITY < 3.2
+    return slowing / STANDARD_GRAVITY, fall_rate / STANDARD_GRAVITY
+
+
+_TOO_FAST = (2.4, 2.2)
+"""Deceleration at the end of a climb, and that of a free rise of its height and duration, that no coast has: with drag
+of ten weights at its start the second is 1.5. [g]"""
 
 
 def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:

@@ -131,7 +131,9 @@ def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded |
     known = flight.source.get(column.name) or ("device" if stated or flight.extra.get("log_format") else "typed")
     sensor = sensor_of(figure.source) if figure else known
     spread = None if sd is None else scale.from_si(sd) - scale.from_si(0)
-    return ReadoutView(scale.from_si(value), spread, sensor, _number(stated))
+    device = recorded.device.get(column.name) if recorded else None
+    own = _number(stated) if stated or device is None else scale.from_si(device)
+    return ReadoutView(scale.from_si(value), spread, sensor, own)
 
 
 def _number(text: str | None) -> float | None:

@@ -1,0 +1,116 @@
+"""The mutation bench, `python -m bench.mutations`: what becomes of logs that people changed.
+
+Each kind of table is made of `--flights` known flights (25), and every sample log of every parser is changed in each of
+the ways of `bench.mutations.files`. A variant is *right* if each readout agrees with the truth, *refused* if a message
+names the file, and *silently wrong* if a readout is off by more than 5% and three standard deviations: for a table from
+the flight, for a sample log from what it gives unchanged. `--keep FILE` saves the counts of each kind. Returns 1 if one
+is silently wrong.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from bench.mutations.files import FILES
+from bench.mutations.tables import KINDS, log_of
+from bench.recorders.flights import draw
+from bench.recorders.judge import compared
+from fieldkit.analysis import Recorded
+from fieldkit.errors import FieldkitError
+from fieldkit.importing.read import read
+from fieldkit.importing.tables.mapping import read_choice
+
+SAMPLES = Path(__file__).parents[2] / "sample_logs"
+
+
+@dataclass(slots=True)
+class Count:
+    """Variants of one kind by what became of them, and the silently wrong ones in words."""
+
+    right: int = 0
+    refused: int = 0
+    wrong: list[str] = field(default_factory=list)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Print a line for each kind, and each variant that is silently wrong."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--flights", type=int, default=25)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--keep", type=Path)
+    asked = parser.parse_args(arguments)
+    counts: dict[str, Count] = {}
+    for name, count in chain(_tables(asked.only, asked.flights, asked.seed), _files(asked.only)):
+        counts[name] = count
+        sys.stdout.write(f"| {name} | {count.right} | {count.refused} | {len(count.wrong)} |\n")
+        sys.stdout.writelines(f"  {line}\n" for line in count.wrong)
+        sys.stdout.flush()
+        if asked.keep:
+            asked.keep.write_text(json.dumps({one: asdict(each) for one, each in counts.items()}, indent=1) + "\n")
+    right, refused, wrong = (sum(_sizes(one)[place] for one in counts.values()) for place in range(3))
+    sys.stdout.write(f"| **{right + refused + wrong} variants** | {right} | {refused} | {wrong} |\n")
+    return 1 if wrong else 0
+
+
+def _sizes(count: Count) -> tuple[int, int, int]:
+    return count.right, count.refused, len(count.wrong)
+
+
+def _tables(only: str, flights: int, seed: int) -> Iterator[tuple[str, Count]]:
+    """Each kind of table, of the same flights."""
+    paths = draw(np.random.default_rng(seed), flights)
+    for number, (name, kind) in enumerate(KINDS.items()):
+        if only in name:
+            count = Count()
+            for place, path in enumerate(paths):
+                sheet = kind(log_of(path, np.random.default_rng([seed, number, place])))
+                _judge(count, f"{name} {place}", sheet.text(), sheet.maps, path.readouts())
+            yield name, count
+
+
+def _files(only: str) -> Iterator[tuple[str, Count]]:
+    """Each change of a file, to every sample log that has a flight with samples."""
+    for name, change in FILES.items():
+        if only in name:
+            count = Count()
+            for file in sorted(SAMPLES.iterdir()):
+                for first in _recorded(file.read_bytes(), ())[:1]:
+                    truth = {readout: figure.value for readout, figure in first.figures.items()}
+                    _judge(count, f"{name}, {file.name}", change(file.read_bytes()), (), truth)
+            yield name, count
+
+
+def _recorded(log: bytes, maps: Sequence[str]) -> list[Recorded]:
+    """The flights in a log; none if it is refused, which names the file."""
+    try:
+        imported = read(log, "log.csv", lambda motor: None, None, [read_choice(maps)] if maps else [])
+    except FieldkitError as error:
+        if "log.csv" not in str(error):
+            raise
+        return []
+    return [one for one in imported.recorded if one is not None]
+
+
+def _judge(count: Count, name: str, log: bytes, maps: Sequence[str], truth: Mapping[str, float]) -> None:
+    """Count one variant by the readouts of its first flight."""
+    found = _recorded(log, maps)[:1]
+    grave = [miss for one in found for miss in compared(name, 0, truth, one) if miss.grave]
+    if not found:
+        count.refused += 1
+    elif grave:
+        worst = max(grave, key=lambda miss: miss.relative)
+        value, sd = worst.truth + worst.error, worst.sd
+        count.wrong.append(f"{name}: {worst.readout} {value:.4g} +- {sd:.2g}, true {worst.truth:.4g}")
+    else:
+        count.right += 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
