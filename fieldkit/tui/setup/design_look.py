@@ -35,6 +35,6 @@ def _facts(start: Configuration, design: Design, system: str) -> list[str]:
     if start.diameter is not None:
         facts.append(f"{measure(BY_NAME['diameter'], start.diameter, system)} across")
     if start.margin is not None:
-        facts.append(f"stability {start.margin:.1f} calibers with its motor, off the launch rod")
+        facts.append(f"stability {start.margin:.1f} calibers with its motor, at small angles")
     facts.append(f"Cd {start.cd:.2f}, from {design.cd_by}" if start.cd else "no Cd in the file")
     return facts
