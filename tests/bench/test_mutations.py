@@ -1,0 +1,33 @@
+"""The mutation bench: it notices a wrong readout, and a table that says the truth in other words is read."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.mutations.__main__ import Count, _judge, main
+from bench.mutations.tables import KINDS, log_of, plain
+from bench.recorders.flights import draw
+
+pytestmark = pytest.mark.sampled
+
+
+def test_there_are_at_least_sixty_kinds_of_tables() -> None:
+    assert len(KINDS) >= 60
+
+
+def test_a_table_of_another_flight_is_silently_wrong() -> None:
+    (path,) = draw(np.random.default_rng(4), 1)
+    log = log_of(path, np.random.default_rng(1))
+    count = Count()
+    _judge(count, "low", plain(replace(log, height=0.8 * log.height)).text(), (), path.readouts())
+    _judge(count, "true", plain(log).text(), (), path.readouts())
+    assert (len(count.wrong), count.right) == (1, 1)
+    assert "low: " in count.wrong[0]
+
+
+def test_feet_that_are_called_meters_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--flights", "2", "--only", "feet called meters"]) == 0
+    out = capsys.readouterr().out
+    assert "| feet called meters | 0 | 2 | 0 |" in out
+    assert "| **4 variants** | 0 | 4 | 0 |" in out
