@@ -45,6 +45,7 @@ NEVER_ONE = {
     "self.every": "the period of a pattern, from two on",
     "len(rows)": "forecasts to compare, from two on",
     "width": "bytes of a record",
+    "size": "bytes beyond a limit",
     "least": "numbers of a sentence",
     "largest": "bytes, a limit",
     "total": "points, a decimal number",

@@ -221,7 +221,7 @@ def stability(flight: Flight) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class LaunchConditions:
-    """What the further columns of a flight tell about its climb, None if not recorded.
+    """What the further columns of a flight say about its climb, None if not recorded.
 
     `rail_direction` is as in the function of this name [rad]; `wind_aloft` [m/s] at `wind_aloft_height` [m] is turned
     to the right of the wind at the pad by `wind_aloft_turn` [rad]. `opening_time` is the time from the charge to an

@@ -73,7 +73,7 @@ def test_the_apogees_of_openrockets_own_example_imply_its_cd() -> None:
         ([("C6", "7", 300.0)], "outdated"),
     ],
 )
-def test_an_apogee_that_says_nothing_of_this_design_implies_no_cd(rows: list[Row], status: str) -> None:
+def test_an_apogee_of_another_design_implies_no_cd(rows: list[Row], status: str) -> None:
     found = read(rows, 0.047, status=status)
     assert found.cd is None
     assert any(note.startswith("no Cd:") for note in found.notes)

@@ -37,7 +37,7 @@ def around_mode(result: Fit) -> Fit:
             break
         known = [_updated(*some) for some in zip(known, scales, alone, strict=True)]
         grids = [*map(_moved, scales, known)]
-        if result.model.hyperprior.documents:  # few terms tell it, so its posterior is as wide as its prior
+        if result.model.hyperprior.documents:  # few terms depend on it, so its posterior is as wide as its prior
             grids[-1] = scales[-1]
         moved = result.model.hyperprior.with_scales(*grids)
         outliers = None if result.flight_weight is None else flight_weights(result)
