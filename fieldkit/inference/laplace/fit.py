@@ -30,7 +30,7 @@ OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit starts. [s]"""
 ROBUST_ROUNDS = 2
 """Maximum number of steps after the weights of outliers have converged."""
-ONE_OFF_FITS, ONE_OFF_ROUNDS = 2, 3
+ONE_OFF_FITS, ONE_OFF_ROUNDS = 2, 2
 """Maximum number of points at which flights are weighted by their probability of being usual ones, and number of
 updates of the weights at each. [1]"""
 TRUST_ROUNDS = 4
@@ -261,17 +261,23 @@ def fit_robustly(model: Model, data: Data, *, causes: bool = False) -> Fit:
     mixture = np.zeros(len(data.seen))
     if causes:
         result, mixture = _without_one_offs(result)
+    fine = _finely(result)
+    return _bounded(replace(fine, log_weight=fine.log_weight + mixture.sum()))
+
+
+def _finely(result: Fit) -> Fit:
+    """The fit with finer grids of scales."""
+    model = result.model
     if model.hyperprior.motors:
-        result = around_mode(result)
-    else:
-        result = solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
-    return _bounded(replace(result, log_weight=result.log_weight + mixture.sum()))
+        return around_mode(result)
+    return solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
 
 
 def _without_one_offs(result: Fit) -> tuple[Fit, Float[Array, "flight"]]:
     """The fit with flights weighted by their probability of being usual ones, and what each adds to the log evidence.
     [nat]"""
     for _ in range(ONE_OFF_FITS):
+        result = _finely(result)  # how much flights scatter decides which of them are unusual
         known = signatures(result.model, result.tangent.at, result.tangent.values, result.data.seen)
         for _ in range(ONE_OFF_ROUNDS):
             found = one_offs(result, known=known)

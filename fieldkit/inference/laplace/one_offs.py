@@ -99,14 +99,14 @@ def one_offs(fit: Fit, data: Data | None = None, known: Signatures | None = None
         log_scale = log_weight[scales] - np.logaddexp.reduce(log_weight[scales])
         error = left_out.error[scales, row][:, place]
         spread = fit.tangent.scatter_slope[row, own]
-        joint = left_out.known[scales, row][:, place[:, None], place]
-        joint = joint + np.einsum("sk,ok,pk->sop", scatter[scales], spread, spread)
+        known_part = left_out.known[scales, row][:, place[:, None], place]
+        joint = np.einsum("sk,ok,pk->sop", scatter[scales], spread, spread)
         reading = variance[scales, row][:, own]
-        likely = _Flight(error, joint, reading, log_scale, fit.model.hyperprior.tail)
+        likely = _Flight(error, known_part, joint, reading, log_scale, fit.model.hyperprior.tail)
         weight = np.exp(log_scale)
         miss[row, own] = weight @ error
         between = weight @ (error - miss[row, own]) ** 2
-        sd[row, own] = np.sqrt(weight @ (np.diagonal(joint, axis1=1, axis2=2) + reading) + between)
+        sd[row, own] = np.sqrt(weight @ (np.diagonal(known_part + joint, axis1=1, axis2=2) + reading) + between)
         normal[row], cause[row], strength[row], log_causes[row] = _probabilities(likely, known, row, own)
     weight = np.maximum(normal, LEAST_WEIGHT)
     found = OneOffs(miss, sd, normal, cause, strength, weight, log_causes, _log_mixture(weight, log_causes))
@@ -185,11 +185,13 @@ def _left_out(fit: Fit, data: Data) -> _LeftOut:
 
 @dataclass(frozen=True, slots=True)
 class _Flight:
-    """One flight's readouts for some pairs of scales: the error of their prediction, its covariance with the flight's
-    scatter, the variances of the residuals, and the log weight of the scales."""
+    """One flight's readouts for some pairs of scales: the error of their prediction, its covariance, that of the
+    flight's scatter, the variances of the residuals, and the log weight of the scales. Scatter and residuals are
+    Student t: a flight may be as far off as any outlier."""
 
     error: Float[Array, "scale own"]
-    joint: Float[Array, "scale own own"]
+    known: Float[Array, "scale own own"]
+    scatter: Float[Array, "scale own own"]
     reading: Float[Array, "scale own"]
     log_weight: Float[Array, "scale"]
     tail: float
@@ -202,10 +204,10 @@ class _Flight:
         The inverse and determinant with the added rank of the spread v follow from those without: Sherman and
         Morrison's formula and the matrix determinant lemma.
         """
-        precision = _precisions(self.tail, self.error.shape[1])
+        precision = _precisions(self.tail, 1 + self.error.shape[1])
         diagonal = np.arange(self.error.shape[1])
-        covariance = np.repeat(self.joint[:, None], len(precision), axis=1)
-        covariance[..., diagonal, diagonal] += self.reading[:, None] / precision
+        covariance = self.known[:, None] + self.scatter[:, None] / precision[:, :1, None]
+        covariance[..., diagonal, diagonal] += self.reading[:, None] / precision[:, 1:]
         sharpness, log_det = inverses(covariance)
         off = self.error[:, None] - shift
         weighed = off[:, None] @ sharpness  # scale draw strength own
@@ -221,8 +223,8 @@ class _Flight:
 
 @cache
 def _precisions(tail: float, count: int) -> Float[Array, "draw own"]:
-    """Precisions of the residuals of a flight, Gamma distributed with mean one: every draw has a stratum of each
-    (Latin hypercube; McKay, Beckman and Conover, 1979)."""
+    """Precisions of the scatter and the residuals of a flight, Gamma distributed with mean one: every draw has a
+    stratum of each (Latin hypercube; McKay, Beckman and Conover, 1979)."""
     from scipy.special import gammaincinv  # takes 0.18 s to import
 
     level = (np.arange(TAIL_DRAWS) + 0.5) / TAIL_DRAWS

@@ -1,0 +1,322 @@
+"""`python -m bench.one_offs [--cases 13] [--keep FILE]`: what single faulty flights among healthy ones are named.
+
+Ten flights of a rocket, one of them with a fault at one of three strengths, as the ten readouts of a device, flown by
+the bench's simulator (`fast_truth`). Devices and flights scatter about as real ones do, in forms of their own: readouts
+have Student t noise with three degrees of freedom around a bias of the device, thrust and drag 1.6 times the bench's
+usual scatter. The answer is the cause that `fieldkit loop` would name, computed by the same function.
+
+Beside it stands a fit told the truth: it knows the rocket, the device and every fault and strength exactly, and only
+has to recognize them in the scatter. What it cannot tell, no program can.
+"""
+
+import argparse
+import json
+import sys
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench import fast_truth
+from bench.altimeter import exact_readouts
+from bench.fleet import Flown, Season, draw, scattered
+from bench.motors import motors
+from bench.rockets import CLASSES, Needs
+from bench.world import Launch
+from fieldkit.flight import Flight
+from fieldkit.forecast.one_offs import beside_others
+from fieldkit.motors import catalogue
+from fieldkit.shapes import Array, Float
+
+FLIGHTS = 10
+"""Number of flights of a rocket. [1]"""
+NEEDS = Needs(readouts=("all",), scatter=1.6, conditions="none")
+COMPARED = ("apogee_m", "top_speed_mps", "burn_time_s", "peak_accel_g", "coast_to_apogee_s", "apogee_to_eject_s")
+NOISE = (0.01, 0.04, 0.04, 0.1, 0.05, 0.4)
+"""Noise of the compared readouts, relative, and of the last in seconds: about that of the open journal's device."""
+DEVICE = (0.0, 0.04, 0.04, 0.1, 0.03, 0.1)
+"""Bias of a device in each, as a standard deviation over devices."""
+TAIL = 3
+"""Degrees of freedom of the noise. [1]"""
+TOLD_DRAWS = 40
+"""Usual flights from which a fit told the truth knows their scatter. [1]"""
+COULD_TELL = 0.9
+"""Probability of the true cause from which a fit told the truth could tell. [1]"""
+HEALTHY = "healthy"
+Shown = dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A fault at three strengths: what it changes in the launch, or in the readouts as shown."""
+
+    strengths: tuple[float, ...]
+    launch: Callable[[Launch, float, Flown], Launch] | None = None
+    readout: Callable[[Shown, float, int], Shown] | None = None
+
+
+def _thrust(launch: Launch, factor: float, _: Flown) -> Launch:
+    return replace(launch, motor=replace(launch.motor, thrust=launch.motor.thrust * factor))
+
+
+def _other_motor(launch: Launch, rank: float, flown: Flown) -> Launch:
+    """The motor of the rocket's size whose impulse is the nearest, second or third nearest but differs by a tenth."""
+    size = next(names for names, *_ in CLASSES.values() if flown.motor in names)
+    own = float(np.trapezoid(launch.motor.thrust, launch.motor.time))
+    impulse = {name: float(np.trapezoid(motors()[name].thrust, motors()[name].time)) for name in size}
+    others = sorted((abs(np.log(x / own)), name) for name, x in impulse.items() if abs(np.log(x / own)) > 0.1)
+    return replace(launch, motor=motors()[others[min(int(rank), len(others) - 1)][1]])
+
+
+def _drag(launch: Launch, factor: float, _: Flown) -> Launch:
+    return replace(launch, drag=replace(launch.drag, cd=launch.drag.cd * factor))
+
+
+def _arc(launch: Launch, degrees: float, _: Flown) -> Launch:
+    return replace(launch, tilt=launch.tilt + float(np.radians(degrees)))
+
+
+def _early(launch: Launch, fraction: float, flown: Flown) -> Launch:
+    return replace(launch, delay=fraction * flown.coast)
+
+
+def _late(launch: Launch, seconds: float, _: Flown) -> Launch:
+    return replace(launch, delay=launch.delay + seconds)
+
+
+def _mass(launch: Launch, factor: float, _: Flown) -> Launch:
+    return replace(launch, dry_mass=launch.dry_mass * factor)
+
+
+def _misread(shown: Shown, factor: float, which: int) -> Shown:
+    name = ("apogee_m", "top_speed_mps", "burn_time_s", "coast_to_apogee_s")[which % 4]
+    return shown | {name: shown[name] * factor}
+
+
+FAULTS: Mapping[str, Fault] = {
+    "weak_motor": Fault((0.9, 0.8, 0.65), launch=_thrust),
+    "other_motor": Fault((0, 1, 2), launch=_other_motor),
+    "extra_drag": Fault((1.4, 2.0, 3.5), launch=_drag),
+    "arc": Fault((15.0, 25.0, 40.0), launch=_arc),
+    "early_ejection": Fault((0.8, 0.6, 0.35), launch=_early),
+    "late_ejection": Fault((1.5, 3.0, 6.0), launch=_late),
+    "mass": Fault((1.1, 1.2, 1.4), launch=_mass),
+    "misread": Fault((1.25, 1.609, 3.281), readout=_misread),
+}
+"""Every cause with its strengths: factor on thrust, rank of the motor, factor on drag, degrees, fraction of the coast,
+seconds, factor on mass, and factor on a readout."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A rocket's flights as launched, one of them with a fault, and its device's biases."""
+
+    name: str
+    level: int
+    number: int
+    season: Season
+    row: int
+    launches: tuple[Launch, ...]
+    bias: Float[Array, "readout"]
+
+    @property
+    def faulty(self) -> Flown:
+        """The faulty flight."""
+        return self.season.flights[self.row]
+
+
+def case(name: str, level: int, number: int, seed: int) -> Case:
+    """One case, the same for the same arguments."""
+    rng = np.random.default_rng([seed, zlib.crc32(name.encode()), level, number])
+    season = draw(rng, NEEDS)
+    row = int(rng.integers(FLIGHTS))
+    launches = [scattered(one) for one in season.flights[:FLIGHTS]]
+    launches[row] = bent(name, level, launches[row], season.flights[row])
+    return Case(name, level, number, season, row, tuple(launches), rng.standard_normal(len(DEVICE)) * DEVICE)
+
+
+def bent(name: str, level: int, launch: Launch, flown: Flown) -> Launch:
+    """A launch with a fault."""
+    change = FAULTS[name].launch
+    return launch if change is None else change(launch, FAULTS[name].strengths[level], flown)
+
+
+def measured(launches: Sequence[Launch]) -> list[Shown]:
+    """The readouts of launches without noise."""
+    return [exact_readouts(track, one.air) for track, one in zip(fast_truth.fly(launches), launches, strict=True)]
+
+
+def compared(shown: Shown) -> Float[Array, "readout"]:
+    """The compared readouts, as logarithms but for the time to ejection; nan for one without a value."""
+    values = np.array([shown.get(name, np.nan) for name in COMPARED])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.concatenate([np.log(np.where(values[:-1] > 0, values[:-1], np.nan)), values[-1:]]))
+
+
+def as_shown(true: Shown, bias: Float[Array, "readout"], rng: np.random.Generator) -> Shown:
+    """The compared readouts with the device's bias and noise."""
+    noisy = compared(true) + bias + np.array(NOISE) * rng.standard_t(TAIL, len(NOISE)) / np.sqrt(TAIL / (TAIL - 2))
+    values = [*np.exp(noisy[:-1]), noisy[-1]]
+    return {name: float(x) for name, x in zip(COMPARED, values, strict=True) if np.isfinite(x)}
+
+
+def as_flight(flown: Flown, shown: Shown, number: int) -> Flight:
+    """The record of a flight, in SI."""
+    return Flight(
+        flight_id=f"{number}",
+        rocket="Bench",
+        config=flown.config,
+        motor=str(flown.declared["motor"]),
+        date_time=flown.when,
+        dry_mass=float(flown.declared["dry_mass_g"]) / 1000,
+        diameter=float(flown.declared["diameter_mm"]) / 1000,
+        apogee=shown.get("apogee_m"),
+        top_speed=shown.get("top_speed_mps"),
+        burn_time=shown.get("burn_time_s"),
+        peak_accel=shown["peak_accel_g"] * 9.80665 if "peak_accel_g" in shown else None,
+        coast_to_apogee=shown.get("coast_to_apogee_s"),
+        apogee_to_eject=shown.get("apogee_to_eject_s"),
+    )
+
+
+def told_launches(one: Case) -> list[Launch]:
+    """What a fit told the truth flies: the faulty flight with the scatter of the season's flights, without any, and
+    with every fault at every strength."""
+    flown = one.faulty
+    usual = [scattered(replace(flown, scatter=other.scatter)) for other in one.season.flights]
+    return [*usual, flown.launch, *(bent(name, level, flown.launch, flown) for name in FAULTS for level in range(3))]
+
+
+def told(one: Case, shown: Shown, exact: Sequence[Shown]) -> dict[str, float]:
+    """The probability of every cause, and of health, for a fit told the truth: normal scatter of usual flights around
+    the exact readouts of every fault at every strength, all equally likely. `exact` are those of `told_launches`."""
+    usual = len(one.season.flights)
+    values = np.array([compared(x) for x in exact])
+    flown = values[:usual][np.isfinite(values[:usual]).all(axis=1)]
+    spread = np.cov(flown.T) + np.diag(np.square(NOISE))
+    centers = {HEALTHY: [values[usual]]}
+    for place, (name, level) in enumerate(((n, k) for n in FAULTS for k in range(3)), start=usual + 1):
+        change = FAULTS[name].readout
+        strength = FAULTS[name].strengths[level]
+        some = [values[place]] if change is None else [compared(change(exact[usual], strength, k)) for k in range(4)]
+        centers.setdefault(name, []).extend(some)
+    seen = np.isfinite(compared(shown)) & np.isfinite(values[usual])
+    log_likelihood: dict[str, float] = {}
+    for name, some in centers.items():
+        found = [_log_density(compared(shown) - one.bias - center, spread, seen) for center in some]
+        log_likelihood[name] = float(np.logaddexp.reduce(found) - np.log(len(found)))
+    total = np.logaddexp.reduce(list(log_likelihood.values()))
+    return {name: float(np.exp(x - total)) for name, x in log_likelihood.items()}
+
+
+def _log_density(off: Array, spread: Array, seen: Array) -> float:
+    known = seen & np.isfinite(off)
+    if known.sum() < seen.sum():
+        return -1e3  # the fault leaves a readout without a value
+    part = spread[np.ix_(known, known)]
+    return float(-0.5 * (off[known] @ np.linalg.solve(part, off[known]) + np.linalg.slogdet(part)[1]))
+
+
+def all_judged(cases: Sequence[Case]) -> list[dict[str, Any]]:
+    """What the program and a fit told the truth say about some cases, flown in one batch."""
+    launches = [[*one.launches, *told_launches(one)] for one in cases]
+    exact = iter(measured([launch for some in launches for launch in some]))
+    each = [[next(exact) for _ in some] for some in launches]
+    return [judged(one, some[:FLIGHTS], some[FLIGHTS:]) for one, some in zip(cases, each, strict=True)]
+
+
+def judged(one: Case, true: Sequence[Shown], told_exact: Sequence[Shown]) -> dict[str, Any]:
+    """What the program and a fit told the truth say about a case, from the readouts without noise."""
+    rng = np.random.default_rng([one.number, one.level, zlib.crc32(one.name.encode()), 1])
+    shown = [as_shown(each, one.bias, rng) for each in true]
+    change = FAULTS[one.name].readout
+    if change is not None:
+        shown[one.row] = change(shown[one.row], FAULTS[one.name].strengths[one.level], one.number)
+    flights = [
+        as_flight(flown, readings, number)
+        for number, (flown, readings) in enumerate(zip(one.season.flights, shown, strict=False))
+    ]
+    found = beside_others([(flight, catalogue().resolve(flight.motor)) for flight in flights])
+    named = found[one.row]
+    return {
+        "cause": one.name,
+        "level": one.level,
+        "number": one.number,
+        "probability": named.probability,
+        "named": [[cause.cause, cause.probability] for cause in named.causes],
+        "healthy": [
+            [other.probability, other.causes[0].cause]
+            for row, other in enumerate(found)
+            if row != one.row and other.departures
+        ],
+        "told": told(one, shown[one.row], told_exact),
+    }
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The results as a table in Markdown."""
+    lines = [
+        "| cause | strength | flights | singled out | named first | among three | a fit told the truth could tell | "
+        "named first of these | among three of these |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name, fault in [*FAULTS.items(), ("all", Fault((0.0,)))]:
+        for level, strength in enumerate(fault.strengths):
+            some = [r for r in rows if name == "all" or (r["cause"], r["level"]) == (name, level)]
+            if not some:
+                continue
+            tellable = [r for r in some if r["told"][r["cause"]] > COULD_TELL]
+            cells = [
+                name,
+                f"{strength:g}" if name != "all" else "",
+                str(len(some)),
+                _share(some, lambda r: r["probability"] > 0.5),
+                _share(some, lambda r: _rank(r) < 1),
+                _share(some, lambda r: _rank(r) < 3),
+                str(len(tellable)),
+                _share(tellable, lambda r: _rank(r) < 1),
+                _share(tellable, lambda r: _rank(r) < 3),
+            ]
+            lines.append(f"| {' | '.join(cells)} |")
+    healthy = [p for r in rows for p, _ in r["healthy"]]
+    flagged = sum(p > 0.5 for p in healthy)
+    lines += [
+        "",
+        f"Healthy flights beside them: {len(healthy)}, singled out: {flagged} ({flagged / len(healthy):.1%}).",
+    ]
+    return "\n".join(lines)
+
+
+def _rank(row: Mapping[str, Any]) -> int:
+    names = [name for name, _ in row["named"]]
+    return names.index(row["cause"]) if row["cause"] in names else len(names)
+
+
+def _share(rows: Sequence[Mapping[str, Any]], right: Callable[[Mapping[str, Any]], bool]) -> str:
+    return f"{np.mean([right(row) for row in rows]):.0%}" if rows else ""
+
+
+def main() -> None:
+    """Run the bench, or print what a file contains."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--cases", type=int, default=13, help="cases for each cause and strength")
+    parser.add_argument("--seed", type=int, default=31)
+    parser.add_argument("--keep", type=Path, help="a file of results, to resume and to print again")
+    options = parser.parse_args()
+    rows: list[dict[str, Any]] = json.loads(options.keep.read_text()) if options.keep and options.keep.exists() else []
+    done = {(row["cause"], row["level"], row["number"]) for row in rows}
+    wanted = [(name, level) for name, fault in FAULTS.items() for level in range(len(fault.strengths))]
+    for number in range(options.cases):
+        missing = [case(*one, number, options.seed) for one in wanted if (*one, number) not in done]
+        rows += all_judged(missing) if missing else []
+        if options.keep:
+            options.keep.write_text(json.dumps(rows, indent=0))
+        sys.stderr.write(f"{number + 1} of {options.cases}\n")
+    sys.stdout.write(table(rows) + "\n")
+
+
+if __name__ == "__main__":
+    main()
