@@ -290,6 +290,15 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def _rounded(value: Any) -> Any:
+    """A result with probabilities to four digits."""
+    if isinstance(value, dict):
+        return {key: _rounded(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_rounded(part) for part in value]
+    return round(value, 4) if isinstance(value, float) else value
+
+
 def _rank(row: Mapping[str, Any]) -> int:
     names = [name for name, _ in row["named"]]
     return names.index(row["cause"]) if row["cause"] in names else len(names)
@@ -313,7 +322,7 @@ def main() -> None:
         missing = [case(*one, number, options.seed) for one in wanted if (*one, number) not in done]
         rows += all_judged(missing) if missing else []
         if options.keep:
-            options.keep.write_text(json.dumps(rows, indent=0))
+            options.keep.write_text("[\n" + ",\n".join(json.dumps(_rounded(row)) for row in rows) + "\n]\n")
         sys.stderr.write(f"{number + 1} of {options.cases}\n")
     sys.stdout.write(table(rows) + "\n")
 

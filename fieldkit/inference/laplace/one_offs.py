@@ -9,9 +9,8 @@ Two faulty flights may hide each other. So the fit is repeated with every flight
 usual one, which is expectation-maximization for a mixture (Dempster, Laird and Rubin, 1977; with the probabilities from
 the other flights alone, a flight does not vouch for itself).
 
-What lasts is not a one-off. If the first or the last flights together differ from the rest, a change of the rocket
-between them is the alternative, with the evidence of two rockets that share nothing but their prior; the later flights
-then are the usual ones.
+What lasts is not a one-off. The alternative is a change of the rocket where the apogees before and after differ most,
+with the evidence of two rockets that share nothing but their prior; the later flights then are the usual ones.
 """
 
 from dataclasses import dataclass, replace
@@ -21,6 +20,7 @@ from math import log, pi
 import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve
 from fieldkit.model.causes import NAMES, USUAL_PROBABILITY, Signatures, signatures
@@ -35,6 +35,10 @@ LEAST_WEIGHT = 1e-3
 """Lowest weight of a flight in a fit. [1]"""
 CHANGE_PROBABILITY = 0.1
 """Prior probability that a rocket changes for good between two of its flights, a round judgment. [1]"""
+DOUBTFUL = 0.9
+"""A change is considered if all flights on one side of it are usual ones with less than this probability. [1]"""
+MAX_SHIFT = 2.0
+"""Largest miss of a single flight that counts where apogees before and after are compared. [standard deviations]"""
 CHANGE_ROUNDS = 2
 """Updates of the weights of outliers in the fits before and after a change. [1]"""
 
@@ -122,22 +126,29 @@ def _log_mixture(weight: Float[Array, "flight"], log_causes: Float[Array, "fligh
 
 
 def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
-    """The same with the probability of a lasting change, if two or more flights at an end of the history differ."""
-    flown = np.flatnonzero(fit.data.seen.any(axis=1))
-    odd = found.normal[flown] < 0.5
-    if not odd.any() or odd.all():
+    """The same with the probability of a lasting change where the apogees before and after differ most, with two
+    flights at least on either side."""
+    flown = np.flatnonzero(fit.data.seen[:, 0] & np.isfinite(found.miss[:, 0]))
+    # a single flight, however far off, is no change
+    off, count = np.clip(found.miss[flown, 0] / found.sd[flown, 0], -MAX_SHIFT, MAX_SHIFT), len(flown)
+    if count < 4:
         return found
-    leading, trailing = int(np.argmin(odd)), int(np.argmin(odd[::-1]))
-    cuts = [cut for cut, run in ((leading, leading), (len(odd) - trailing, trailing)) if run > 1]
-    if not cuts:
+    cuts = np.arange(2, count - 1)
+    means = np.cumsum(off)[cuts - 1] / cuts, (off.sum() - np.cumsum(off)[cuts - 1]) / (count - cuts)
+    shift = np.abs(means[0] - means[1]) * np.sqrt(cuts * (count - cuts) / count)
+    cut = int(cuts[np.argmax(shift)])
+    sides = flown[:cut], flown[cut:]
+    unlike = min(sides, key=lambda side: float(found.normal[side].mean()))
+    if (found.normal[unlike] > DOUBTFUL).any():
         return found
-    alone = [_log_evidence_of_two(fit, flown[:cut], flown[cut:]) for cut in cuts]
-    cut = cuts[int(np.argmax(alone))]
-    odds = max(alone) + log(CHANGE_PROBABILITY / (len(flown) - 1)) - log(1 - CHANGE_PROBABILITY)
+    odds = (
+        _log_evidence_of_two(fit, flown[:cut], flown[cut:])
+        + log(CHANGE_PROBABILITY / (count - 1))
+        - log(1 - CHANGE_PROBABILITY)
+    )
     odds -= fit.log_evidence + found.log_mixture.sum()
     changed = float(1 / (1 + np.exp(-np.clip(odds, -500, 500))))
-    end = slice(0, cut) if cut == leading else slice(cut, None)
-    run, before = np.isin(np.arange(len(found.normal)), flown[end]), np.arange(len(found.normal)) < flown[cut]
+    run, before = (np.isin(np.arange(len(found.normal)), side) for side in (unlike, sides[0]))
     normal = np.where(run, changed + (1 - changed) * found.normal, found.normal)
     cause = np.where(run[:, None], (1 - changed) * found.cause, found.cause)
     weight = np.where(before, (1 - changed) * found.weight, np.where(run, normal, found.weight))
@@ -145,7 +156,7 @@ def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
 
 
 def _log_evidence_of_two(fit: Fit, *parts: Integers) -> float:
-    """Log evidence of some flights and others as those of two rockets. [nat]"""
+    """Log evidence of some flights and others as those of two rockets, with the cost of their outliers. [nat]"""
     total = 0.0
     for rows in parts:
         seen = np.zeros_like(fit.data.seen)
@@ -153,7 +164,9 @@ def _log_evidence_of_two(fit: Fit, *parts: Integers) -> float:
         result = solve(fit.model, replace(fit.data, seen=seen, trust=np.ones(seen.shape), normal=None), fit.tangent)
         for _ in range(CHANGE_ROUNDS):
             result = solve(fit.model, replace(result.data, trust=outlier_weights(result)), fit.tangent)
-        total += result.log_evidence
+        compared = seen & np.isfinite(fit.tangent.values)
+        tail = log_tail(result.data.trust.ravel(), compared.ravel().astype(int), fit.model.hyperprior.tail)
+        total += result.log_evidence + float(tail.sum())
     return total
 
 
