@@ -15,7 +15,7 @@ from fieldkit.motors import catalogue
 from fieldkit.planning.forecasts import forecasts
 from fieldkit.rocket import Configuration
 from fieldkit.selection.candidates import Pattern, Place
-from fieldkit.services.forecasts import forecast_from_others, predict_plans, rocket_of
+from fieldkit.services.forecasts import forecast_from_others, predict_plans, rocket_of, version_places
 
 pytestmark = pytest.mark.fast
 
@@ -106,3 +106,22 @@ def test_a_lasting_change_stays_if_its_first_flight_is_renamed_or_removed(ledger
         assert removed[1] == pytest.approx(before[1], rel=0.02)
     ledger.remove(*(f"Astra/F{row}" for row in (7, 8, 9)))
     assert draws()[0][1] == pytest.approx(250.0, rel=0.03), "no flight shows it any longer"
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        Pattern("day", "2026-05-02"),
+        Pattern("site", "the north field"),
+        Pattern("hour"),
+        Pattern("count", smooth=True),
+        Pattern("lasting", "F6"),
+        Pattern("repeated", "F1", every=3),
+        Pattern("number", "temperature", smooth=True),
+        Pattern("text", "paint", "rough"),
+    ],
+)
+def test_patterns_of_older_versions_of_a_model_are_read(pattern: Pattern) -> None:
+    """They were saved as a sentence; now they are saved as a value."""
+    older, newer = {"effect": "", "where": str(pattern)}, asdict(Place(pattern=pattern))
+    assert version_places({"effects": [older, newer]}) == (Place(pattern=pattern),) * 2
