@@ -158,23 +158,32 @@ def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.Capt
 
 def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
     claims = " ".join(README.split())
-    errors = {
-        name: (flights, median)
-        for name, flights, median in re.findall(
-            r"^\| ([\w, ]+) \| (\d+) \| ([\d.]+%)", PAGES["journal"], flags=re.MULTILINE
-        )
-    }
-    (flights, own), (_, fleet), (_, last) = (
-        errors[name] for name in ("fieldkit", "fleet ratio", "last on motor, else scalar")
+    journal, contest, reference = (
+        {
+            name: (flights, median, crps)
+            for name, flights, median, crps in re.findall(
+                r"^\| ([\w, ]+) \| (\d+) \| ([\d.]+) \| [\d.]+ \| [-\d.]+ \| ([\d.]+) \|", table, flags=re.MULTILINE
+            )
+        }
+        for table in re.split(r"^## .*: ", PAGES["held-out"], flags=re.MULTILINE)
+        if table.startswith("rockets flown before")
     )
-    assert f"the median error of {flights} forecasts is {own}, with one ratio for the whole fleet {fleet}" in claims
-    assert f"with the last flight on the same motor {last}" in claims
-    verdicts = re.findall(r"^- right verdicts if .*?: (\d+) of (\d+),", PAGES["undeclared-effects"], flags=re.MULTILINE)
-    alarms = re.findall(r"^- false alarms on nulls: (\d+) of (\d+),", PAGES["undeclared-effects"], flags=re.MULTILINE)
-    right, decidable = (sum(map(int, column)) for column in zip(*verdicts, strict=True))
-    false, nulls = (sum(map(int, column)) for column in zip(*alarms, strict=True))
-    assert f"{right} of {decidable} decidable verdicts are right" in claims
-    assert f"{false} of {nulls} histories without an effect had a false alarm" in claims
+
+    def best(table: dict[str, tuple[str, str, str]]) -> tuple[str, str, str]:
+        """The simple rule with the lowest CRPS."""
+        own = ("fieldkit", "fieldkit, from apogees alone", "mixed with rivals")
+        return min((row for name, row in table.items() if name not in own), key=lambda row: float(row[2]))
+
+    flights, median, crps = journal["fieldkit"]
+    assert f"on {flights} flights the median error is {median}% and the CRPS {crps}%" in claims
+    assert "against {1}% and {2}% of the best simple rule".format(*best(journal)) in claims
+    flights, median, crps = contest["fieldkit"]
+    assert (
+        f"in learning, {flights} flights: {median}% and {crps}%, against {{1}}% and {{2}}%".format(*best(contest))
+        in claims
+    )
+    assert reference["fieldkit"][0] == "7"
+    assert f"is better, {best(reference)[2]}% against {reference['fieldkit'][2]}%" in claims
 
 
 def test_every_command_has_an_example() -> None:
