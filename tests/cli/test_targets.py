@@ -404,6 +404,7 @@ READERS = {
     "tui/resources.py": "a ledger",
     "model/hyperprior.py": "the card that comes along",
     "motors/catalogue.py": "the catalog that comes along",
+    "reference/flights.py": "the table that comes along",
     "planning/contest.py": "rules that come along",
     "importing/tables/flight_headings.py": "a table that comes along",
     "importing/tables/headings.py": "a table that comes along",
@@ -441,5 +442,5 @@ def test_an_endless_file_is_refused_in_one_line(
     assert "cannot be read" in capsys.readouterr().err
 
 
-WRITTEN = ("out", "page", "card", "kml")
+WRITTEN = ("out", "page", "card", "kml", "safety_sheet")
 """Parameters that name a file to write."""
