@@ -78,7 +78,7 @@ def test_a_weak_lot_is_named_and_its_thrust_is_right() -> None:
     history = history_of(flights, truth.found)
     diagnosis = diagnose(base_model(history), observe(history))
     assert diagnosis.effect == "motor_thrust"
-    assert diagnosis.posterior.inclusion["motor_thrust"] > 0.9
+    assert diagnosis.posterior.inclusion["motor_thrust"] > 2 / 3  # lots that differ from their type are usual too
     lot = next(trial for one in diagnosis.ranking for trial in one.trials if trial.candidate.place == WEAK_LOT)
     mean, sd = lot.strength()
     assert abs(mean + 0.12) < 3 * sd
