@@ -60,6 +60,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
         ],
         "implausible": list(found.excluded),
         "misses": misses(found),
+        "rivals": [asdict(rival) for rival in found.rivals],
         "flights": [finite(flight_document(one) | _forces(one, found.diagnosis.forces)) for one in found.flights],
     }
 

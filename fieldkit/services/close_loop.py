@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from fieldkit.errors import NoFlights
+from fieldkit.forecast.evaluation.rivals import rival_scores
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
@@ -99,7 +100,8 @@ def look(
     )
     found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3))
     flights = flights_beside_others(ledger, motors, rocket, diagnosis.averaged)
-    return replace(found, flights=flights, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
+    rivals = rival_scores(flown(ledger, motors, rocket))
+    return replace(found, flights=flights, rivals=rivals, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

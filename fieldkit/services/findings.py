@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import log
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.rivals import RivalScore
 from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.forecast.predict import predict
 from fieldkit.progress import ReportProgress, no_op
@@ -90,6 +91,8 @@ class Findings:
     """Notes on the clean flights that the fit did not use."""
     flights: tuple[FlightBesideOthers, ...] = ()
     """Every flight beside its forecast from the others, and what went wrong on it."""
+    rivals: tuple[RivalScore, ...] = ()
+    """Simple forecasts of each flight from the earlier ones."""
 
 
 def findings(

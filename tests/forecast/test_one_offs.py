@@ -1,7 +1,10 @@
 """Flights compared with their forecasts from the others."""
 
+from itertools import pairwise
+
 import pytest
 
+from fieldkit.forecast.evaluation.rivals import rival_scores
 from fieldkit.forecast.one_offs import beside_others
 from tests.inference.laplace.test_one_offs import season
 
@@ -27,3 +30,13 @@ def test_a_flight_without_readouts_has_no_probability_of_anything() -> None:
     one = beside_others(bare)[-1]
     assert not one.departures
     assert one.probability == 0.0
+
+
+def test_rivals_are_scored_on_the_same_flights() -> None:
+    flown = season(names=("apogee",))
+    found = {one.name: one for one in rival_scores(flown)}
+    apogees = [float(flight.apogee or 0.0) for flight, _ in flown]
+    steps = [abs(one - other) for one, other in pairwise(apogees)]
+    assert found["flight before"].mae_m == pytest.approx(sum(steps) / len(steps))
+    assert found["flight before"].crps_m == pytest.approx(found["flight before"].mae_m)
+    assert found["fleet ratio"].crps_m < found["uncalibrated"].crps_m

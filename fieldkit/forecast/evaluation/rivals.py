@@ -5,11 +5,15 @@ one. It returns equally likely apogees [m], a single one if it has no spread, or
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.fleet_ratio import fleet_ratio
-from fieldkit.forecast.evaluation.uncalibrated import Simulated, uncalibrated
+from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate, uncalibrated
+from fieldkit.motors import Found
+from fieldkit.scoring.proper_scores import crps
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400
@@ -116,6 +120,33 @@ LABELS: Mapping[str, str] = {
 """Names of the rivals in tables."""
 BAR = "scalar"
 """The main rival, which anyone can compute: a simulation times the mean ratio of the flights so far."""
+
+
+@dataclass(frozen=True, slots=True)
+class RivalScore:
+    """The mean absolute error and the mean CRPS of a rival over some flights. [m]"""
+
+    name: str
+    mae_m: float
+    crps_m: float
+
+
+def rival_scores(flown: Sequence[tuple[Flight, Found]]) -> tuple[RivalScore, ...]:
+    """The scores of every rival on the clean flights of one rocket, each forecast from the earlier ones; only on those
+    that all of these rivals can forecast. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a
+    recovery figure or rail direction that cannot be read.
+    """
+    clean = [one for one in simulate(flown) if one.flight.clean and one.flight.apogee is not None]
+    made = [(rival_draws(clean[:turn], one), float(one.flight.apogee or 0.0)) for turn, one in enumerate(clean) if turn]
+    names = [name for name in RIVALS if made and all(name in draws for draws, _ in made)]
+    return tuple(
+        RivalScore(
+            LABELS[name],
+            float(np.mean([abs(np.median(draws[name]) - apogee) for draws, apogee in made])),
+            float(np.mean([crps(draws[name], apogee) for draws, apogee in made])),
+        )
+        for name in names
+    )
 
 
 def rival_draws(earlier: Sequence[Simulated], plan: Simulated) -> dict[str, RivalDraws]:
