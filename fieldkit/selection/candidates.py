@@ -176,16 +176,19 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     )
 
 
-def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
+def effect_candidates(model: Model, used_in_fit: Flags, min_flights: int = 2) -> Iterator[Candidate]:
     """Every effect that these flights could show, on all flights and in each group in which it may differ.
 
-    `used_in_fit` marks the flights used in the fit: an effect may start only between them, and acts on two of them at
-    least. What acts on one is the cause of a single flight (`fieldkit.model.causes`).
+    `used_in_fit` marks the flights used in the fit: an effect may start only between them, and acts on `min_flights` of
+    them at least. What acts on one is the cause of a single flight (`fieldkit.model.causes`).
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
 
+    def acts_on(weight: Float[Array, "flight"]) -> int:
+        return int(((weight != 0) & used_in_fit).sum())
+
     def lasting(places: Iterator[Place]) -> list[Place]:
-        return [one for one in places if one.where == EACH_GROUP or _lasts(place_weight(one, model), used_in_fit)]
+        return [one for one in places if one.where == EACH_GROUP or acts_on(place_weight(one, model)) >= min_flights]
 
     places = {name: lasting(_groups(name, effect, model)) for name, effect in acting.items()}
     beginnings = {name: lasting(_beginnings(name, effect, model, used_in_fit)) for name, effect in acting.items()}
@@ -199,11 +202,6 @@ def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
             yield Candidate(place, effect_terms(place, model), starts, np.log((1 - late) / len(places[name]) / form))
         for place in since:
             yield Candidate(place, effect_terms(place, model), starts, np.log(late / len(since) / form))
-
-
-def _lasts(weight: Float[Array, "flight"], used_in_fit: Flags) -> bool:
-    """Whether an effect with these weights acts on two flights or more of those in the fit."""
-    return int(((weight != 0) & used_in_fit).sum()) > 1
 
 
 def _can_act(effect: Effect, model: Model) -> bool:

@@ -18,7 +18,7 @@ def quick_candidates(model: Model) -> list[Candidate]:
     """
     history, flown = model.history, model.history.flown
     past = np.array([*history.used_in_fit, *[False] * (len(history.flights) - flown)], bool)
-    found = list(effect_candidates(model, past))
+    found = list(effect_candidates(model, past, min_flights=0))  # as the network was trained
     weighed = [
         {pattern: weigh(history.flights) for pattern, weigh in kind.items()}
         for kind in known_patterns(history.flights[:flown])

@@ -99,7 +99,7 @@ def test_a_forecast_follows_a_lasting_change() -> None:
     (plain,), (followed,) = predict(history, plan), predict(history, plan, [lasting])
     (single,) = predict(season({}, 4), plan)
     truth = 0.9 * float(np.median(single.apogee))
-    assert abs(np.median(followed.apogee) / truth - 1) < 0.05
+    assert abs(np.median(followed.apogee) / truth - 1) < 0.07
     assert abs(np.median(followed.apogee) - truth) < abs(np.median(plain.apogee) - truth)
     assert followed.model == model_name([lasting]) == "field+unexplained"
 

@@ -41,11 +41,13 @@ ROBUST_ROUNDS = 2
 def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
     """The hyperprior with a few scales of scatter and reading instead of its grid.
 
-    In the search's hyperprior burn time and delay get the scale of scatter: a third grid would multiply the time.
+    Their priors are the log-normal ones with which the network was trained. In the search's hyperprior burn time and
+    delay get the scale of scatter: a third grid would multiply the time.
     """
 
     def few(scale: Scale, nodes: Sequence[float]) -> Scale:
-        return replace(scale, grid=tuple(scale.median * np.exp(scale.log_sd * np.array(nodes))))
+        grid = tuple(scale.median * np.exp(scale.log_sd * np.array(nodes)))
+        return replace(scale, grid=grid, half_cauchy=False)
 
     return replace(
         hyperprior,

@@ -140,7 +140,7 @@ def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
     sides = flown[:cut], flown[cut:]
     unlike = min(sides, key=lambda side: float(found.normal[side].mean()))
     if (found.normal[unlike] > DOUBTFUL).any():
-        return found
+        return _with_changed_last(fit, found, flown)
     odds = (
         _log_evidence_of_two(fit, flown[:cut], flown[cut:])
         + log(CHANGE_PROBABILITY / (count - 1))
@@ -153,6 +153,22 @@ def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
     cause = np.where(run[:, None], (1 - changed) * found.cause, found.cause)
     weight = np.where(before, (1 - changed) * found.weight, np.where(run, normal, found.weight))
     return replace(found, normal=normal, cause=cause, weight=np.maximum(weight, LEAST_WEIGHT), changed=changed)
+
+
+def _with_changed_last(fit: Fit, found: OneOffs, flown: Integers) -> OneOffs:
+    """The same with the probability that the rocket changed for good before its last flight: one more cause of that
+    flight, whose readouts then are those of a rocket of which only the prior is known."""
+    last, normal = int(flown[-1]), float(found.normal[flown[-1]])
+    if normal > DOUBTFUL or not np.isfinite(found.log_causes[last]):
+        return found
+    beside = found.log_causes[last] - log(max(1 - normal, 1e-12))  # of the readouts, changes aside
+    odds = log(CHANGE_PROBABILITY / (len(flown) - 1)) + _log_evidence_of_two(fit, flown[-1:]) - beside
+    changed = float(1 / (1 + np.exp(-np.clip(odds, -500, 500))))
+    is_last = np.arange(len(found.normal)) == last
+    usual = np.where(is_last, changed + (1 - changed) * normal, found.normal)
+    cause = np.where(is_last[:, None], (1 - changed) * found.cause, found.cause)
+    weight = np.where(is_last, usual, (1 - changed) * found.weight)
+    return replace(found, normal=usual, cause=cause, weight=np.maximum(weight, LEAST_WEIGHT), changed=changed)
 
 
 def _log_evidence_of_two(fit: Fit, *parts: Integers) -> float:

@@ -177,3 +177,15 @@ def test_priors_of_causes_add_up_on_a_flight_that_can_show_all() -> None:
     for name in ("weak_motor", "extra_drag", "mass", "misread"):
         prior = np.exp(known.log_prior[known.cause == NAMES.index(name), 0]).sum()
         assert prior == pytest.approx(CAUSES[name].prevalence, rel=0.05)
+
+
+@pytest.mark.parametrize(("last", "changed"), [(1.28, (0.1, 0.9)), (1.0, (0.0, 0.02))])
+def test_a_last_flight_far_off_may_be_the_first_of_a_changed_rocket(last: float, changed: tuple[float, float]) -> None:
+    """The earlier flights then count for less, and its forecast covers both."""
+    *before, (flight, motor) = season(names=("apogee",))
+    assert flight.apogee is not None
+    found = judged([*before, (flight.with_changes(apogee=last * flight.apogee), motor)])
+    assert changed[0] <= found.changed <= changed[1]
+    if last > 1:
+        assert found.weight[:-1].max() == pytest.approx(1 - found.changed, rel=0.1)
+        assert found.normal[-1] > found.changed
