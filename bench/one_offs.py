@@ -5,8 +5,8 @@ the bench's simulator (`fast_truth`). Devices and flights scatter about as real 
 have Student t noise with three degrees of freedom around a bias of the device, thrust and drag 1.6 times the bench's
 usual scatter. The answer is the cause that `fieldkit loop` would name, computed by the same function.
 
-Beside it stands a fit told the truth: it knows the rocket, the device and every fault and strength exactly, and only
-has to recognize them in the scatter. What it cannot tell, no program can.
+Beside it an exact fit knows the rocket, the device and every fault and strength exactly, and only
+has to recognize them in the scatter. What it cannot decide, no program can.
 """
 
 import argparse
@@ -41,10 +41,10 @@ DEVICE = (0.0, 0.04, 0.04, 0.1, 0.03, 0.1)
 """Bias of a device in each, as a standard deviation over devices."""
 TAIL = 3
 """Degrees of freedom of the noise. [1]"""
-TOLD_DRAWS = 40
-"""Usual flights from which a fit told the truth knows their scatter. [1]"""
-COULD_TELL = 0.9
-"""Probability of the true cause from which a fit told the truth could tell. [1]"""
+ORACLE_DRAWS = 40
+"""Usual flights from which a fit that knows the truth knows their scatter. [1]"""
+MIN_DECIDED = 0.9
+"""Probability of the true cause from which an exact fit could decide. [1]"""
 HEALTHY = "healthy"
 Shown = dict[str, float]
 
@@ -182,17 +182,17 @@ def as_flight(flown: Flown, shown: Shown, number: int) -> Flight:
     )
 
 
-def told_launches(one: Case) -> list[Launch]:
-    """What a fit told the truth flies: the faulty flight with the scatter of the season's flights, without any, and
+def oracle_launches(one: Case) -> list[Launch]:
+    """What an exact fit flies: the faulty flight with the scatter of the season's flights, without any, and
     with every fault at every strength."""
     flown = one.faulty
     usual = [scattered(replace(flown, scatter=other.scatter)) for other in one.season.flights]
     return [*usual, flown.launch, *(bent(name, level, flown.launch, flown) for name in FAULTS for level in range(3))]
 
 
-def told(one: Case, shown: Shown, exact: Sequence[Shown]) -> dict[str, float]:
-    """The probability of every cause, and of health, for a fit told the truth: normal scatter of usual flights around
-    the exact readouts of every fault at every strength, all equally likely. `exact` are those of `told_launches`."""
+def oracle(one: Case, shown: Shown, exact: Sequence[Shown]) -> dict[str, float]:
+    """The probability of every cause, and of health, for an exact fit: normal scatter of usual flights around
+    the exact readouts of every fault at every strength, all equally likely. `exact` are those of `oracle_launches`."""
     usual = len(one.season.flights)
     values = np.array([compared(x) for x in exact])
     flown = values[:usual][np.isfinite(values[:usual]).all(axis=1)]
@@ -221,15 +221,15 @@ def _log_density(off: Array, spread: Array, seen: Array) -> float:
 
 
 def all_judged(cases: Sequence[Case]) -> list[dict[str, Any]]:
-    """What the program and a fit told the truth say about some cases, flown in one batch."""
-    launches = [[*one.launches, *told_launches(one)] for one in cases]
+    """What the program and a fit that knows the truth say about some cases, flown in one batch."""
+    launches = [[*one.launches, *oracle_launches(one)] for one in cases]
     exact = iter(measured([launch for some in launches for launch in some]))
     each = [[next(exact) for _ in some] for some in launches]
     return [judged(one, some[:FLIGHTS], some[FLIGHTS:]) for one, some in zip(cases, each, strict=True)]
 
 
-def judged(one: Case, true: Sequence[Shown], told_exact: Sequence[Shown]) -> dict[str, Any]:
-    """What the program and a fit told the truth say about a case, from the readouts without noise."""
+def judged(one: Case, true: Sequence[Shown], oracle_exact: Sequence[Shown]) -> dict[str, Any]:
+    """What the program and a fit that knows the truth say about a case, from the readouts without noise."""
     rng = np.random.default_rng([one.number, one.level, zlib.crc32(one.name.encode()), 1])
     shown = [as_shown(each, one.bias, rng) for each in true]
     change = FAULTS[one.name].readout
@@ -252,14 +252,14 @@ def judged(one: Case, true: Sequence[Shown], told_exact: Sequence[Shown]) -> dic
             for row, other in enumerate(found)
             if row != one.row and other.departures
         ],
-        "told": told(one, shown[one.row], told_exact),
+        "oracle": oracle(one, shown[one.row], oracle_exact),
     }
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
     """The results as a table in Markdown."""
     lines = [
-        "| cause | strength | flights | singled out | named first | among three | a fit told the truth could tell | "
+        "| cause | strength | flights | singled out | named first | among three | an exact fit could decide | "
         "named first of these | among three of these |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
@@ -268,7 +268,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
             some = [r for r in rows if name == "all" or (r["cause"], r["level"]) == (name, level)]
             if not some:
                 continue
-            tellable = [r for r in some if r["told"][r["cause"]] > COULD_TELL]
+            decidable = [r for r in some if r["oracle"][r["cause"]] > MIN_DECIDED]
             cells = [
                 name,
                 f"{strength:g}" if name != "all" else "",
@@ -276,9 +276,9 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
                 _share(some, lambda r: r["probability"] > 0.5),
                 _share(some, lambda r: _rank(r) < 1),
                 _share(some, lambda r: _rank(r) < 3),
-                str(len(tellable)),
-                _share(tellable, lambda r: _rank(r) < 1),
-                _share(tellable, lambda r: _rank(r) < 3),
+                str(len(decidable)),
+                _share(decidable, lambda r: _rank(r) < 1),
+                _share(decidable, lambda r: _rank(r) < 3),
             ]
             lines.append(f"| {' | '.join(cells)} |")
     healthy = [p for r in rows for p, _ in r["healthy"]]

@@ -19,7 +19,7 @@ QUANTITY = {"m": "length", "mm": "length", "m/s": "speed", "c": "temperature", "
 ROUNDED_STYLE, FINE_STYLE, PER_WIND_STYLE = "rounded", "fine", "per wind"
 """Styles of amounts: with significant digits; with one decimal in every unit; a drift for each unit of wind [s]."""
 _BEGIN, _NEXT, _END = "\ue000", "\ue001", "\ue002"
-_MARKED = re.compile(f"{_BEGIN}([^{_END}]*){_END}")
+_MARKED = re.compile(f"{_BEGIN}([^{_BEGIN}{_END}]*){_END}")
 
 
 class HasUnit(Protocol):

@@ -215,6 +215,8 @@ COMMANDS: dict[str, list[str]] = {
     "capture": ["--list"],
     "add": ["--rocket", ROCKET, "--motor", "F24-4W", "--apogee", "100m", "--notes", ROCKET, "--site", ROCKET],
     "flights": [],
+    "units": [],
+    "flyer": [],
     "show": ["1"],
     "edit": ["1", "notes=x"],
     "tag": ["1", ROCKET],

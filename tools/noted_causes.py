@@ -1,4 +1,4 @@
-"""`python tools/noted_causes.py LEDGER`: the causes that notes of flights tell, beside those found in their readouts.
+"""`python tools/noted_causes.py LEDGER`: the causes that notes of flights state, beside those found in their readouts.
 
 Every flight is compared with the others of its rocket. A note tells a cause if it has one of the words below; it is
 right if the most probable cause of the flight is among those of its note. A flight whose note tells none is named if
@@ -20,18 +20,18 @@ WORDS = {
     r"late eject|eject\w* (went )?late": {"late_ejection"},
     r"extra drag|lost (a )?fin|fin came off|streamer|brake": {"extra_drag"},
 }
-"""Words of notes, and the causes that they tell."""
+"""Words of notes, and the causes that they state."""
 NAMED = 0.5
 """Probability of one cause above which a flight is named. [1]"""
 
 
-def told(notes: str) -> set[str]:
-    """The causes that a note tells."""
+def causes_in(notes: str) -> set[str]:
+    """The causes that a note states."""
     return {cause for words, causes in WORDS.items() if re.search(words, notes, re.IGNORECASE) for cause in causes}
 
 
 def main(path: str) -> None:
-    """Print the flights whose notes tell a cause and those that are named, and how many are right."""
+    """Print the flights whose notes state a cause and those that are named, and how many are right."""
     right, noted, named, others = 0, 0, 0, 0
     with Ledger.open(path) as ledger:
         motors = catalogue()
@@ -39,7 +39,7 @@ def main(path: str) -> None:
             for one in flights_beside_others(ledger, motors, rocket):
                 if not one.departures:
                     continue
-                causes, first = told(one.flight.notes), one.causes[0]
+                causes, first = causes_in(one.flight.notes), one.causes[0]
                 if causes:
                     noted += 1
                     right += first.cause in causes
@@ -48,7 +48,7 @@ def main(path: str) -> None:
                     named += first.probability > NAMED
                 if causes or first.probability > NAMED:
                     sys.stdout.write(f"{one.flight.notes or '-'} | {why(one)}\n")
-    sys.stdout.write(f"cause right for {right} of {noted} flights whose note tells one\n")
+    sys.stdout.write(f"cause right for {right} of {noted} flights whose note states one\n")
     sys.stdout.write(f"named: {named} of {others} others\n")
 
 

@@ -30,6 +30,7 @@ MORE = (
     "mappings --forget 1",
     "capture PORT --device micropeak --import --set rocket=Comet",
     "predict --flights planned.csv",
+    "landing --motor F24-4W --rocket Astra --safety-sheet safety.txt",
     "daysheet --flights planned.csv --out planned.pdf",
     "loop --rocket Astra --effect motor_thrust",
     "loop --rocket Astra --dry-run --report loop.html",

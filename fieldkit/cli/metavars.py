@@ -58,6 +58,10 @@ OPTIONS = """
     NUMBER: number port seed use
     ADDRESS: cluster host
     EXPORT: exports
+    LEVEL: certification
+    DATE: born
+    LENGTHS: rails
+    LOT: lot
 """
 """Placeholders of the options and arguments that are not numbers of a flight's columns."""
 TYPES = {"str": "text", "int": "number", "float": "number"}

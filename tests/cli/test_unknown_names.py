@@ -45,6 +45,7 @@ REST = {
     "delay": ON,
     "edit": "notes=calm",
     "finals": ON,
+    "flyer": "--count 1",
     "inspect": "{table}",
     "import": "{table}",
     "landing": ON,

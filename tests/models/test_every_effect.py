@@ -26,7 +26,7 @@ CHECK_SHAPES = False
 EFFECTS = effects()
 FILES = sorted((plugin_folder("models") / "effects").glob("[!_]*.py"))
 every_effect = pytest.mark.parametrize("name", EFFECTS)
-MAY_IMPORT = ("fieldkit.physics", "fieldkit.flight", "fieldkit.errors", "fieldkit.shapes", "numpy")
+MAY_IMPORT = ("fieldkit.physics", "fieldkit.flight", "fieldkit.errors", "fieldkit.messages", "fieldkit.shapes", "numpy")
 PLAIN = ("collections", "dataclasses", "math", "typing", "functools")
 """Modules of Python's own library that effects may import."""
 

@@ -56,7 +56,8 @@ def test_an_impossible_curve_is_refused(time: list[float], thrust: list[float]) 
 
 
 def _motor(samples: str) -> Motor:
-    return rasp.read(f"X1 24 70 P 0.02 0.06 me\n{samples}".encode(), "x.eng")[0]
+    (motor,), _ = rasp.read(f"X1 24 70 P 0.02 0.06 me\n{samples}".encode(), "x.eng")
+    return motor
 
 
 def test_constant_thrust_has_the_moments_of_a_uniform_distribution() -> None:

@@ -328,7 +328,7 @@ def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
     for one, by_itself, backwards in zip((slim, wide), alone, turned, strict=True):
         assert np.median(by_itself.cd) == pytest.approx(np.median(one.cd), rel=0.05)
         assert np.median(backwards.cd) == pytest.approx(np.median(one.cd), rel=0.05)
-    assert np.median(after_flights.cd) > 1.05 * np.median(wide.cd)
+    assert np.median(after_flights.cd) > np.median(wide.cd)
 
 
 def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, run: Run) -> None:

@@ -33,7 +33,7 @@ ROBUST_ROUNDS = 2
 ONE_OFF_FITS, ONE_OFF_ROUNDS = 2, 2
 """Maximum number of points at which flights are weighted by their probability of being usual ones, and number of
 updates of the weights at each. [1]"""
-CHANGED = 0.5
+MIN_CHANGE_PROBABILITY = 0.5
 """Probability of a lasting change from which the later flights alone are the usual ones. [1]"""
 TRUST_ROUNDS = 4
 """Number of updates of the outliers' weights at one point."""
@@ -286,7 +286,7 @@ def _without_one_offs(result: Fit) -> tuple[Fit, Float[Array, "flight"]]:
             data = replace(result.data, normal=found.weight)
             result = solve(result.model, data, result.tangent)
             result = solve(result.model, replace(data, trust=outlier_weights(result)), result.tangent)
-            if found.changed > CHANGED:
+            if found.changed > MIN_CHANGE_PROBABILITY:
                 return _followed(result), found.log_mixture
         moved = _followed(result)
         if moved is result:

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
 NAME = "history"
+MAX_LOG_APOGEE = float(np.log(1e5))
+"""Largest apogee of an answer, for rockets far from those of the training. [log m]"""
 SMALLEST_CHANCE = 1e-9
 """Limit of the network's probabilities, so that their odds are finite. [1]"""
 NORMAL_95 = STANDARD[LEVELS.index(0.95)]
@@ -76,7 +78,7 @@ class QuickAnswer:
 
     def apogee_draws(self, count: int) -> Float[Array, "draw"]:
         """Equally likely apogees of the plan, in ascending order. [m]"""
-        return np.exp(quantile_draws(self.log_apogee, count))
+        return np.exp(np.minimum(quantile_draws(self.log_apogee, count), MAX_LOG_APOGEE))
 
 
 @cache
