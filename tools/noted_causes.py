@@ -1,7 +1,7 @@
 """`python tools/noted_causes.py LEDGER`: the causes that notes of flights state, beside those found in their readouts.
 
-Every flight is compared with the others of its rocket. A note tells a cause if it has one of the words below; it is
-right if the most probable cause of the flight is among those of its note. A flight whose note tells none is named if
+Every flight is compared with the others of its rocket. A note states a cause if it has one of the words below; it is
+right if the most probable cause of the flight is among those of its note. A flight whose note states none is named if
 one cause has more than half of the probability.
 """
 

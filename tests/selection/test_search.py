@@ -63,13 +63,13 @@ def test_a_set_of_three_keeps_the_weight_of_all_places_of_its_effects(monkeypatc
 
 
 def test_the_evidence_of_a_probable_set_does_not_depend_on_the_grid_of_its_fit() -> None:
-    """Two grids of the scatter with values at and between those of the other, and the same ends."""
+    """Two grids of the scatter with the same ends, one without a value near the most probable one."""
     pairs = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
     flights, motors = [flight for flight, _ in pairs], [motor for _, motor in pairs]
     data = observe(history_of(flights, motors, used_in_fit=[True] * len(flights)))
     usual = rocket_model(history_of(flights, motors))
     linear, found = [], []
-    for grid in ((0.5, 1.0, 2.0, 6.5), (0.5, 0.7, 1.4, 6.5)):
+    for grid in ((0.5, 1.0, 6.5), (0.5, 4.0, 6.5)):
         own = replace(CERTIFIED_PRIOR, scatter=replace(CERTIFIED_PRIOR.scatter, grid=grid))
         one = Hypothesis((), fit(replace(usual, hyperprior=own), data, outlier_flights=True))
         linear.append(one.log_evidence)

@@ -74,7 +74,7 @@ class QuickAnswer:
 
     def apogee_at(self, level: float) -> float:
         """The quantile of the plan's apogee at one of `levels`. [m]"""
-        return float(np.exp(self.log_apogee[self.levels.index(level)]))
+        return float(np.exp(min(self.log_apogee[self.levels.index(level)], MAX_LOG_APOGEE)))
 
     def apogee_draws(self, count: int) -> Float[Array, "draw"]:
         """Equally likely apogees of the plan, in ascending order. [m]"""
