@@ -7,7 +7,7 @@ import numpy as np
 
 from bench.recorders.flights import Path, sampled
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, pressure_height
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import FOOT
 
 RATE, WAIT, REST = 25.0, 4.0, 8.0
@@ -194,9 +194,9 @@ def grouped(log: Log, mark: str) -> Sheet:
     return replace(sheet, columns=(sheet.columns[0], ("altitude (ft)", feet), sheet.columns[2]))
 
 
-def rows(sheet: Sheet, order: Float[Array, "row"]) -> Sheet:
+def rows(sheet: Sheet, order: Int[Integers, "row"]) -> Sheet:
     """Some of the rows, in an order."""
-    places = np.asarray(order, int).tolist()
+    places = order.tolist()
     return replace(sheet, columns=tuple((name, [column[i] for i in places]) for name, column in sheet.columns))
 
 
