@@ -85,3 +85,8 @@ fieldkit capture --list
 fieldkit docs
 fieldkit docs predictions
 fieldkit simulate --motor D12-0/C6-0/C6-7 --booster-mass 60g/40g --dry-mass 100g --diameter 30mm --cd 0.6
+
+# the weather of a flight from a saved file, hours or years later
+fieldkit add --rocket Astra --config A --motor F24-4W --dry-mass 322g --diameter 66mm --apogee 268m --date-time 2026-05-16T14:30 --site Moor --site-elevation 440m
+fieldkit weather docs/example-weather.csv --site Moor --dry-run
+fieldkit weather docs/example-weather.csv --site Moor

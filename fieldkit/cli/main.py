@@ -36,6 +36,7 @@ GROUPS = {
     "records": ("flights", "show", "edit", "tag", "untag", "remove"),
     "compare": ("compare",),
     "remeasure": ("remeasure",),
+    "weather": ("weather",),
     "infer": ("infer",),
     "forecast": ("predict",),
     "predictions": ("predictions",),

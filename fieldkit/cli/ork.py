@@ -1,4 +1,4 @@
-"""`fieldkit ork`: an OpenRocket design as the configuration that a rocket starts with."""
+"""`fieldkit ork`: a design of OpenRocket, RockSim or RASAero as the configuration that a rocket starts with."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -22,17 +22,20 @@ app = typer.Typer()
 @app.command()
 def ork(
     context: typer.Context,
-    file: Annotated[Path, typer.Argument(help="OpenRocket design, .ork.", show_default=False)],
+    file: Annotated[
+        Path, typer.Argument(help="Design of OpenRocket, RockSim or RASAero: .ork, .rkt, .CDX1.", show_default=False)
+    ],
     rocket: Annotated[str | None, typer.Option(help="Default: the name in the file.", show_default=False)] = None,
     config: Annotated[str, typer.Option(help="Name of this build, such as A.")] = "",
     look: Annotated[bool, typer.Option("--dry-run", "--look", help="Show the result without saving it.")] = False,
     json: AsJson = False,
 ) -> None:
-    """Read a rocket that has not flown from its OpenRocket design: mass without motor, diameter, length, Cd."""
+    """Read a rocket that has not flown from its design in OpenRocket, RockSim or RASAero: mass without motor, diameter,
+    length, stability and, from OpenRocket, Cd."""
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 
-    design = read_design(read_file(file, most=MAX_UNPACKED_SIZE, kind="an OpenRocket design"), file.name)
+    design = read_design(read_file(file, most=MAX_UNPACKED_SIZE, kind="a design"), file.name)
     name = rocket or design.name
     if not name:
         raise BadValue(f"{file.name}: found no name of the rocket, expected --rocket NAME")

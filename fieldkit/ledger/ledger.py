@@ -76,6 +76,20 @@ class Ledger(FlightsOut, BesideFlights):
                 recorder.sign("edit", f"{what} ({', '.join([*changes, *kept])})")
         return done
 
+    def edit_each(self, changes: Mapping[str, Mapping[str, object]], command: str, what: str) -> int:
+        """Change fields of several flights, each its own, as one change of a `command`; returns the number of flights
+        changed."""
+        with self._changing() as recorder:
+            stored = naming.resolve_all(recorder.connection, list(changes))
+            done = [
+                id
+                for one, (id, own) in zip(stored, changes.items(), strict=True)
+                if book.replace(recorder, one, _edited(one.flight, own))
+            ]
+            if done:
+                recorder.sign(command, f"{_listed(done)} from {what}")
+        return len(done)
+
     def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
         """Update flights from their files as one change; returns the number of flights changed."""
         with self._changing(keep=not dry_run) as recorder:

@@ -80,14 +80,15 @@ def balance(stages: "Sequence[Element]", diameter: float) -> Balance | None:
     ]
     total = sum(force for force, _ in lifts)
     weights = [one for part, size, front in placed for one in _weights(part, size, front)]
-    dry = sum(own for own, _ in weights)
-    if total <= 0 or dry <= 0:
+    parts_mass = sum(own for own, _ in weights)
+    whole, below = override(stages[0])
+    dry = whole if whole and below else parts_mass
+    entered = number(stages[0], "overridecg", math.nan)
+    if total <= 0 or dry <= 0 or (parts_mass <= 0 and math.isnan(entered)):
         return None
     cp = sum(force * at for force, at in lifts) / total
-    whole, below = override(stages[0])
-    entered = number(stages[0], "overridecg", math.nan)
-    center = sum(own * at for own, at in weights) / dry if math.isnan(entered) else entered
-    return Balance(cp, whole if whole and below else dry, center, _mount_end(placed))
+    center = sum(own * at for own, at in weights) / parts_mass if math.isnan(entered) else entered
+    return Balance(cp, dry, center, _mount_end(placed))
 
 
 def _body_lift(part: "Element", size: Size, front: float, area: float) -> tuple[float, float]:

@@ -12,6 +12,8 @@ from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.balance import Balance, balance
 from fieldkit.openrocket.implied import implied_cds
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
+from fieldkit.openrocket.rasaero import from_rasaero, is_rasaero
+from fieldkit.openrocket.rocksim import from_rocksim, is_rocksim
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
 from fieldkit.quantities import counted
 from fieldkit.rocket import Configuration
@@ -97,15 +99,28 @@ class Design:
 
 
 def read_design(content: bytes, source: str) -> Design:
-    """Read the design in an `.ork` file. Raises DamagedLog that names the file if it is damaged or not a design."""
-    root = root_of(content, source)
+    """Read the design in a `.ork`, `.rkt` or `.CDX1` file. Raises DamagedLog that names the file if it is damaged or
+    not a design."""
+    root, notes = _in_openrocket_terms(root_of(content, source), source)
     try:
-        return _design(root, source)
+        return _design(root, source, notes)
     except RecursionError as error:
         raise DamagedLog("found parts nested too deeply, expected a rocket", source=source) from error
 
 
-def _design(root: "Element", source: str) -> Design:
+def _in_openrocket_terms(root: "Element", source: str) -> "tuple[Element, list[str]]":
+    """A design of any program as an OpenRocket one, with notes on what was not read. Raises DamagedLog for others."""
+    if is_rocksim(root):
+        return from_rocksim(root)
+    if is_rasaero(root):
+        return from_rasaero(root, source)
+    if root.tag != "openrocket" or root.find("rocket") is None:
+        found = f"found <{root.tag[:40]}>, expected a design of OpenRocket, RockSim or RASAero"
+        raise DamagedLog(found, source=source)
+    return root, []
+
+
+def _design(root: "Element", source: str, notes: list[str]) -> Design:
     rocket = root.find("rocket")
     assert rocket is not None
     stages = [part for part in children(rocket) if part.tag == "stage"]
@@ -117,7 +132,6 @@ def _design(root: "Element", source: str) -> Design:
     body = sizes(parts)
     diameter = 2 * max(max(one.fore, one.aft) for one in body)
     stored = simulations(root)
-    notes: list[str] = []
     weight, mass_by = _mass(rocket, stages, stored, notes)
     cd, cd_by = _drag(rocket, stages, stored, diameter, notes)
     if cd is None and weight and len(stages) == 1:
@@ -192,7 +206,9 @@ def _drag(
     notes += [f"the simulation {one.name} tumbles or ends before apogee: left out" for one in stored if one.upset]
     flown = [one for one in stored if one.cd]
     if not flown:
-        if all(one.readable for one in stored):
+        if program := rocket.get("program"):
+            why = f"that of a {program} file is not read; until it flies, it has that of other rockets"
+        elif all(one.readable for one in stored):
             why = "no simulation with a drag coefficient is stored in the file; run one and save it"
         else:
             why = "the columns of its simulations are not in English; simulate and save it with OpenRocket in English"

@@ -190,7 +190,7 @@ DAMAGED = {
     "a cut gzip": (packed(design(), "gzip")[:200], "gzip that ends early"),
     "an empty zip": (b"PK\x05\x06" + bytes(18), "without rocket.ork"),
     "entities": (BOMB.encode(), "document type"),
-    "another XML": (b"<svg/>", "expected <openrocket>"),
+    "another XML": (b"<svg/>", "expected a design of OpenRocket"),
     "no parts": (b"<openrocket><rocket><name>x</name></rocket></openrocket>", "no nose cone"),
     "an encoding": (b'<?xml version="1.0" encoding="martian"?><openrocket/>', "skylark.ork"),
     "no end of parts": (

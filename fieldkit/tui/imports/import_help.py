@@ -22,7 +22,7 @@ IMPORT_HELP = Help(
         ("edit", "Values that the file lacks, such as the rocket and its mass, for every flight in it."),
         (
             "design",
-            "An OpenRocket file adds no flight: its mass, diameter and Cd are the starting point of a rocket.",
+            "A design (.ork, .rkt, .CDX1) adds no flight: mass, diameter and Cd are the start of a rocket.",
         ),
     ),
     (

@@ -22,7 +22,7 @@ from fieldkit.safe_text import printable
 from fieldkit.services.imports import Receipt, gather, take_in
 from fieldkit.tui.flights import logged
 from fieldkit.tui.resources import Resources
-from fieldkit.tui.setup.design_look import SUFFIX, design_at
+from fieldkit.tui.setup.design_look import SUFFIXES, design_at
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.hanging import Hanging
@@ -93,9 +93,9 @@ def listed(folder: Path) -> list[Path]:
 def look_at(resources: Resources, path: Path, reading: ReadOptions) -> Look:
     """The preview of a file; nothing is stored."""
     try:
-        if path.suffix.lower() == SUFFIX:
+        if path.suffix.lower() in SUFFIXES:
             start, words = design_at(path, reading.given, resources.settings.units)
-            return Look(path, "OpenRocket design", None, start=start, words=words)
+            return Look(path, "a design", None, start=start, words=words)
         receipt, flights = _bring_in(resources, path, reading, dry_run=True)
     except FieldkitError as error:
         return Look(path, "", None, by_keys(str(error)))

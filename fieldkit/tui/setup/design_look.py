@@ -1,4 +1,4 @@
-"""An OpenRocket design on the Import page: the start of a rocket, with its text."""
+"""A design on the Import page: the start of a rocket, with its text."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,7 +10,7 @@ from fieldkit.quantities import measure
 from fieldkit.rocket import Configuration
 from fieldkit.services.imports import read_file
 
-SUFFIX = ".ork"
+SUFFIXES = (".ork", ".rkt", ".cdx1")
 
 
 def design_at(path: Path, given: Mapping[str, str], system: str) -> tuple[Configuration, tuple[str, ...]]:
@@ -19,7 +19,7 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> tuple[Config
     Rocket and configuration come from `given`, or else the rocket from the file. Raises FieldkitError if the file
     cannot be read or the rocket is named in neither.
     """
-    design = read_design(read_file(path, most=MAX_UNPACKED_SIZE, kind="an OpenRocket design"), path.name)
+    design = read_design(read_file(path, most=MAX_UNPACKED_SIZE, kind="a design"), path.name)
     name = given.get("rocket") or design.name
     if not name:
         raise BadValue(f"{path.name}: found no name of the rocket, expected one; press e to enter it")

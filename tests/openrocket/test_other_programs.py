@@ -1,0 +1,164 @@
+"""One rocket as three programs save it: designs of RockSim and RASAero have the mass and balance of OpenRocket's."""
+
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from fieldkit.errors import DamagedLog
+from fieldkit.motors import catalogue
+from fieldkit.openrocket import Design, read_design
+from fieldkit.units import INCH, POUND
+from tests.commands import Run
+
+pytestmark = pytest.mark.fast
+
+NOSE_MASS, TUBE_MASS, FINS_MASS, MOUNT_MASS, ALTIMETER = 15.0, 44.0, 19.0, 5.0, 30.0
+"""As computed by the programs, and a weight at 150 mm behind the front of the tube. [g]"""
+MOUNT_LENGTH, OVERHANG = 75.0, 5.0
+
+
+def mass(grams: float) -> str:
+    return f"<overridemass>{grams / 1e3}</overridemass>"
+
+
+def openrocket() -> bytes:
+    fins = f"""<trapezoidfinset>{mass(FINS_MASS)}<fincount>3</fincount><axialoffset method="bottom">-0.01</axialoffset>
+<thickness>0.003</thickness><rootchord>0.08</rootchord><tipchord>0.04</tipchord><sweeplength>0.04</sweeplength>
+<height>0.05</height></trapezoidfinset>"""
+    mount = f"""<innertube>{mass(MOUNT_MASS)}<axialoffset method="bottom">0</axialoffset><length>0.075</length>
+<outerradius>0.0125</outerradius><motormount><overhang>0.005</overhang></motormount></innertube>"""
+    weight = f"""<masscomponent><axialoffset method="top">0.15</axialoffset><packedlength>0.02</packedlength>
+<mass>{ALTIMETER / 1e3}</mass></masscomponent>"""
+    return f"""<openrocket version="1.9"><rocket><name>Lark</name><subcomponents><stage><subcomponents>
+<nosecone>{mass(NOSE_MASS)}<length>0.15</length><shape>ogive</shape><aftradius>0.025</aftradius></nosecone>
+<bodytube>{mass(TUBE_MASS)}<length>0.4</length><radius>0.025</radius><subcomponents>{fins}{mount}{weight}
+</subcomponents></bodytube></subcomponents></stage></subcomponents></rocket></openrocket>""".encode()
+
+
+FINS = """<FinSet><Name>Fins</Name><KnownMass>0</KnownMass><CalcMass>{mass}</CalcMass><UseKnownCG>0</UseKnownCG>
+<Xb>10.</Xb><LocationMode>2</LocationMode><FinCount>3</FinCount><RootChord>80.</RootChord><TipChord>40.</TipChord>
+<SemiSpan>50.</SemiSpan><SweepDistance>40.</SweepDistance><Thickness>3.</Thickness><ShapeCode>{code}</ShapeCode>
+<TipShapeCode>0</TipShapeCode><PointList>80.,0.|80.,50.|40.,50.|0.,0.|</PointList></FinSet>"""
+
+
+def rocksim(fins: str = FINS.format(mass=FINS_MASS, code=0), more: str = "", stage: str = "") -> bytes:
+    return f"""<?xml version="1.0" encoding="utf-8"?><RockSimDocument><FileVersion>4</FileVersion><DesignInformation>
+<RocketDesign><Name>Lark</Name><StageCount>1</StageCount>{stage}<Stage3Parts>
+<NoseCone><Name>Nose</Name><KnownMass>0</KnownMass><CalcMass>{NOSE_MASS}</CalcMass><UseKnownCG>0</UseKnownCG>
+<Len>150.</Len><BaseDia>50.</BaseDia><ShapeCode>1</ShapeCode><WallThickness>1.</WallThickness><AttachedParts/></NoseCone>
+<BodyTube><Name>Body</Name><KnownMass>99</KnownMass><CalcMass>{TUBE_MASS}</CalcMass><UseKnownCG>0</UseKnownCG>
+<OD>50.</OD><ID>48.</ID><Len>400.</Len><IsMotorMount>0</IsMotorMount><IsInsideTube>0</IsInsideTube><AttachedParts>
+{fins}<BodyTube><Name>Mount</Name><CalcMass>{MOUNT_MASS}</CalcMass><Xb>0.</Xb><LocationMode>2</LocationMode>
+<OD>25.</OD><ID>24.</ID><Len>{MOUNT_LENGTH}</Len><IsMotorMount>1</IsMotorMount><EngineOverhang>{OVERHANG}</EngineOverhang>
+<IsInsideTube>1</IsInsideTube><AttachedParts/></BodyTube>
+<MassObject><Name>Altimeter</Name><KnownMass>{ALTIMETER}</KnownMass><CalcMass>0</CalcMass><Xb>150.</Xb>
+<LocationMode>0</LocationMode><Len>20.</Len></MassObject>{more}
+</AttachedParts></BodyTube></Stage3Parts><Stage2Parts/><Stage1Parts/></RocketDesign></DesignInformation>
+</RockSimDocument>""".encode()
+
+
+def rasaero(weight: float, cg: float, engine: str = "F24W  (AT)") -> bytes:
+    """The same outline in inches; the launch weight [kg] and the center with the motor [m] are of its simulation."""
+
+    def inches(meters: float) -> str:
+        return f"{meters / INCH:.6f}"
+
+    return f"""<RASAeroDocument><FileVersion>2</FileVersion><RocketDesign>
+<NoseCone><PartType>NoseCone</PartType><Length>{inches(0.15)}</Length><Diameter>{inches(0.05)}</Diameter>
+<Shape>Tangent Ogive</Shape><Location>0</Location></NoseCone>
+<BodyTube><PartType>BodyTube</PartType><Length>{inches(0.4)}</Length><Diameter>{inches(0.05)}</Diameter>
+<Fin><Count>3</Count><Chord>{inches(0.08)}</Chord><Span>{inches(0.05)}</Span><SweepDistance>{inches(0.04)}</SweepDistance>
+<TipChord>{inches(0.04)}</TipChord><Location>{inches(0.09)}</Location></Fin></BodyTube></RocketDesign>
+<SimulationList><Simulation><SustainerEngine>{engine}</SustainerEngine>
+<SustainerLaunchWt>{weight / POUND}</SustainerLaunchWt><SustainerCG>{inches(cg)}</SustainerCG></Simulation>
+</SimulationList></RASAeroDocument>""".encode()
+
+
+def margin(design: Design) -> float:
+    found = design.margin(catalogue().resolve("AeroTech F24W").motor)
+    assert found is not None
+    return found
+
+
+def test_a_rocksim_design_has_the_mass_and_balance_of_the_same_rocket() -> None:
+    own, theirs = read_design(openrocket(), "lark.ork"), read_design(rocksim(), "lark.rkt")
+    assert theirs.name == "Lark"
+    assert (theirs.dry_mass, theirs.diameter, theirs.length) == pytest.approx((0.113, 0.05, 0.55))
+    assert theirs.balance is not None
+    assert own.balance is not None
+    assert (theirs.balance.cp, theirs.balance.dry_cg) == pytest.approx((own.balance.cp, own.balance.dry_cg))
+    assert margin(theirs) == pytest.approx(margin(own))
+    assert theirs.cd is None
+
+
+def test_a_freeform_fin_of_rocksim_may_run_either_way_round() -> None:
+    plain = read_design(rocksim(), "a.rkt")
+    freeform = read_design(rocksim(FINS.format(mass=FINS_MASS, code=2)), "a.rkt")
+    assert margin(freeform) == pytest.approx(margin(plain), abs=0.02)
+
+
+def test_a_mass_that_was_entered_replaces_the_computed_one() -> None:
+    weighed = rocksim().replace(
+        b"<KnownMass>99</KnownMass><CalcMass>44.0</CalcMass><UseKnownCG>0",
+        b"<KnownMass>99</KnownMass><CalcMass>44.0</CalcMass><UseKnownCG>1",
+    )
+    assert read_design(weighed, "a.rkt").dry_mass == pytest.approx(0.113 + 0.055)
+    whole = rocksim(stage="<UseKnownMass>1</UseKnownMass><Stage3Mass>150</Stage3Mass><Stage3CG>300</Stage3CG>")
+    design = read_design(whole, "a.rkt")
+    assert design.dry_mass == pytest.approx(0.15)
+    assert design.balance is not None
+    assert design.balance.dry_cg == pytest.approx(0.3)
+
+
+def test_parts_that_are_not_read_are_named() -> None:
+    notes = read_design(rocksim(more="<FlyingSaucer><Name>x</Name></FlyingSaucer>"), "a.rkt").notes
+    assert any("not read: FlyingSaucer" in note for note in notes)
+    assert any("motors of a RockSim file are not read" in note for note in notes)
+    assert any(note.startswith("no Cd: that of a RockSim file is not read") for note in notes)
+    assert read_design(rocksim(more="<ExternalPod/>"), "a.rkt").balance is None
+
+
+def test_a_rasaero_design_has_the_mass_and_balance_of_its_simulation() -> None:
+    own, motor = read_design(openrocket(), "lark.ork"), catalogue().resolve("AeroTech F24W").motor
+    assert own.balance is not None
+    weight = 0.113 + motor.loaded_mass
+    center = (0.113 * own.balance.dry_cg + motor.loaded_mass * (0.55 - motor.length / 2)) / weight
+    theirs = read_design(rasaero(weight, center), "Lark.CDX1")
+    assert (theirs.name, theirs.dry_mass) == ("Lark", pytest.approx(0.113))
+    assert (theirs.diameter, theirs.length) == pytest.approx((0.05, 0.55))
+    assert theirs.balance is not None
+    assert (theirs.balance.cp, theirs.balance.dry_cg) == pytest.approx((own.balance.cp, own.balance.dry_cg), abs=1e-5)
+    assert [(one.maker, one.designation) for one in theirs.motors] == [("AeroTech", "F24W")]
+    assert theirs.start("Lark", "", "Lark.CDX1").margin == pytest.approx((own.balance.cp - center) / 0.05, abs=1e-3)
+
+
+def test_a_rasaero_design_on_an_unknown_motor_asks_for_the_mass() -> None:
+    design = read_design(rasaero(0.2, 0.3, "Z9 (ZZ)"), "Lark.CDX1")
+    assert design.dry_mass is None
+    assert any("weigh the rocket" in note for note in design.notes)
+
+
+def test_both_are_saved_as_a_start_and_forecast(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "lark.rkt").write_bytes(rocksim())
+    shown = run("ork", tmp_path / "lark.rkt").out
+    assert "113 g" in shown
+    (made,) = run("predict", "--rocket", "Lark", "--motor", "E12-6", "--json").document["predictions"]
+    assert made["apogee_m"]["p50"] > 50
+
+
+@pytest.mark.parametrize("name", ["a.rkt", "a.CDX1"])
+@pytest.mark.parametrize("at", [40, 300, 700])
+def test_a_torn_design_is_damaged_not_a_crash(name: str, at: int) -> None:
+    content = rocksim() if name == "a.rkt" else rasaero(0.2, 0.3)
+    with pytest.raises(DamagedLog, match=name):
+        read_design(content[:at], name)
+
+
+def test_texts_in_place_of_numbers_do_not_crash() -> None:
+    for content in (rocksim(), rasaero(0.2, 0.3)):
+        spoiled = content
+        for number in (b"80.", b"50.", b"400.", b"150.", b"2", b"3"):
+            spoiled = spoiled.replace(b">" + number + b"<", b">nan<")
+        with suppress(DamagedLog):
+            read_design(spoiled, "a")
