@@ -16,20 +16,18 @@ from typing import Any
 
 from bench.commands import read_labels, run, sets_parser
 
-MODELS = ("history", "field")
-"""The models to compare: the one for forecasts, and the ensemble that uses a single flight only."""
 FLIGHTS = 3
 """Number of flights used from the start of each set; more flights of a rocket would have the same true Cd. [1]"""
 NORMAL_95 = NormalDist().inv_cdf(0.95)
 
 
-def inferred(command: Sequence[str], table: Path, model: str) -> list[dict[str, Any]]:
+def inferred(command: Sequence[str], table: Path) -> list[dict[str, Any]]:
     """The output of `fieldkit infer` for the first flights of a table. Raises CommandFailed."""
     with table.open(encoding="utf-8", newline="") as rows:
         first = [row["flight_id"] for row in islice(csv.DictReader(rows), FLIGHTS)]
     with tempfile.TemporaryDirectory() as home:
         run(command, Path(home), "import", str(table))
-        flights: list[dict[str, Any]] = run(command, Path(home), "infer", "--model", model, *first)["flights"]
+        flights: list[dict[str, Any]] = run(command, Path(home), "infer", *first)["flights"]
     return flights
 
 
@@ -52,14 +50,13 @@ def line(name: str, found: Sequence[tuple[float, float, float]]) -> str:
 
 
 def main() -> int:
-    """Evaluate every set of a folder, and print a line for each model and set of readouts."""
+    """Evaluate every set of a folder, and print a line for each kind of readouts."""
     options = sets_parser(__doc__).parse_args()
     found: dict[str, list[tuple[float, float, float]]] = {}
     for label in read_labels(options.sets, options.limit):
-        for model in MODELS:
-            flights = inferred(options.command, options.sets / f"{label['set']}.csv", model)
-            kind = "apogee" if label["readouts"] == "apogee" else "more readouts"
-            found.setdefault(f"{model}, {kind}", []).extend(misses(flights, label["true"]["cd"]))
+        flights = inferred(options.command, options.sets / f"{label['set']}.csv")
+        kind = "apogee" if label["readouts"] == "apogee" else "more readouts"
+        found.setdefault(kind, []).extend(misses(flights, label["true"]["cd"]))
     columns = ("flights", "bias", "|error|", "in 90%", "score", "alpha")
     sys.stdout.write(f"{'log Cd':24} " + " ".join(f"{name:>7}" for name in columns) + "\n")
     sys.stdout.writelines(line(name, rows) + "\n" for name, rows in sorted(found.items()))

@@ -15,13 +15,11 @@ fieldkit study rockets --out rockets.md
 # how much rockets, motors, and flights vary, from the exports of a club's flyers; cross-validated by rocket
 fieldkit learn anna.csv ben.csv --check --out club.json
 fieldkit learn anna.csv ben.csv --keep
-# the shipped field ensemble again, with its evaluation
-fieldkit train --report --recipe field --schedule published --seed 1 --n-train 1000000 --out DIR
 # the track of a logger with satellite positions, for a map
 fieldkit track flight-dd2afbb08f --out track.kml
 # the network of whole histories behind loop --quick; after an interruption it continues
 fieldkit train --recipe history --schedule published --seed 1 --n-train 13100 --out DIR
 # the reference paper's ensemble again: needs the extra `train`
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again
-# one trained with wind and a wrong mass
-fieldkit train --recipe field --effects wind,mass_offset --out field-wind
+# a network that knows only two effects
+fieldkit train --recipe history --effects wind,mass_offset --out wind-and-mass

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,13 +20,10 @@ from fieldkit import cli
 from fieldkit.cli import main as commands
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
-from fieldkit.flight import READOUTS, Flight
+from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
-from fieldkit.model.observation_noise import NOISE
-from fieldkit.model.observations import READOUT_NAMES
-from fieldkit.model.prior_predictive import PRIORS
 from fieldkit.motors.delay_tolerance import RELATIVE_DELAY_TOLERANCE
 from fieldkit.motors.motor import BURN_THRUST_FRACTION
 from fieldkit.physics.flight import fly
@@ -39,7 +35,7 @@ from tests.commands import Run
 from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
-from tools import benchmarks, field_report, history_report
+from tools import benchmarks, history_report
 from tools.manual import pages
 from tools.strings import listed
 
@@ -135,8 +131,7 @@ def test_commands_on_other_pages_are_in_a_session(name: str) -> None:
 def test_every_block_of_code_is_of_a_kind_that_a_test_runs(page: str) -> None:
     """Blocks of `sh` and `python` are run; those of `console` are usages in `docs/commands.md` and the installation."""
     fences = re.findall(r"^```(\w*)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
-    printed = {""} if page == PAGES["field-ensemble"] else set()  # a log that the page's own tool prints
-    assert {language for language, _ in fences} <= {"sh", "python", "console", "math", "toml"} | printed
+    assert {language for language, _ in fences} <= {"sh", "python", "console", "math", "toml"}
     shown = [line for language, block in fences if language == "console" for line in block.splitlines()]
     assert [line for line in shown if not line.startswith("$ fieldkit ") and line != "pipx install ."] == []
     assert not blocks("python", page) or page == PAGES["extending"]
@@ -198,14 +193,6 @@ def test_the_generated_pages_are_up_to_date() -> None:
         assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} again"
 
 
-def test_priors_are_worded_with_the_figures_of_the_card() -> None:
-    """The card of a trained network is never edited; the page has the words of the code."""
-    card = read_card(trained_folder("field"))["priors"]
-    assert PRIORS.keys() == card.keys()
-    for key, words in PRIORS.items():
-        assert re.findall(r"[0-9.]+(?![0-9.])", words) == re.findall(r"[0-9.]+(?![0-9.])", card[key]), key
-
-
 def test_a_limit_of_nfpa_1125_is_stated_as_one_figure() -> None:
     known = {f"{100 * limit:g}%" for limit in (BURN_THRUST_FRACTION, IMPULSE_SCATTER, RELATIVE_DELAY_TOLERANCE)}
     files = [file for folder in ("fieldkit", "models", "tools", "docs") for file in (ROOT / folder).rglob("*.py")]
@@ -221,10 +208,9 @@ def test_the_page_of_speed_is_of_the_latest_saved_runs() -> None:
     assert PAGES["speed"] == text, "python tools/benchmarks.py --page writes it again"
 
 
-@pytest.mark.parametrize(("tool", "network"), [(field_report, "field"), (history_report, "history")])
-def test_the_pages_of_measurements_are_up_to_date(tool: ModuleType, network: str) -> None:
-    text = "\n".join(tool.report(read_card(trained_folder(network)))).rstrip() + "\n"
-    assert tool.REPORT.read_text(encoding="utf-8") == text, f"python {tool.__file__} writes it again"
+def test_the_page_of_measurements_is_up_to_date() -> None:
+    text = "\n".join(history_report.report(read_card(trained_folder("history")))).rstrip() + "\n"
+    assert history_report.REPORT.read_text(encoding="utf-8") == text, f"python {history_report.__file__} writes it"
 
 
 def test_the_first_page_links_to_all_others_like_the_site() -> None:
@@ -443,7 +429,5 @@ def test_the_example_command_of_the_manual_plans_from_what_is_known(
 
 
 def test_a_readout_that_is_only_recorded_is_not_simulated() -> None:
-    """The order of the readouts that the networks read does not change with the columns of a flight."""
-    assert set(READOUT_NAMES) == NOISE.keys() <= {column.name for column in READOUTS}
     flown = fly(paper_setup(np.array([0]), np.array([0.3]), np.array([0.6]), np.array([1.0])))
     assert at_the_edge(flown, ["apogee", "coast_drag"]).keys() == {"apogee_m"}

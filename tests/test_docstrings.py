@@ -35,7 +35,6 @@ NO_FORMULA = {
     "analysis/labels.py": "converts units",
     "inference/history/shards.py": "arranges figures in a table",
     "inference/history/unexplained_patterns.py": "draws patterns that are invented on purpose",
-    "inference/network/field_ensemble.py": "looks up priors",
     "inference/network/posterior.py": "looks up what was recorded",
     "model/features.py": "arranges what was recorded",
     "model/sources.py": "looks up how a readout was recorded",
@@ -65,7 +64,6 @@ OWN_ARGUMENTS = frozenset({"unit"})
 """Functions that raise an error for a name that only the program writes."""
 NOT_RAISED = {
     "inference/history/shards.py:simulate_table": "an unknown effect: these are the names of all effects",
-    "inference/network/flights.py:infer": "a flight without a dry mass is left out",
     "ledger/book.py:add": "a flight that cannot be stored is a conflict",
     "reference/flights.py:reference": "the flights are shipped",
     "reference/history_network.py:history_forecasts": "the flights are shipped",

@@ -6,16 +6,12 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from bench import score
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.inference.training import parts
-from fieldkit.model.prior_predictive import Truth, split_motors
 from fieldkit.parallel import done, workers
 
 
@@ -51,69 +47,33 @@ def test_a_local_worker_does_the_work(tmp_path: Path) -> None:
 LOSES_A_WORKER = """
 import os, sys
 from pathlib import Path
-from fieldkit.inference.training import parts
-from fieldkit.parallel import workers
+from fieldkit.parallel import done, workers
 
-OUT = Path(sys.argv[1])
-fly_part = parts.fly_part
+LOST = Path(sys.argv[1]) / "lost"
 
-def fly_or_die(part):
-    if part.number == 1 and not (OUT / "lost").exists():
-        (OUT / "lost").touch()
+def cube_or_die(number):
+    if number == 1 and not LOST.exists():
+        LOST.touch()
         os._exit(9)
-    return fly_part(part)
+    return str(number**3).encode()
 
 if __name__ == "__main__":
-    parts.SIZE, parts.fly_part = 300, fly_or_die
     with workers("local:2") as pool:
-        (OUT / "whole").write_bytes(parts.packed(parts.simulate_parts(OUT, 7, 1000, ("wind",), pool)))
+        for name, content in done(cube_or_die, {str(n): n for n in range(4)}, Path(sys.argv[1]) / "kept", pool):
+            print(name, content.decode())
 """
 
 
 @pytest.mark.slow
-def test_a_cluster_that_loses_a_worker_gives_the_same_flights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_that_loses_a_worker_gives_the_same_results(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     script = tmp_path / "loses_a_worker.py"
-    script.write_text(
-        LOSES_A_WORKER.replace("real, parts", "parts").replace("= parts.fly_part, fly_part", "= fly_part")
-    )
+    script.write_text(LOSES_A_WORKER)
     home = {"PYTHONPATH": str(Path(__file__).parents[1]), "OMP_NUM_THREADS": "1"}
-    subprocess.run([sys.executable, script, tmp_path], env=os.environ | home, check=True, capture_output=True)
+    work = [sys.executable, script, tmp_path]
+    printed = subprocess.run(work, env=os.environ | home, check=True, capture_output=True, text=True).stdout
     assert (tmp_path / "lost").exists()
-    monkeypatch.setattr(parts, "SIZE", 300)
-    with ThreadPoolExecutor(1) as pool:
-        here = parts.simulate_parts(tmp_path / "here", 7, 1000, ("wind",), pool)
-    there = parts.unpacked((tmp_path / "whole").read_bytes())
-    for name in Truth.__dataclass_fields__:
-        np.testing.assert_array_equal(getattr(there, name), getattr(here, name))
-
-
-def test_parts_with_another_seed_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parts, "SIZE", 60)
-    few = split_motors()[0][::50]
-    monkeypatch.setattr(parts, "split_motors", lambda: (few, []))
-    steps: list[tuple[int, int]] = []
-    with ThreadPoolExecutor(1) as pool:
-        one = parts.simulate_parts(tmp_path, 1, 100, (), pool, lambda *message: steps.append(message))
-        other = parts.simulate_parts(tmp_path, 2, 100, (), pool)
-        again = parts.simulate_parts(tmp_path, 1, 100, (), pool)
-    assert steps == [(1, 2), (2, 2)]
-    assert not np.isin(one.alpha, other.alpha).any(), "parts draw random numbers of their own"
-    assert len(np.unique(one.alpha)) == len(one)
-    np.testing.assert_array_equal(one.readouts, again.readouts)
-    parts.drop_parts(tmp_path)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_parts_of_another_catalog_are_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also if only the thrust of a motor has changed."""
-    few = split_motors()[0][::50]
-    stronger = [replace(few[0], thrust=few[0].thrust * 1.01), *few[1:]]
-    with ThreadPoolExecutor(1) as pool:
-        for motors in (few, stronger):
-            monkeypatch.setattr(parts, "split_motors", lambda motors=motors: (motors, []))
-            parts.simulate_parts(tmp_path, 1, 20, (), pool)
-    assert len(list(tmp_path.glob("*/*/*.npy"))) == 2
+    assert sorted(printed.splitlines()) == ["0 0", "1 1", "2 8", "3 27"]
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.forecast.at_once import forecast_at_once
 from fieldkit.forecast.predict import predict
-from fieldkit.inference.history.drawn_rockets import stock
+from fieldkit.inference.history.drawn_rockets import split_motors, stock
 from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.inference.network.ensemble import Ensemble
@@ -22,7 +22,6 @@ from fieldkit.inference.validation.history import auc
 from fieldkit.ledger import Ledger
 from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.motors import Found, catalogue

@@ -22,7 +22,6 @@ from typer.main import get_command
 
 from fieldkit.cli.main import app
 from fieldkit.inference.network.ensemble import read_card
-from fieldkit.model.prior_predictive import PRIORS
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
 from tools.markdown import WRITTEN_BY
@@ -179,26 +178,25 @@ def model_cards() -> str:
 
 Networks that estimate drag and thrust from altimeter readouts. Each is one ONNX graph, never a pickle, whose digest
 is in its card: a graph that differs is refused. `fieldkit --version` prints the digests. They were trained only on
-simulated flights. [The evaluation of the field ensemble](field-ensemble.md) shows how good it is for each set of
-readouts, and where it fails; the end of this page states what the ensembles are for. {WRITTEN_BY}
+simulated flights. [The evaluation of the history network](history-network.md) shows how good it is; the end of this
+page states what the ensembles are for. {WRITTEN_BY}
 
 {(chr(10) * 2).join(parts)}
 
 ## What they are for
 
 For model rockets on certified single-use and reloadable motors up to class I, one stage, one motor, below the speed
-of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight outside the training set is
-answered with a warning, or not at all. Cd here is that of the altimeter's whole flight, on the frontal area of the
-body, fins and base included. Forecasts are advice: at the field the range safety officer decides.
+of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight with a readout that the model's
+prior hardly allows for its rocket and motor is answered with a warning. Cd here is that of the altimeter's whole
+flight, on the frontal area of the body, fins and base included. Forecasts are advice: at the field the range safety
+officer decides.
 """
 
 
 def _card(name: str, card: Mapping[str, Any]) -> str:
-    """The section of an ensemble; the field recipe's priors in the words of `PRIORS`, which a test compares with the
-    card."""
+    """The section of an ensemble."""
     first = [f"| {key} | {_text(card[key])} |" for key in CARD if key in card]
-    laws = PRIORS if name == "field" else card["priors"]
-    priors = [f"| {key} | {_text(law)} |" for key, law in laws.items()]
+    priors = [f"| {key} | {_text(law)} |" for key, law in card["priors"].items()]
     return f"""## `{name}`
 
 | | |
@@ -237,7 +235,7 @@ def code_map() -> str:
     return f"""# The map of the code
 
 Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/importing/`, a row of the ledger in
-`fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/inference/network/flights.py`, a forecast in
+`fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/services/inferred.py`, a forecast in
 `fieldkit/forecast/predict.py`, and its misses lead to a better model in `fieldkit/selection/diagnose.py`. A module
 imports only modules below it in this table, which `lint-imports` checks. The first lines of each module state its
 purpose.
@@ -253,7 +251,7 @@ purpose.
 | `models/effects/` | a file for every [effect](effects.md) |
 | `models/trained/` | a folder for every [ensemble](models.md) |
 | `sample_logs/` | at least one log for every parser, `PARSER__what_happened.suffix` |
-| `studies/` | exact posteriors, causes of the reference paper's bias, effects in real histories; not in the wheel |
+| `studies/` | reference posteriors, causes of the reference paper's bias, effects in real histories; not in the wheel |
 | `bench/` | an independent simulator, [tests of the loop](undeclared-effects.md), [the fault bench](faults.md) |
 | `tools/` | programs that write pages, pictures, the motor catalog and the samples |
 | `tests/` | organized like `fieldkit/`: laws, contracts for every plug-in, golden figures, screens; `benchmarks/` |

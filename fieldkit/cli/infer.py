@@ -16,10 +16,9 @@ app = typer.Typer()
 
 
 class EnsembleName(StrEnum):
-    """The forecast model's network, one that uses each flight alone, or the reference paper's."""
+    """The forecast model's network, or the reference paper's."""
 
     history = "history"
-    field = "field"
     paper = "paper"
 
 

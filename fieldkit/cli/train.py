@@ -1,6 +1,5 @@
 """`fieldkit train`: simulate, train, export."""
 
-from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,14 +7,13 @@ from typing import Annotated, Any
 import typer
 
 from fieldkit.cli.screen import AsJson, print_json, say
-from fieldkit.cli.studies import studies_are_here
 from fieldkit.errors import BadValue
 
 app = typer.Typer()
 
 
 class Recipe(StrEnum):
-    """What to train."""
+    """What to train: the reference paper's ensemble, or the forecast model's network, which is used in the field."""
 
     paper = "paper"
     field = "field"
@@ -32,7 +30,7 @@ class TrainingLength(StrEnum):
 @app.command()
 def train(
     out: Annotated[Path, typer.Option(help="A new folder for the ensemble and its card.", show_default=False)],
-    recipe: Annotated[Recipe, typer.Option(help="What to train.")] = Recipe.paper,
+    recipe: Annotated[Recipe, typer.Option(help="What to train; field is another name of history.")] = Recipe.paper,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the simulated flights and the networks.")] = 1,
     schedule: Annotated[
         TrainingLength,
@@ -42,20 +40,22 @@ def train(
         int | None,
         typer.Option(
             min=10,
-            help="Simulated flights to train on: 10,000 for paper, a million for field; rockets for history: 13,100.",
+            help="By default 10,000 simulated flights for paper, 13,100 simulated rockets for history.",
         ),
     ] = None,
     effects: Annotated[
-        str, typer.Option(help="Effects in the field recipe's flights, separated by commas.", show_default=False)
+        str,
+        typer.Option(
+            help="The only effects in the simulated histories, separated by commas; all by default.", show_default=False
+        ),
     ] = "",
     cluster: Annotated[
         str,
         typer.Option(
-            help="Simulate flights or histories on Dask workers: local, local:4, or a scheduler's address.",
+            help="Simulate histories on Dask workers: local, local:4, or a scheduler's address.",
             show_default=False,
         ),
     ] = "",
-    report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's full evaluation.")] = False,
     json: AsJson = False,
 ) -> None:
     """Train an ensemble on simulated flights; needs the extra `train`."""
@@ -64,31 +64,30 @@ def train(
 
     from fieldkit.inference.training import trainer
 
-    for option, value, known in (
-        ("--effects", effects, (Recipe.field,)),
-        ("--cluster", cluster, (Recipe.field, Recipe.history)),
-    ):
-        if value and recipe not in known:
-            raise BadValue(f"{option}: found with the recipe {recipe.value}, expected --recipe {known[0].value}")
-    beside_exact = recipe is Recipe.field and schedule is TrainingLength.published and studies_are_here()
+    recipe = Recipe.history if recipe is Recipe.field else recipe
+    for option, value in (("--effects", effects), ("--cluster", cluster)):
+        if value and recipe is Recipe.paper:
+            raise BadValue(f"{option}: found with the recipe paper, expected --recipe history")
     train_by_recipe = trainer(recipe.value, out)
-    evaluate = _evaluation(recipe, beside_exact)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
 
         def on_progress(epoch: int, epochs: int, loss: float) -> None:
             progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
 
-        more: dict[str, Any] = {"evaluate": evaluate} | ({} if n_train is None else {"n_train": n_train})
-        if names := [name.strip() for name in effects.split(",") if name.strip()]:
-            more["effects"] = names
-        if cluster:
-            more["cluster"] = cluster
+        more: dict[str, Any] = {} if n_train is None else {"n_train": n_train}
         if recipe is Recipe.history:
-            from fieldkit.selection.prior import inclusion_probabilities
+            from fieldkit.inference.validation.history import judge
+            from fieldkit.selection.prior import inclusion_of
             from fieldkit.selection.quick_candidates import quick_candidates
 
-            more |= {"candidates_of": quick_candidates, "inclusion": inclusion_probabilities()}
+            names = [name.strip() for name in effects.split(",") if name.strip()]
+            more |= {"evaluate": judge, "candidates_of": quick_candidates, "inclusion": inclusion_of(names)}
+            more |= {"cluster": cluster, "effects": names}
+        else:
+            from fieldkit.inference.validation.score import score
+
+            more["evaluate"] = score
         summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=on_progress, **more)
     if json:
         print_json(summary)
@@ -98,29 +97,3 @@ def train(
     say(f"Mean absolute error on held-out ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
     for file in summary["files"]:
         say(file)
-    if report and recipe is Recipe.field:
-        from fieldkit.inference.network.ensemble import read_card
-        from fieldkit.inference.validation.field import table
-
-        for line in table(read_card(out)):
-            say(line)
-
-
-def _evaluation(recipe: Recipe, beside_exact: bool) -> Callable[..., dict[str, Any]]:
-    """What computes the figures of the card; `beside_exact` compares also with exact posteriors, from the studies of a
-    checkout."""
-    if recipe is Recipe.history:
-        from fieldkit.inference.validation.history import judge
-
-        return judge
-    if recipe is Recipe.paper:
-        from fieldkit.inference.validation.score import score
-
-        return score
-    if beside_exact:
-        from studies.validation.restricted_training import evaluate_with_exact
-
-        return evaluate_with_exact
-    from fieldkit.inference.validation.field import evaluate
-
-    return evaluate

@@ -27,7 +27,7 @@ RAIL_LENGTH = 1.0
 """Default rail length. [m]"""
 USUAL_WIND = 3.5
 """Wind for the `wind` effect on a flight without a recorded one: the root mean square of a Rayleigh distribution with
-mean 3.1 m/s, the prior of the field ensemble, because the height lost by weathercocking grows with the square of the
+mean 3.1 m/s, because the height lost by weathercocking grows with the square of the
 wind. [m/s]"""
 WIND_ALOFT_HEIGHT = 300.0
 """Default height of a wind aloft that was given as a speed only. [m]"""

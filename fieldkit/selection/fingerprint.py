@@ -12,12 +12,14 @@ import numpy as np
 
 from fieldkit.flight import LOGGED, READOUTS
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.model.observations import READOUT_NAMES
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.trial import Trial
 from fieldkit.shapes import Array, Flags, Float
+
+UNFITTED_READOUTS = ("avg_accel", "eject_altitude", "descent_speed", "duration")
+"""Readouts of a simulated flight that no fit uses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +126,7 @@ def _others(
     plain = diagnosis.base.fit
     shown_plain = shown(plain.model, plain.moments()[0][None], {})
     rows = {}
-    for name in (name for name in READOUT_NAMES if name not in OBSERVED_READOUTS):
+    for name in UNFITTED_READOUTS:
         with np.errstate(invalid="ignore", divide="ignore"):
             miss = np.log(plain.model.recorded(name) / shown_plain[name][0])
             shift = np.log(readings[name][0] / readings[name][1])

@@ -7,7 +7,6 @@ from pathlib import Path
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.inference.network.flights import Inferred, infer
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.backups import backups
 from fieldkit.ledger.whereabouts import file_of, location
@@ -19,7 +18,7 @@ from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import predict_plans, which_rocket
 from fieldkit.services.imports import bring_in
-from fieldkit.services.inferred import FlightInference
+from fieldkit.services.inferred import FlightInference, Inferred, infer_by_paper
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +48,7 @@ def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo
     on_progress("inferring", 0.1)
     inferred, by_paper = (
         FlightInference(ledger, motors).infer(flights).inferred,
-        infer(flights, motors, "paper").inferred,
+        infer_by_paper(flights, motors).inferred,
     )
     rocket = which_rocket(ledger, None)
     on_progress("predicting", 0.15)

@@ -7,12 +7,11 @@ import numpy as np
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import model_in_words
-from fieldkit.inference.network.flights import infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.quantities import area_unit, counted
 from fieldkit.services.forecasts import forecast_from_others
-from fieldkit.services.inferred import FlightInference, draws
+from fieldkit.services.inferred import FlightInference, draws, inferable, warnings
 from fieldkit.services.saved_forecasts import of_flight
 from fieldkit.shapes import Array, Float
 
@@ -42,16 +41,14 @@ class ForecastFacts:
 
 def drag_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: str = "SI") -> DragFacts:
     """The posterior from a single flight, an area in the unit of a system. Raises FieldkitError if there is none."""
-    guarded = infer([flight], motors, "field")
-    if not guarded.inferred:
-        raise ImpossibleFlight(guarded.left_out[0])
+    inferable(flight, motors)
     (answer,) = FlightInference(ledger, motors).answers([flight])
     area, thrust = draws(flight, answer, DRAWS)
-    warnings = guarded.inferred[0].warnings
+    doubts = warnings(flight, answer)
     if flight.diameter:
-        return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, warnings)
+        return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, doubts)
     unit, factor = area_unit(system)
-    return DragFacts(area / factor, f"drag area {unit}", thrust, warnings)
+    return DragFacts(area / factor, f"drag area {unit}", thrust, doubts)
 
 
 def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: str = "SI") -> ForecastFacts:

@@ -1,22 +1,26 @@
-"""Drag and thrust of single flights, from the forecast model or from an ensemble with a separate prior.
+"""Drag and thrust of single flights, from the forecast model or from the reference paper's ensemble.
 
 Each flight is used alone, with the message of the user's other rockets: the history network gets a history with one
-flight. The field ensemble, which uses only the flight, warns about readouts far from its training data.
+flight. Warnings come from the model's prior for this rocket and motor.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import NoFlights
-from fieldkit.flight import Flight
+from fieldkit.errors import FieldkitError, ImpossibleFlight, NoFlights, UnknownMotor
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.plausibility import implausible
 from fieldkit.flight.short_name import flight_label
 from fieldkit.forecast.at_once import each_at_once
-from fieldkit.inference.network.flights import Inferences, Inferred, infer
+from fieldkit.inference.history.prior_predictive import InconsistentReadout, inconsistent_readout, without_data
+from fieldkit.inference.network.ensemble import load
+from fieldkit.inference.network.posterior import infer_paper
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Catalogue
+from fieldkit.messages import marked, message, of_column
+from fieldkit.motors import Catalogue, Found
 from fieldkit.physics.setups import reference_area
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.services.fleet import fleet_priors
@@ -26,10 +30,42 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.history import QuickAnswer
     from fieldkit.model.shared_prior import SharedPrior
 
-InferenceModel = Literal["history", "field", "paper"]
-"""The available models: the history network, the field ensemble, the reference paper's ensemble."""
+InferenceModel = Literal["history", "paper"]
+"""The available models: the history network, the reference paper's ensemble."""
 FIT_FRACTION = 0.5
 """Fraction of the progress for fitting the other rockets if none is cached. [1]"""
+UNINFORMATIVE_SD_RATIO = 0.8
+"""If posterior over prior standard deviation is above this, the flight barely constrains the parameter. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Inferred:
+    """Cd and thrust scale of one flight, mean and standard deviation [1], and the model they come from.
+
+    `warnings` are the reasons to doubt them.
+    """
+
+    flight: Flight
+    cd: float
+    cd_sd: float
+    alpha: float
+    alpha_sd: float
+    model: str
+    warnings: tuple[str, ...] = ()
+
+    def json(self) -> dict[str, Any]:
+        """The keys of the contract, and the warnings."""
+        figures = {name: getattr(self, name) for name in ("cd", "cd_sd", "alpha", "alpha_sd", "model")}
+        about = {"flight_id": self.flight.flight_id, "rocket": self.flight.rocket}
+        return {**about, **figures, "warnings": list(self.warnings)}
+
+
+@dataclass(frozen=True, slots=True)
+class Inferences:
+    """The results in the order of the flights, and a line for each flight that was left out."""
+
+    inferred: tuple[Inferred, ...]
+    left_out: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +97,7 @@ def infer_flights(
     found = (
         FlightInference(ledger, motors).infer(flights, on_progress)
         if model == "history"
-        else infer(flights, motors, model)
+        else infer_by_paper(flights, motors)
     )
     own = [names[one.flight.rocket, one.flight.flight_id] for one in found.inferred]
     return InferredFlights(found.inferred, own, found.left_out)
@@ -76,15 +112,20 @@ class FlightInference:
 
     def infer(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> Inferences:
         """Cd and alpha of each usable flight; Cd is nan without a diameter. Raises DamagedModel."""
-        guarded = infer(flights, self._motors, "field")
-        asked = [one.flight for one in guarded.inferred]
-        answers = self.answers(asked, on_progress)
-        inferred, left_out = [], list(guarded.left_out)
-        for one, answer in zip(guarded.inferred, answers, strict=True):
-            if np.isfinite([*answer.log_cd, *answer.log_alpha]).all():
-                inferred.append(_with_answer(one, answer))
+        asked, left_out = list[Flight](), list[str]()
+        for flight in flights:
+            try:
+                inferable(flight, self._motors)
+            except FieldkitError as error:
+                left_out.append(message(f"{flight_label(flight.flight_id)}: {marked(error)}"))
             else:
-                left_out.append(f"{flight_label(one.flight.flight_id)}: its readouts are inconsistent")
+                asked.append(flight)
+        inferred = []
+        for flight, answer in zip(asked, self.answers(asked, on_progress), strict=True):
+            if np.isfinite([*answer.log_cd, *answer.log_alpha]).all():
+                inferred.append(_with_answer(flight, answer))
+            else:
+                left_out.append(f"{flight_label(flight.flight_id)}: its readouts are inconsistent")
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
@@ -101,10 +142,74 @@ class FlightInference:
         return each_at_once([(flight, self._motors.resolve(flight.motor)) for flight in flights], shared)
 
 
-def _with_answer(one: Inferred, answer: "QuickAnswer") -> Inferred:
-    cd, cd_sd = _log_normal(*answer.log_cd) if one.flight.diameter else (np.nan, np.nan)
+def inferable(flight: Flight, motors: Catalogue) -> Found:
+    """The motor of a flight that has what inference needs. Raises ImpossibleFlight or UnknownMotor for another one."""
+    if flight.dry_mass is None:
+        raise ImpossibleFlight("no dry mass, expected the rocket's mass without its motor")
+    if not flight.readouts():
+        raise ImpossibleFlight("no readout, expected at least the apogee")
+    if not flight.motor:
+        raise UnknownMotor("no motor named")
+    found = motors.resolve(flight.motor)
+    if reason := implausible(flight, found.motor):
+        raise ImpossibleFlight(reason)
+    return found
+
+
+def infer_by_paper(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
+    """Cd and alpha of each flight by the reference paper's ensemble. Raises DamagedModel."""
+    ensemble = load("paper")
+    inferred, left_out = [], []
+    for flight in flights:
+        try:
+            found = infer_paper([flight], ensemble)
+        except FieldkitError as error:
+            left_out.append(message(marked(error)))
+            continue
+        if reason := _doubted(flight, motors):
+            left_out.append(message(f"{flight_label(flight.flight_id)}: {marked(reason)}"))
+            continue
+        cd, cd_sd, alpha, alpha_sd = (float(x[0]) for x in (found.cd, found.cd_sd, found.alpha, found.alpha_sd))
+        inferred.append(Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model))
+    return Inferences(tuple(inferred), tuple(left_out))
+
+
+def _doubted(flight: Flight, motors: Catalogue) -> str | None:
+    """Why no rocket can have made this flight; None if it is possible or the motor is unknown."""
+    try:
+        return implausible(flight, motors.resolve(flight.motor).motor)
+    except FieldkitError:
+        return None
+
+
+def _with_answer(flight: Flight, answer: "QuickAnswer") -> Inferred:
+    cd, cd_sd = _log_normal(*answer.log_cd) if flight.diameter else (np.nan, np.nan)
     alpha, alpha_sd = _log_normal(*answer.log_alpha)
-    return replace(one, cd=cd, cd_sd=cd_sd, alpha=alpha, alpha_sd=alpha_sd, model=answer.model)
+    return Inferred(flight, cd, cd_sd, alpha, alpha_sd, answer.model, warnings(flight, answer))
+
+
+def warnings(flight: Flight, answer: "QuickAnswer") -> tuple[str, ...]:
+    """The reasons to doubt the network's answer for a single flight: an inconsistent readout, and what the flight does
+    not constrain."""
+    lines = []
+    linear = answer.summary.forecast
+    if found := inconsistent_readout(linear):
+        lines.append(_inconsistent(found))
+    seen = answer.summary.data.seen[0]
+    if seen[0] and seen.sum() == 1:
+        lines.append("apogee alone cannot separate drag from thrust: alpha is mostly that of the motor's certificate")
+    if answer.log_cd[1] > UNINFORMATIVE_SD_RATIO * without_data(linear).cd_sd[answer.plan]:
+        lines.append("this flight barely constrains drag")
+    if flight.diameter is None:
+        lines.append("no diameter: only the drag area is inferred, and no Cd")
+    return tuple(lines)
+
+
+def _inconsistent(found: InconsistentReadout) -> str:
+    column, others = BY_NAME[found.name], "" if found.alone else " and the rest of the flight"
+    value, usual = of_column(column, found.value, digits=3), of_column(column, found.low, found.high, 3)
+    what = f"{column.title.lower()} of {value} is inconsistent with the motor, the mass{others}"
+    return message(f"{what}, expected {usual}")
 
 
 def _log_normal(mean: float, sd: float) -> tuple[float, float]:

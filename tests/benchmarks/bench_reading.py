@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from fieldkit.inference.network.flights import infer
+from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
+from fieldkit.services.inferred import FlightInference
 from tests.benchmarks.timing import beside, measured, whole_process
 from tests.importing.test_bad_input import write_waiting
 from tests.samples import any_motor
@@ -76,7 +77,8 @@ def test_flights_inferred_together(benchmark: BenchmarkFixture, count: int, tmp_
     motors = catalogue()
     known = read(REFERENCE_FLIGHTS.read_bytes(), REFERENCE_FLIGHTS.name, any_motor).flights
     flights = [known[n % len(known)].with_changes(flight_id=str(n)) for n in range(count)]
-    seconds = measured(benchmark, infer, flights, motors)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        seconds = measured(benchmark, FlightInference(ledger, motors).infer, flights)
     benchmark.extra_info["flights_per_second"] = round(count / seconds, 1)
     beside(benchmark, seconds / count, ALONE.setdefault(0, seconds), "one flight alone")
 

@@ -16,10 +16,9 @@ from fieldkit.flight import BY_NAME, READOUTS, SOURCES, Flight, Readout
 from fieldkit.flight.readout import read_sd
 from fieldkit.importing.manual_entry import read_changes
 from fieldkit.importing.read import read
-from fieldkit.inference.network.field_ensemble import FieldPosterior, infer_field
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, observe, own_sd, reading_sd
-from fieldkit.motors import catalogue, own
+from fieldkit.motors import catalogue
 from fieldkit.physics.history import history_of
 from fieldkit.physics.setups import recorded
 from fieldkit.presentation.export import csv_table, document
@@ -232,6 +231,9 @@ def test_a_fit_uses_the_standard_deviation_of_a_readout_if_there_is_one() -> Non
     )
 
 
+HEIGHTS = (251.0, 246.5, 254.2, 249.1, 250.3, 320.0)
+
+
 def test_an_imprecise_apogee_moves_a_forecast_less_than_a_precise_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -248,46 +250,3 @@ def test_an_imprecise_apogee_moves_a_forecast_less_than_a_precise_one(
         assert main([*ledger, "predict", "--rocket", "Law", "--motor", "F24-4W", "--config", "A", "--json"]) == 0
         middles.append(json.loads(capsys.readouterr().out)["predictions"][0]["apogee_m"]["p50"])
     assert middles[0] - middles[1] > 1
-
-
-ALL = Flight(
-    "1",
-    "Law",
-    motor="F24-4W",
-    dry_mass=0.322,
-    diameter=0.066,
-    apogee=250.0,
-    top_speed=75.0,
-    burn_time=2.2,
-    coast_to_apogee=5.4,
-)
-
-
-def inferred(*several: Flight) -> FieldPosterior:
-    found = [own.known_motors(Path("nowhere"))[0].resolve(flight.motor) for flight in several]
-    return infer_field(several, found)
-
-
-def test_a_network_gives_an_imprecise_readout_less_weight_and_a_precise_one_the_usual_weight() -> None:
-    vague = [ALL.with_changes(sd={"apogee": sd}) for sd in (0.5, 8.0, 25.0, 1e4)]
-    estimates = inferred(ALL, *vague, ALL.with_changes(apogee=None))
-    sd = estimates.cd_sd
-    assert (estimates.cd[1], sd[1]) == (pytest.approx(estimates.cd[0]), pytest.approx(sd[0]))
-    assert sd[0] < sd[2] < sd[3] < sd[4]
-    assert estimates.cd[4] == pytest.approx(estimates.cd[5], abs=0.35 * sd[5]), "as good as not recorded"
-    assert sd[4] == pytest.approx(sd[5], rel=0.25)
-    assert inferred(ALL).cd_sd[0] == pytest.approx(sd[0], rel=1e-3), "beside a vague flight as alone"
-
-
-@pytest.mark.parametrize("name", ["apogee", "top_speed", "burn_time", "coast_to_apogee", "eject_altitude", "duration"])
-def test_a_readout_far_off_is_not_an_outlier_if_it_is_equally_imprecise(name: str) -> None:
-    full = ALL.with_changes(
-        peak_accel=150.0, apogee_to_eject=0.3, eject_altitude=249.0, descent_speed=5.0, duration=57.0
-    )
-    value = 2.2 * (full.number(name) or 0)
-    far = full.with_changes(**{name: value})
-    sure, vague = inferred(far, far.with_changes(sd={name: 5 * value})).fits
-    assert (bool(sure), bool(vague)) == (False, True)
-
-
-HEIGHTS = (251.0, 246.5, 254.2, 249.1, 250.3, 320.0)

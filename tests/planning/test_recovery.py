@@ -15,7 +15,6 @@ from fieldkit.flight.recovery import recovery_of
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
-from fieldkit.model.observations import readouts_on_one_device
 from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.descent import Devices, descend, filling
@@ -346,14 +345,6 @@ def test_without_a_landing_the_measured_drogue_is_used_and_an_entered_one_is_not
     measured = shown_speeds(plan.with_changes(extra={**known, "drogue_speed_sd_mps": "0.4"}), found)
     assert typed[1] is None
     assert measured[1] == pytest.approx(15.0)
-
-
-def test_a_duration_on_two_devices_is_not_compared_with_a_descent_on_one() -> None:
-    one = flown(5.0, 6.0)
-    two = one.with_changes(extra={"main_altitude_m": "100"})
-    flights = [one, two]
-    durations_seen = readouts_on_one_device(flights, ("apogee", "duration"))[:, 1]
-    assert np.isfinite(durations_seen).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -9,10 +9,10 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.inference.network.flights import FlightEnsemble, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services import demo
+from fieldkit.services.inferred import FlightInference, infer_by_paper
 from tests.commands import Run
 
 CHECK_SHAPES = False
@@ -87,7 +87,7 @@ def infer_command(run: Run) -> Run:
     return partial(run, "infer")
 
 
-@pytest.mark.parametrize("model", ["history", "field", "paper"])
+@pytest.mark.parametrize("model", ["history", "paper"])
 def test_infer_gives_drag_and_thrust_for_every_flight(model: str, infer_command: Run) -> None:
     flights = infer_command("--model", model, "--json").document["flights"]
     assert [one["flight_id"] for one in flights] == [str(number) for number in range(1, 13)]
@@ -133,21 +133,21 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("case", OTHERS)
-def test_missing_values_are_reported_and_the_other_flights_inferred(case: str) -> None:
+def test_missing_values_are_reported_and_the_other_flights_inferred(case: str, tmp_path: Path) -> None:
     flight, why = OTHERS[case]
     good = ROCKET.with_changes(flight_id="7", apogee=250.0)
-    found = infer([flight.with_changes(flight_id="5"), good], catalogue())
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        found = FlightInference(ledger, catalogue()).infer([flight.with_changes(flight_id="5"), good])
     assert [one.flight for one in found.inferred] == [good]
     (line,) = found.left_out
     assert line.startswith("flight 5: ")
     assert why in line
 
 
-@pytest.mark.parametrize("model", ["field", "paper"])
-def test_inference_is_the_same_alone_and_among_others(model: FlightEnsemble) -> None:
+def test_inference_is_the_same_alone_and_among_others() -> None:
     flights = [ROCKET.with_changes(flight_id=str(n), apogee=height) for n, height in enumerate((240.0, 260.0, 280.0))]
-    together = infer(flights, catalogue(), model).inferred
+    together = infer_by_paper(flights, catalogue()).inferred
     for flight, one in zip(flights, together, strict=True):
-        (alone,) = infer([flight], catalogue(), model).inferred
+        (alone,) = infer_by_paper([flight], catalogue()).inferred
         assert (alone.cd, alone.alpha) == pytest.approx((one.cd, one.alpha), rel=1e-6)
     assert together[0].cd > together[1].cd > together[2].cd

@@ -19,6 +19,7 @@ from studies.reference_posterior.summaries import excess_crps
 from studies.reference_posterior.target import Target, target
 
 
+@pytest.mark.fast
 def test_chains_sample_a_normal_distribution_with_an_inexact_force() -> None:
     rng = np.random.default_rng(3)
     root = np.eye(5) + 0.2 * rng.normal(size=(5, 5))

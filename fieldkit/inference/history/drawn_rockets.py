@@ -8,13 +8,17 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.field_features import closed_form
-from fieldkit.model.observations import FIGURES, diameter_range, disc, figures
 from fieldkit.model.readout_data import OBSERVED_READOUTS
-from fieldkit.motors import Found, Motor
+from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
+CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
+"""Impulse classes of the motors flown."""
+MIN_MOTOR_DIAMETER = 0.008
+"""Motors up to this diameter cannot lift an altimeter. [m]"""
+HELD_OUT = "Quest"
+"""The manufacturer whose motors are held out of training and used for evaluation."""
 MAX_FLIGHTS = 60
 """Maximum number of flights in a history. [1]"""
 MOTOR_COUNTS = (0.25, 0.3, 0.2, 0.1, 0.06, 0.04, 0.03, 0.02)
@@ -62,6 +66,12 @@ class Stock:
     odds: Float[Array, "motor"]
 
 
+def split_motors() -> tuple[list[Motor], list[Motor]]:
+    """The motors up to class I of all manufacturers but the held-out one, and the motors of that one."""
+    flown = [one for one in catalogue().motors if one.impulse_class in CLASSES and one.diameter > MIN_MOTOR_DIAMETER]
+    return [one for one in flown if one.maker != HELD_OUT], [one for one in flown if one.maker == HELD_OUT]
+
+
 def stock(motors: Sequence[Motor]) -> Stock:
     """The motors, with equal odds for every impulse class, and for every motor in it."""
     names = np.array([motor.impulse_class for motor in motors])
@@ -100,7 +110,7 @@ def draw_rocket(rng: np.random.Generator, choice: Stock, count: int | None = Non
     motors, mass = _motors(rng, choice, count)
     configs = _masses(rng, mass, min(count, 1 + int(rng.choice(len(CONFIG_COUNTS), p=CONFIG_COUNTS))))
     widest = max(motor.diameter for motor in motors)
-    slim, wide = (float(x[0]) for x in diameter_range(np.array([widest]), np.array([mass])))
+    slim, wide = diameter_range(widest, mass)
     diameter = float(np.exp(rng.uniform(np.log(slim), np.log(wide))))
     delays = {(i, name): _delay(rng, motor, own, diameter) for i, motor in enumerate(motors) for name, own in configs}
     declared = str(rng.choice(DECLARED_SETS, p=DECLARED_ODDS))
@@ -199,10 +209,38 @@ def _delay(rng: np.random.Generator, motor: Motor, mass: float, diameter: float)
     sold = np.array([delay for delay in motor.delays if np.isfinite(delay)])
     if not len(sold):
         return float("nan")
-    own = {name: np.asarray(value) for name, value in zip(FIGURES, figures(motor), strict=True)}
-    area, one = np.asarray(0.6 * disc(np.asarray(diameter))), np.asarray(1.0)
-    coast = closed_form(own, np.asarray(mass), area, one, np.asarray(1.2))["coast_to_apogee"]
-    return float(sold[int(np.argmax(-np.abs(sold - float(coast)) + rng.gumbel(size=len(sold))))])
+    coast = coast_time(motor, mass, 0.6 * np.pi / 4 * diameter**2)
+    return float(sold[int(np.argmax(-np.abs(sold - coast) + rng.gumbel(size=len(sold))))])
+
+
+def diameter_range(motor_diameter: float, dry_mass: float) -> tuple[float, float]:
+    """Smallest and largest body diameter for a motor [m] and a mass [kg]. [m]
+
+    The body is at least as wide as the motor and a wall, at most five motors wide, and no lighter than the lightest
+    kits of its diameter: 7 g at 20 mm, growing with the square to 105 g at 77 mm. The largest diameter is at least 1.3
+    times the smallest.
+
+    Derivation: the mass of the lightest tubes and nose cones grows with their surface, the square of the diameter.
+    """
+    slim = max(0.013, motor_diameter + 0.001)
+    return slim, max(min(0.1, 5 * motor_diameter, 0.02 * np.sqrt(dry_mass / 0.007)), 1.3 * slim)
+
+
+def coast_time(motor: Motor, dry_mass: float, drag_area: float) -> float:
+    """Time from burnout to apogee of a vertical flight at constant thrust, mass and air density (1.2 kg/m^3), for a dry
+    mass [kg] and a drag area [m^2]. [s]
+
+    Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
+    """
+    empty = dry_mass + motor.casing_mass
+    mass = empty + 0.5 * motor.propellant_mass
+    push = motor.total_impulse / motor.burn_time
+    net = max(push - mass * GRAVITY, 0.1 * push)
+    drag = 0.5 * 1.2 * drag_area
+    limit = np.sqrt(net / drag)
+    speed = limit * np.tanh(min(drag * limit * motor.burn_time / mass, 300.0))
+    drag_to_weight = drag * speed**2 / (empty * GRAVITY)
+    return float(np.sqrt(empty / (GRAVITY * drag)) * np.arctan(np.sqrt(drag_to_weight)))
 
 
 def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit import __version__, parallel
-from fieldkit.inference.history.drawn_rockets import stock
+from fieldkit.inference.history.drawn_rockets import split_motors, stock
 from fieldkit.inference.history.features import (
     HistorySummary,
     PreparedHistory,
@@ -26,7 +26,6 @@ from fieldkit.inference.history.response import respond
 from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.random_effects import priors
 from fieldkit.motors import Motor
 from fieldkit.motors.motor import digest

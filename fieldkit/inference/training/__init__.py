@@ -10,7 +10,7 @@ from fieldkit.inference.training.shipping import claim
 
 EXTRA = ("torch", "onnx")
 """Packages that only training needs."""
-RECIPES = ("paper", "field", "history")
+RECIPES = ("paper", "history")
 
 
 def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
@@ -25,10 +25,6 @@ def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
     if recipe not in RECIPES:
         raise FieldkitError(f"found the recipe {recipe!r}, expected one of: {', '.join(RECIPES)}")
     claim(out)
-    if recipe == "field":
-        from fieldkit.inference.training.field import train_field
-
-        return train_field
     if recipe == "history":
         from fieldkit.inference.training.history import train_history
 

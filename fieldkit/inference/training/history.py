@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+import shutil
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -23,11 +24,9 @@ from fieldkit.inference.history.placed_effects import Candidates
 from fieldkit.inference.history.shards import HistoryTable, simulate_table
 from fieldkit.inference.network.ensemble import Ensemble, from_parts
 from fieldkit.inference.network.history_parts import width
-from fieldkit.inference.training.density import scaled_features
 from fieldkit.inference.training.fit import TrainingProgress, one_thread
-from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss
+from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss, scaled_features
 from fieldkit.inference.training.member_graphs import history_graph
-from fieldkit.inference.training.parts import FOLDER, drop_parts
 from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.inference.training.stopwatch import Stopwatch
 from fieldkit.inference.training.unfinished import load_state, save_state
@@ -38,6 +37,8 @@ from fieldkit.parallel import workers
 from fieldkit.physics.effect import effects
 from fieldkit.shapes import Array, Float
 
+FOLDER = "parts"
+"""Folder of the shards and the state of training, next to the ensemble to be trained."""
 TEST_FRACTION = 0.1
 """Fraction of the histories for evaluation, never used in training. [1]"""
 VALIDATION_FRACTION = 0.05
@@ -72,13 +73,15 @@ def train_history(
     n_train: int = 13_100,
     schedule: str = "published",
     cluster: str = "",
+    effects: Sequence[str] = (),
     progress: TrainingProgress | None = None,
 ) -> dict[str, Any]:
     """Simulate the histories of `n_train` rockets, train, export into a new folder, evaluate, and return the results.
 
     Shards and the state of training are saved in the folder until the end, so that an interrupted run can resume.
     `evaluate` returns the card's figures on histories that were not used in training, `candidates_of` the candidates
-    for a history, and `inclusion` has the prior probabilities of the effects. While histories are simulated, `progress`
+    for a history, and `inclusion` has the prior probabilities of the effects, of which only the named ones, by default
+    all, are above zero. While histories are simulated, `progress`
     counts shards and its loss is nan. Raises BadValue for an unknown schedule or a folder that already contains an
     ensemble, FieldkitError if the cluster cannot be used, DamagedModel if the hyperprior cannot be read.
     """
@@ -108,7 +111,7 @@ def train_history(
     with one_thread(seed):
         members, mean, sd, losses = fit_history(train, validation, plan, out / FOLDER / "state.npy", on_epoch)
     graph = history_graph(members, mean, sd)
-    card = _card(seed, n_train, schedule, plan, inclusion) | {
+    card = _card(seed, n_train, schedule, plan, inclusion, effects) | {
         "simulations": len(whole.features),
         "simulation_seconds": round(simulated, 1),
         "seconds": round(whole_run.seconds, 1),
@@ -118,7 +121,7 @@ def train_history(
     card["test"] = evaluate(ensemble, test)
     card["test_held_out"] = evaluate(ensemble, others)
     files = ship(out, graph, card)
-    drop_parts(out)
+    shutil.rmtree(out / FOLDER, ignore_errors=True)
     return {
         "recipe": "history",
         "cd_mae": card["test"]["parameters"]["cd_mae"],
@@ -216,16 +219,19 @@ def _digest(document: object) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True, default=dict).encode()).hexdigest()
 
 
-def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan, inclusion: Mapping[str, float]) -> dict[str, Any]:
+def _card(
+    seed: int, n_train: int, schedule: str, plan: HistoryPlan, inclusion: Mapping[str, float], acting: Sequence[str]
+) -> dict[str, Any]:
     """The card's content that is known before training."""
     names = effect_names()
+    options = f"--schedule {schedule} --seed {seed} --n-train {n_train}" + (
+        f" --effects {','.join(acting)}" if acting else ""
+    )
     return {
         "name": "history",
         "recipe": "history",
         "physics": "field",
-        "command": (
-            f"fieldkit train --recipe history --schedule {schedule} --seed {seed} --n-train {n_train} --out DIR"
-        ),
+        "command": f"fieldkit train --recipe history {options} --out DIR",
         "seed": seed,
         "n_train": n_train,
         "effects": list(names),

@@ -5,6 +5,7 @@ inclusion. Another part sees everything and gives the other outputs.
 """
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import torch
@@ -19,6 +20,7 @@ from fieldkit.inference.network.history_parts import (
     PARAMETERS,
     quantile_steps,
 )
+from fieldkit.shapes import Array, Float
 
 MEMBERS = 5
 EFFECT_UNITS = 64
@@ -32,8 +34,17 @@ CERTIFIED_FORECASTS = 0.05
 """Relative weight of forecast, drag and thrust for rockets from the hyperprior for effects; those from the learned
 hyperprior, which is used in forecasts, have weight 1. It is not zero because a rocket may differ from the rockets that
 the hyperprior was learned from. [1]"""
+MAX_FEATURE_SDS = 8.0
+"""Features are clipped to this many standard deviations from their mean. [1]"""
 MAX_TARGET_SDS = 8.0
 """Targets are limited to this many standard deviations of the linear fit. [1]"""
+
+
+def scaled_features(
+    features: Float[Array, "row feature"], mean: Float[Array, "feature"], sd: Float[Array, "feature"]
+) -> Float[Any, "row feature"]:
+    """Features as the members and the exported graph take them. [1]"""
+    return ((features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
 
 
 class HistoryMembers(nn.Module):  # type: ignore[misc]

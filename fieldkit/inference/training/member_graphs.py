@@ -9,8 +9,7 @@ import numpy as np
 from onnx import TensorProto, checker, helper, numpy_helper
 from torch import Tensor
 
-from fieldkit.inference.training.density import MAX_FEATURE_SDS, DensityMembers
-from fieldkit.inference.training.history_members import HistoryMembers
+from fieldkit.inference.training.history_members import MAX_FEATURE_SDS, HistoryMembers
 from fieldkit.shapes import Array, Float
 
 
@@ -47,7 +46,7 @@ class _Graph:
         value = self.node("Clip", [value, low, high], "limited")
         return self.node("Cast", [value], "small", to=TensorProto.FLOAT)
 
-    def layers(self, value: str, members: DensityMembers | HistoryMembers) -> str:
+    def layers(self, value: str, members: HistoryMembers) -> str:
         """The outputs of linear layers with a SiLU between them."""
         layers = list(zip(members.weights, members.biases, strict=True))
         for number, (weight, bias) in enumerate(layers):
@@ -71,14 +70,6 @@ class _Graph:
         model = helper.make_model(whole, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
         checker.check_model(model)
         return bytes(model.SerializeToString(deterministic=True))
-
-
-def density_graph(members: DensityMembers, mean: Float[Array, "feature"], sd: Float[Array, "feature"]) -> bytes:
-    """The graph: `features` [flight feature] in float64 in, `parts` [flight member part] out."""
-    graph = _Graph()
-    value = graph.layers(graph.scaled(mean, sd), members)
-    size = members.weights[0].shape[0], members.weights[-1].shape[2]
-    return graph.built(value, "members", "flight", len(mean), size)
 
 
 def history_graph(members: HistoryMembers, mean: Float[Array, "feature"], sd: Float[Array, "feature"]) -> bytes:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,13 +15,10 @@ from fieldkit.progress import ReportProgress
 from fieldkit.quantities import ShownUnits, counted, measure
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import forecast_from_others
-from fieldkit.services.inferred import FlightInference
+from fieldkit.services.inferred import FlightInference, Inferred
 from fieldkit.services.replay import FlightRecordings
 from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
-
-if TYPE_CHECKING:
-    from fieldkit.inference.network.flights import Inferred
 
 CARD_DRAWS = 2000
 """Number of draws from a forecast given as a mixture. [1]"""

@@ -13,9 +13,8 @@ from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from fieldkit.inference.network.flights import Inferred
 from fieldkit.quantities import spelled, unit_of
-from fieldkit.services.inferred import FlightInference
+from fieldkit.services.inferred import FlightInference, Inferred
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.flight_card import FlightCard

@@ -10,13 +10,19 @@ import pytest
 
 from fieldkit.inference.history import shards, unexplained_patterns
 from fieldkit.inference.history import simulated_histories as simulated
-from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, SENSORS, draw_rocket, stock
+from fieldkit.inference.history.drawn_rockets import (
+    MAX_FLIGHTS,
+    READOUT_SETS,
+    SENSORS,
+    draw_rocket,
+    split_motors,
+    stock,
+)
 from fieldkit.inference.history.features import effect_names, feature_names
 from fieldkit.inference.history.linear_fit import declared_terms, history_model
 from fieldkit.inference.history.simulated_histories import simulated_histories
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
-from fieldkit.model.prior_predictive import split_motors
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.term_names import TermName

@@ -14,7 +14,6 @@ from fieldkit.errors import BadValue, FieldkitError, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.importing import Reading
 from fieldkit.importing.read import read_recordings
-from fieldkit.inference.network.flights import Inferences
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
 from fieldkit.presentation.report import book as book_module
@@ -141,7 +140,7 @@ def test_a_long_report_reads_a_table_once_and_infers_in_one_batch(
         reads.append(given)
         return read(*given)
 
-    def counted_infer(self: inferred.FlightInference, flights: list[Flight]) -> Inferences:
+    def counted_infer(self: inferred.FlightInference, flights: list[Flight]) -> inferred.Inferences:
         batches.append(len(flights))
         return infer(self, flights)
 

@@ -1,1 +1,0 @@
-"""The exact posterior of simulated flights with all random inputs integrated out."""

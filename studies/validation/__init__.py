@@ -1,1 +1,0 @@
-"""Comparison of the field ensemble's kind with exact posteriors."""
