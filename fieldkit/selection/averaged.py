@@ -87,22 +87,23 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
 def _by_state(one: Hypothesis, forecasts: _ByHypothesis) -> list[_ByHypothesis]:
     """The forecasts of a hypothesis for each state of an effect that only a flight's own log shows.
 
-    A forecast cannot know it, unless the flyer recorded it. Readouts are linear in the effect's strength.
+    A forecast cannot know it, unless the flyer recorded it. Readouts are linear in the terms of the effect.
     """
     switched = next((place for place in one.places if place.switched is not None), None)
     if switched is None or switched.switched is None:
         return [forecasts]
-    model, about = one.fit.model, switched.switched
-    row = model.names.index(switched.term_name())
-    weight, slope = model.terms[row].weight, one.fit.tangent.slope[:, 0, row]
-    acts = weight != 0
-    per_unit = float(np.mean(slope[acts] / weight[acts])) * float(one.fit.moments()[0][row]) if acts.any() else 0.0
+    model, mean, slope = one.fit.model, one.fit.moments()[0], one.fit.tangent.slope[:, 0]
     known = np.array([declared_state(flight) is not None for flight in model.flights])
     found = []
-    for amount, chance in ((0.0, 1 - about.chance), (about.usual, about.chance)):
-        moved = np.where(known, 0.0, (amount - weight) * per_unit)
+    for acts, chance in ((False, 1 - switched.switched.chance), (True, switched.switched.chance)):
+        moved = np.zeros(len(model.flights))
+        for row, term in enumerate(model.terms):
+            if switched.has(term.name) and (own := term.weight != 0).any():
+                there = float(np.mean(term.weight[own])) if acts else 0.0
+                per_unit = float(np.mean(slope[own, row] / term.weight[own]) * mean[row])
+                moved += (there - term.weight) * per_unit
         log_weight = forecasts.log_weight + np.log(chance)
-        found.append(replace(forecasts, mean=forecasts.mean + moved, log_weight=log_weight))
+        found.append(replace(forecasts, mean=forecasts.mean + np.where(known, 0.0, moved), log_weight=log_weight))
     return found
 
 

@@ -133,7 +133,12 @@ class Place:
             return name.level == "pattern" and name.group == self.pattern
         if self.where == EACH_GROUP:
             return (name.quantity, name.level) == (self.effect, EACH_GROUP)
-        return name == self.term_name()
+        return name == self.term_name() or (self.switched is not None and name == self.state_name)
+
+    @property
+    def state_name(self) -> TermName:
+        """The name of what the flights have in common on which a switched effect acts."""
+        return TermName(self.effect, "state")
 
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
@@ -158,9 +163,20 @@ class Candidate:
         """The name of the effect in a verdict, or empty for a pattern."""
         return spoken(self.place.effect)
 
+    @property
+    def own(self) -> tuple[Term, ...]:
+        """The terms of the effect or pattern itself, without what its flights have in common otherwise."""
+        return self.terms[:1] if self.place.switched else self.terms
+
 
 SINCE_FRACTION = 0.4
 """Fraction of an effect's prior odds for starting at some later flight. [1]"""
+
+
+HALVES_APART = 2 * (2 / np.pi) ** 0.5
+"""Distance between the means of the halves of a normal distribution, in its standard deviations. [1]"""
+_IMPULSE_POWER = 2.0
+"""Power of the impulse with which the apogee grows without drag. [1]"""
 
 
 def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
@@ -171,9 +187,28 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
         kinds = dict.fromkeys(model.groups(effect.per))
         named = [(replace(place, where=kind), place.term_name(kind)) for kind in kinds if kind]
     weights = [(name, place_weight(one, model)) for one, name in named]
-    return tuple(
+    terms = [
         strength_term(name, effect, weight) for name, weight in weights if place.where != EACH_GROUP or weight.any()
+    ]
+    return (*terms, *([_state_term(place, model)] if place.switched else []))
+
+
+def _state_term(place: Place, model: Model) -> Term:
+    """By how much the flights on which an effect acts would differ without it.
+
+    A controller opens brakes on the flights that would be the highest, a test series on any. Half of rockets, by a
+    round judgment, have a controller, which separates the upper half of normally distributed flights from the lower;
+    mean and standard deviation are those of this alternative.
+    """
+    acts = np.asarray(place_weight(place, model) != 0, float)
+    half = (
+        HALVES_APART
+        / 2
+        * float(
+            np.hypot(model.hyperprior.sd("apogee", "flight"), _IMPULSE_POWER * model.hyperprior.sd("thrust", "flight"))
+        )
     )
+    return Term(place.state_name, "apogee", half, half, acts)
 
 
 def effect_candidates(model: Model, used_in_fit: Flags, min_flights: int = 2) -> Iterator[Candidate]:

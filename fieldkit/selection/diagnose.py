@@ -24,7 +24,7 @@ from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.search import Families, chain, checked, explore
 from fieldkit.selection.trial import Trial, by_effect
-from fieldkit.selection.verdict import LoopVerdict, given_verdict, verdict, verdict_that_fits
+from fieldkit.selection.verdict import LoopVerdict, given_verdict, of_heights, verdict, verdict_that_fits
 from fieldkit.shapes import Array, Flags, Float
 
 MIN_AVERAGED = 0.02
@@ -142,7 +142,7 @@ def diagnose(
     families = {name: family for name, family in families.items() if (name or UNEXPLAINED) not in declined}
     posterior = explore(model, data, families, part(on_progress, 0.0, 0.85), pairs=not given)
     plain = posterior.best(frozenset())
-    named, forecast_by = verdict(posterior), posterior
+    named, forecast_by = of_heights(verdict(posterior), posterior), posterior
     if given:
         pinned = checked(SetPosterior((plain, *chain(plain.fit, data, families, given))), window=np.inf)
         forecast_by = SetPosterior(pinned.hypotheses[1:])

@@ -15,7 +15,7 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.selection.diagnose import Diagnosis
-from fieldkit.selection.trial import Trial
+from fieldkit.selection.trial import Trial, with_and_without
 from fieldkit.shapes import Array, Flags, Float
 
 UNFITTED_READOUTS = ("avg_accel", "eject_altitude", "descent_speed", "duration")
@@ -41,7 +41,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
     """The ten readouts, and those from logs that some flight has, under one effect at its fitted strength, with the
     sign of flights that show more of it. Raises ImpossibleFlight for a flight without a dry mass."""
     plain, seen = diagnosis.base.fit, diagnosis.data.seen
-    readings = _with_and_without(trial)
+    readings = with_and_without(trial)
     shift = _shift(readings)
     expected, found = _left(plain, shift), _left(plain, _misses(plain))
     along = _along(expected, shift, seen)
@@ -52,15 +52,6 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
     rows |= _others(diagnosis, readings, along)
     logged = [column for column in LOGGED if seen[:, OBSERVED_READOUTS.index(column.name)].any()]
     return [rows[column.name] for column in (*READOUTS, *logged) if column.name in rows]
-
-
-def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
-    """The readouts of every flight with the fitted effect and without it, all else equal."""
-    model = trial.fit.model
-    mean, _ = trial.fit.moments()
-    own = {term.name for term in trial.candidate.terms}
-    without = np.where([name in own for name in model.names], 0.0, mean)
-    return shown(model, np.stack([mean, without]), {})
 
 
 def _shift(readings: dict[str, Float[Array, "2 flight"]]) -> Float[Array, "flight readout"]:

@@ -13,12 +13,11 @@ from fieldkit.analysis import Recorded
 from fieldkit.analysis.force_profile import DragProfile
 from fieldkit.flight import Flight
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
-from fieldkit.model.rocket_model import Model, strength_term
+from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Motor
 from fieldkit.physics.atmosphere import pad_air
-from fieldkit.physics.effect import LOGGED_EFFECTS
 from fieldkit.physics.setups import RAIL_LENGTH, recorded
-from fieldkit.selection.candidates import Candidate, Place, Switched, place_weight
+from fieldkit.selection.candidates import Candidate, Place, Switched, effect_terms
 from fieldkit.selection.climb import RocketInputs, beside_model, track_of
 from fieldkit.selection.drag_steps import DragSteps, FlightDrag, LoggedDrag, drag_steps
 from fieldkit.selection.prior import log_prior_odds
@@ -149,10 +148,9 @@ def step_candidate(model: Model, forces: LoggedForces) -> tuple[Candidate, ...]:
     amounts = tuple((flight.flight_id, float(members.get(flight.flight_id, 0.0))) for flight in model.flights)
     usual = float(np.mean(list(members.values())))
     place = Place(DRAG_STEP, switched=Switched(amounts, usual, steps.fraction))
-    effect = LOGGED_EFFECTS[DRAG_STEP]
-    prior = replace(effect.prior, mean=steps.size, sd=steps.size_sd)
-    term = strength_term(place.term_name(), effect, place_weight(place, model), prior)
-    return (Candidate(place, (term,), (steps.size,), steps.log_bayes),)
+    strength, *others = effect_terms(place, model)
+    shown = replace(strength, mean=steps.size, sd=steps.size_sd)
+    return (Candidate(place, (shown, *others), (steps.size,), steps.log_bayes),)
 
 
 def with_probability(forces: LoggedForces, probability: float) -> LoggedForces:

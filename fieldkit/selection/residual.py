@@ -129,8 +129,8 @@ def fingerprint(trial: Trial) -> dict[str, float]:
     """
     fit = trial.fit
     mean, _ = fit.moments()
-    own = [fit.model.names.index(term.name) for term in trial.candidate.terms]
-    acts = np.any([term.weight != 0 for term in trial.candidate.terms], axis=0)
+    own = [fit.model.names.index(term.name) for term in trial.candidate.own]
+    acts = np.any([term.weight != 0 for term in trial.candidate.own], axis=0)
     shift = (fit.tangent.slope[acts][..., own] @ mean[own]).mean(axis=0)
     return {name: float(value) for name, value in zip(OBSERVED_READOUTS, shift, strict=True)}
 

@@ -122,13 +122,15 @@ def _added(
     one: Candidate, start: float, columns: Columns, near: Fit
 ) -> tuple[Float[Array, "flight readout own"], Float[Array, "flight readout"]]:
     """A candidate's effect on the readouts around a start: the derivatives with respect to its terms, and the shift."""
-    bends = one.terms[0].bends
-    if not isinstance(bends, Effect):
-        slope = np.stack([_plain_slope(term, near) for term in one.terms], axis=-1)
-        return slope, np.zeros(slope.shape[:2])
-    shift, own = columns[bends, start]
-    weight = np.stack([term.weight for term in one.terms], axis=-1)
-    return own[..., None] * weight[:, None, :], shift * weight.sum(axis=-1)[:, None]
+    slopes, total = [], np.zeros(near.tangent.values.shape)
+    for term in one.terms:
+        if not isinstance(term.bends, Effect):
+            slopes.append(_plain_slope(term, near))
+            continue
+        shift, own = columns[term.bends, start]
+        slopes.append(own * term.weight[:, None])
+        total = total + shift * term.weight[:, None]
+    return np.stack(slopes, axis=-1), total
 
 
 def _begins(one: Candidate, start: float) -> Float[Array, "own"]:

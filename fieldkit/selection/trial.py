@@ -10,9 +10,11 @@ from fieldkit.inference.laplace.linearization import known_angle_slope
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model, Term
+from fieldkit.model.simulated_readouts import shown
 from fieldkit.physics.effect import Effect
 from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place
 from fieldkit.selection.screen import Screened
+from fieldkit.shapes import Array, Float
 
 MAX_RESTARTS = 3
 """Number of trials from whose end points a model is refitted. [1]"""
@@ -62,6 +64,16 @@ def strength_moments(term: Term, mean: float, sd: float) -> tuple[float, float]:
     strength = term.bends.strength(values) if isinstance(term.bends, Effect) else values
     middle = float(np.average(strength, weights=weight))
     return middle, float(np.sqrt(np.average((strength - middle) ** 2, weights=weight)))
+
+
+def with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
+    """The readouts of every flight with the fitted effect and without it, all else equal. Raises
+    ImpossibleFlight for a flight without a dry mass."""
+    model = trial.fit.model
+    mean, _ = trial.fit.moments()
+    own = {term.name for term in trial.candidate.own}
+    without = np.where([name in own for name in model.names], 0.0, mean)
+    return shown(model, np.stack([mean, without]), {})
 
 
 def try_all(

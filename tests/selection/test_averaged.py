@@ -8,9 +8,12 @@ import pytest
 from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import observe
+from fieldkit.model.rocket_model import Term
 from fieldkit.physics.history import history_of
+from fieldkit.scoring.score import score
 from fieldkit.selection import averaged
 from fieldkit.selection.averaged import MAX_REFITS, left_out
+from fieldkit.selection.candidates import Candidate, Place, Switched, effect_terms
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.search import checked
@@ -58,3 +61,29 @@ def test_the_number_of_repeated_fits_does_not_grow_with_the_flights(monkeypatch:
     sd = (every.weight * every.sd).sum(axis=0)
     assert np.abs(((some.weight * some.mean).sum(axis=0) - (every.weight * every.mean).sum(axis=0)) / sd).max() < 0.02
     assert (some.weight * some.sd).sum(axis=0) == pytest.approx(sd, rel=0.02)
+
+
+def test_brakes_that_a_controller_opens_do_not_spoil_forecasts() -> None:
+    # the flights with open brakes are as high as the others, which the drag of brakes alone would not make them
+    pairs = season(np.random.default_rng(2), ("apogee",), 12, None)
+    some, found = [flight for flight, _ in pairs], [motor for _, motor in pairs]
+    data = observe(history_of(some, found, used_in_fit=[True] * 12))
+    opened = tuple((flight.flight_id, 0.8 * (number % 3 == 0)) for number, flight in enumerate(some))
+    place = Place("drag_step", switched=Switched(opened, 0.8, 1 / 3))
+    plain = rocket_model(history_of(some, found))
+    strength, state = effect_terms(place, plain)
+    strength = replace(strength, mean=1.0, sd=0.2)
+
+    base = fit(plain, data, outlier_flights=True)
+
+    def error(*terms: Term) -> float:
+        candidates = (Candidate(place, terms),) if terms else ()
+        fitted = fit(plain.with_terms(*terms), data, outlier_flights=True)
+        forecasts = left_out(
+            SetPosterior(checked(SetPosterior((Hypothesis((), base), Hypothesis(candidates, fitted)))).hypotheses[-1:])
+        )
+        return score(forecasts, data.values[:, 0], data.seen[:, 0]).mae
+
+    without = error()
+    assert error(strength) > 1.2 * without
+    assert error(strength, state) < 1.1 * without

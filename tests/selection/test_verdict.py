@@ -23,7 +23,7 @@ from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
-from fieldkit.selection.verdict import COST_OF_FALSE_NAME, NAMING_PROBABILITY, verdict
+from fieldkit.selection.verdict import COST_OF_FALSE_NAME, NAMING_PROBABILITY, of_heights, verdict
 
 pytestmark = pytest.mark.fast
 
@@ -32,7 +32,8 @@ CHECK_SHAPES = False
 
 def posterior(weights: dict[str, float]) -> SetPosterior:
     """A posterior over sets, joined by `+`, with these probabilities; an empty name means no effect."""
-    fitted = SimpleNamespace(log_evidence=0.0)
+    seen = SimpleNamespace(seen=np.ones((1, 1), bool))
+    fitted = SimpleNamespace(log_evidence=0.0, weights=np.ones(1), data=seen)
 
     def candidate(name: str) -> Candidate:
         effect = "" if name == UNEXPLAINED else name
@@ -89,6 +90,25 @@ def test_a_verdict_of_none_does_not_deny_a_probable_unknown_effect(weights: dict
     named = verdict(posterior(weights))
     assert named.effect == "none"
     assert named.why.endswith(why)
+
+
+@pytest.mark.parametrize(("lowers", "effect"), [(0.001, "wind"), (0.05, "early_ejection+wind")])
+def test_an_effect_that_hardly_changes_the_heights_is_not_named_beside_one_that_does(
+    lowers: float, effect: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    changes = {"wind": 0.1, "early_ejection": lowers}
+    monkeypatch.setattr(verdicts, "in_words", lambda accepted: "it is there")
+    monkeypatch.setattr(verdicts, "own_variance", lambda fit: np.full((1, 1), 0.05**2))
+    monkeypatch.setattr(
+        verdicts,
+        "with_and_without",
+        lambda trial: {"apogee": np.exp([[-changes[trial.candidate.effect]], [0.0]])},
+    )
+    found = posterior({"": 0.1, "early_ejection+wind": 0.8, "wind": 0.1})
+    named = of_heights(verdict(found), found)
+    assert named.effect == effect
+    assert named.confidence == pytest.approx(0.9 if effect == "wind" else 0.8)
+    assert ("early_ejection" in named.why) == (effect == "wind")
 
 
 def test_at_the_threshold_naming_and_not_naming_have_the_same_cost() -> None:
