@@ -16,7 +16,7 @@ from fieldkit.model.documents import SEARCH_PRIOR
 from fieldkit.model.fleet_drift import Period, years, years_passed
 from fieldkit.model.hyperprior import FROM_DEVICES, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.model.sources import has_logs, measured_by, measured_in_samples
+from fieldkit.model.sources import IN_SAMPLES, has_log, measured_by
 from fieldkit.model.term_names import SHARED_LEVELS, TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect, Prior, effects
@@ -156,7 +156,7 @@ def base_model(
     """
     times = [flight.date_time for flight in history.flights]
     passed = years_passed(years(times, history.flown, period or (shared.period if shared else None)))
-    kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(history.flights)]
+    kinds = [name for name in QUANTITIES if name not in FROM_LOGS or any(map(has_log, history.flights))]
     terms = [term for quantity in kinds for term in _quantity_terms(quantity, history, hyperprior, passed)]
     if not history.diameter_known:
         terms = [_with_unknown_area(term, hyperprior) if term.name == TermName("drag") else term for term in terms]
@@ -182,10 +182,10 @@ def _quantity_terms(
     quantity: str, history: History, hyperprior: Hyperprior, passed: Float[Array, "year flight"]
 ) -> Iterator[Term]:
     """The random effects of one quantity, widest group first; the widest holds the mean."""
-    flights = history.flights
-    every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
+    every, mean = np.ones(len(history.flights)), hyperprior.mean(quantity)
+    recorded = [flight.readout(quantity) for flight in history.flights] if quantity in READOUTS else []
     if quantity in FROM_DEVICES and (sd := hyperprior.sd(quantity, "logged")):
-        logged = measured_in_samples(flights, quantity)
+        logged = measured_by(IN_SAMPLES, recorded)
         if logged.any():
             yield Term(TermName(quantity, "logged"), quantity, 0.0, sd, logged)
         every = every - logged
@@ -201,7 +201,7 @@ def _quantity_terms(
             yield Term(TermName(quantity, "drift", year), quantity, 0.0, sd, part)
     if sd := hyperprior.sd(quantity, "rocket"):
         yield Term(TermName(quantity), quantity, mean, sd, every, scaled_by=scaled)
-    if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), flights, quantity)).any():
+    if (sd := hyperprior.sd(quantity, "ports")) and (barometric := measured_by(("baro",), recorded)).any():
         yield Term(TermName(quantity, "ports"), quantity, 0.0, sd, barometric)
     for level in ("config", "motor", "lot", "rocket_motor", "day"):
         if not (sd := hyperprior.sd(quantity, level)):

@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Model
-from fieldkit.model.sources import has_logs
+from fieldkit.model.sources import has_log
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.state import Setup
@@ -43,7 +43,7 @@ def shown(
         readings = effect.bend_reading(readings, strength)
     grounded = flown.lift_off == 0
     logged = dict.fromkeys(FROM_LOGS, np.full(grounded.shape, np.nan))
-    if has_logs(model.flights):
+    if any(map(has_log, model.flights)):
         logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
     readings = {**readings, **logged}
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}

@@ -10,7 +10,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
 from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.ledger import Ledger
-from fieldkit.model.sources import has_logs
+from fieldkit.model.sources import has_log
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.quantities import counted
@@ -76,7 +76,7 @@ def predict_quickly(
         ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
         (answer,) = answer_at_once(ready, ready.flown)
         checked = check(answer)
-        logged = has_logs([flight for flight in before if flight.clean])
+        logged = any(has_log(flight) for flight in before if flight.clean)
         fitted = predict_plans(ledger, motors, [plan], keep=False)[0] if logged or not checked.agrees else None
         made.append(QuickForecast(whole, found, answer, checked, fitted))
     return made

@@ -19,7 +19,7 @@ from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
-from fieldkit.model.sources import has_logs
+from fieldkit.model.sources import has_log
 from fieldkit.motors import Motor, catalogue
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.flight import fly as simulate
@@ -213,7 +213,7 @@ def test_a_force_during_the_coast_is_included_in_its_drag() -> None:
 def test_flights_without_a_log_have_no_terms_for_it() -> None:
     typed = Flight("1", "Astra", "A", F24, dry_mass=0.3, diameter=0.066, apogee=250.0)
     model = base_model(history_of([typed], [catalogue().resolve(F24)]), learned())
-    assert not has_logs([typed])
+    assert not has_log(typed)
     assert not {"coast_drag", "burn_impulse"} & set(model.names)
     values = np.array([[term.mean for term in model.terms]])
     assert np.isnan(shown(model, values, {})["coast_drag"]).all()
@@ -234,5 +234,5 @@ def test_measurements_from_a_log_survive_the_ledger_and_exports(tmp_path: Path) 
 def test_a_plan_made_from_a_logged_flight_omits_the_measurements_of_its_log() -> None:
     """Otherwise the flight would be forecast from itself."""
     bare = LAW.with_changes(**dict.fromkeys(LAW.readouts()))
-    assert not has_logs([bare])
+    assert not has_log(bare)
     assert (bare.sd, bare.source) == ({}, {})

@@ -10,7 +10,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
-from fieldkit.model.sources import measured_in_samples
+from fieldkit.model.sources import IN_SAMPLES, measured_by
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.history import flown_and_planned, history_of
@@ -44,8 +44,9 @@ def test_a_flight_without_the_readout_has_the_source_of_the_previous_one() -> No
         PLAN.with_changes(top_speed=50.0, source={"top_speed": "baro"}),
         PLAN,
     ]
-    assert measured_in_samples(shows, "top_speed").tolist() == [0, 0, 0, 1, 1]
-    assert measured_in_samples(shows, "burn_time").tolist() == [0] * 5
+    speeds, burns = ([flight.readout(name) for flight in shows] for name in ("top_speed", "burn_time"))
+    assert measured_by(IN_SAMPLES, speeds).tolist() == [0, 0, 0, 1, 1]
+    assert measured_by(IN_SAMPLES, burns).tolist() == [0] * 5
 
 
 def test_readouts_from_samples_share_no_term_with_those_of_a_device() -> None:
