@@ -9,7 +9,6 @@ from fieldkit.flight.readout import SENSORS, Readout
 from fieldkit.model.hyperprior import FROM_LOGS
 from fieldkit.shapes import Array, Float
 
-
 IN_SAMPLES = (*SENSORS, "simulated")
 """Sources of readouts that are measured in samples: those of a sensor, or of a simulation."""
 
