@@ -50,6 +50,8 @@ fieldkit ballast --rocket Astra --motor F24-4W --target 800ft
 fieldkit contest --rocket Astra --season 2026
 # the score of the declared flights
 fieldkit contest --rocket Astra --season 2026 --declared 2,3,9
+# a season step by step: limits, mass and parachute, practice, qualification, finals
+fieldkit season --rocket Astra --season 2027 --motor F39T-6
 # mass and parachute for every target that the finals may announce, with the day's weather, on one card
 fieldkit finals --rocket Astra --season 2027 --motor F39T-6 --temperature 25c --wind 3m/s --card finals.png
 # where a plan lands, and which rail angle lands it nearest the pad

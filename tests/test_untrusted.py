@@ -256,6 +256,7 @@ LONG = {
     "delay": ["--motor", "F24-4W"],
     "ballast": ["--motor", "F24-4W", "--target", "240m"],
     "contest": ["--season", "2026"],
+    "season": ["--season", "2027", "--motor", "F24-4W"],
     "finals": ["--season", "2027", "--motor", "F24-4W", "--targets", "795-800"],
     "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
     "daysheet": ["--motor", "F24-4W", "--wind", "3m/s", "--out", "sheet.png"],

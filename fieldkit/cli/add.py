@@ -82,8 +82,11 @@ def _from_options(changes: dict[str, str], lift_off_mass: str | None) -> "Flight
 def _as_built(ledger: "Ledger", flight: "Flight", given: Collection[str]) -> "tuple[Flight, Collection[str]]":
     """A flight with the mass and diameter that are known of its build if none are given, and the names of what was
     filled in, which is printed."""
-    from fieldkit.services.manual_entry import with_build
+    from fieldkit.services.manual_entry import with_build, with_only_config
 
+    flight, named = with_only_config(ledger, flight, given)
+    if named:
+        complain(f"note: {named}; change with --config")
     flight, filled = with_build(ledger, flight, given)
     if filled:
         values = [

@@ -5,12 +5,13 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.numbers import length
 from fieldkit.cli.planning import check_rules
 from fieldkit.cli.screen import AsJson, complain, print_json, say, say_wrapped, system
 from fieldkit.cli.session import known_motors
+from fieldkit.errors import BadValue
 from fieldkit.quantities import ShownUnits
-from fieldkit.settings import BIRTH, CERTIFICATIONS, Settings, change_settings, read_settings
+from fieldkit.services.flyer_card import read_card
+from fieldkit.settings import Settings, change_settings, read_settings
 
 app = typer.Typer()
 NOT_GIVEN = "not given"
@@ -36,18 +37,12 @@ def flyer(
         raise typer.BadParameter("found --motor or --count alone, expected both: --motor C6-5 --count 3")
     now = read_settings()
     card = now.flyer
-    if certification is not None:
-        levels = {"none" if level == 0 else str(level): level for level in CERTIFICATIONS}
-        if certification.casefold() not in levels:
-            raise typer.BadParameter(f"found --certification {certification!r}, expected one of {', '.join(levels)}")
-        card = replace(card, certification=levels[certification.casefold()])
-    if born is not None:
-        if born and not BIRTH.fullmatch(born):
-            raise typer.BadParameter(f"found --born {born!r}, expected a year or a date such as 2009-05-31")
-        card = replace(card, born=born or None)
-    if rails is not None:
-        own = [length("--rails", one, "m") for one in rails.split(",") if one.strip()]
-        card = replace(card, rails=tuple(sorted(one for one in own if one)))
+    for name, text in (("certification", certification), ("born", born), ("rails", rails)):
+        if text is not None:
+            try:
+                card = replace(card, **{name: read_card(name, text)})  # type: ignore[arg-type]
+            except BadValue as error:
+                raise typer.BadParameter(f"--{name}: {error}") from error
     if motor is not None and count is not None:
         known_motors().resolve(motor)
         card = card.with_motors(motor.strip(), count, lot)

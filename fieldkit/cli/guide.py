@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -10,7 +11,7 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.quick_guide import print_quick_guide
-from fieldkit.cli.screen import print_json, print_table, say, say_wrapped, system
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.errors import UnknownMotor
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 MotorNames = dict["Motor", str]
 """The name of each motor in the guide."""
+MOST_UNREAD_LINES = 5
+"""Number of lines of a list in stock that are printed because they name no motor; the others are counted. [1]"""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
 """Maximum number of delays listed per motor: as many as fit in 80 characters, or all. [1]"""
 
@@ -103,6 +106,21 @@ def _in_season(
     return held, motor_advice(held, rule, label(last) if last is not None else None)
 
 
+def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
+    """The motors in stock by a saved list; lines that name none are printed."""
+    from fieldkit.importing.tables.text import decode_whole
+    from fieldkit.motors.stock import read_stock
+    from fieldkit.planning.motor_guide import label
+    from fieldkit.services.imports import read_file
+
+    found = read_stock(decode_whole(read_file(file, kind="a list of motors")), plan.motors, file.name)
+    for number, text in found.unread[:MOST_UNREAD_LINES]:
+        complain(f"note: {file.name}, row {number}: no motor of the catalog in {text!r}")
+    if more := len(found.unread[MOST_UNREAD_LINES:]):
+        complain(f"note: and {counted(more, 'more line')} without a motor of the catalog")
+    return frozenset(label(motor) for motor in found.motors)
+
+
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool, boxed: bool) -> "Wanted":
     from fieldkit.planning.motor_guide import Wanted, label, mount_of, widest_motor
     from fieldkit.services.shortlist import shortlist
@@ -117,6 +135,9 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
     if boxed:
         box = frozenset(label(plan.motors.resolve(one.motor).motor) for one in read_settings().flyer.box)
         names = box if names is None else box & names
+    if fit["in_stock"]:
+        stock = _in_stock(plan, Path(fit["in_stock"]))
+        names = stock if names is None else stock & names
     return Wanted(
         mount=mount,
         length=length("--max-length", fit["max_length"], "mm") or math.inf,

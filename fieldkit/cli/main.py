@@ -49,6 +49,7 @@ GROUPS = {
     "motors": ("motors",),
     "plan": ("delay", "ballast"),
     "contest": ("contest", "finals"),
+    "season": ("season",),
     "landing": ("landing", "track"),
     "daysheet": ("daysheet",),
     "units": ("units",),

@@ -95,6 +95,15 @@ def motors(
     box: Annotated[
         bool, typer.Option("--box", help="Only motors in your range box (fieldkit flyer).", rich_help_panel=GUIDE)
     ] = False,
+    stock: Annotated[
+        Path | None,
+        typer.Option(
+            "--in-stock",
+            metavar="FILE",
+            help="Only motors in a shop's saved list: one per line, or a table with a column of motors.",
+            rich_help_panel=GUIDE,
+        ),
+    ] = None,
     every: Annotated[
         bool, typer.Option("--all", help="Show the checks of every motor.", rich_help_panel=GUIDE)
     ] = False,
@@ -122,7 +131,15 @@ def motors(
     guide_options |= {"--max-length": max_length, "--max-impulse": max_impulse, "--retired": retired}
     _check_needs_fit(
         fit,
-        {**guide_options, "--shortlist": shortlist, "--box": box, "--all": every, "--quick": quick, **dashed(given)},
+        {
+            **guide_options,
+            "--shortlist": shortlist,
+            "--box": box,
+            "--in-stock": stock,
+            "--all": every,
+            "--quick": quick,
+            **dashed(given),
+        },
     )
     if shortlist_for is not None and (fit or compare or corrections or about or check):
         raise typer.BadParameter("found --shortlist-for without a search or --import, expected one of them")
@@ -133,6 +150,7 @@ def motors(
 
         impulse = None if max_impulse is None else str(max_impulse)
         wanted = {"target": target, "mount": mount, "max_length": max_length, "max_impulse": impulse, "class": class_}
+        wanted["in_stock"] = None if stock is None else str(stock)
         options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "boxed": box}
         options |= {"every": every, "quick": quick}
         print_guide(context, {**given, "rocket": fit}, wanted, season, **options, json=json)

@@ -129,6 +129,8 @@ configurations = Table(
     Column("cp", Double),
     Column("weighed_mass", Double),
     Column("measured_diameter", Double),
+    Column("dry_cg", Double),
+    Column("mount_end", Double),
     _checksum(),
 )
 

@@ -86,12 +86,25 @@ class Design:
         of its parts with the first of its motors that is known."""
         one = next((one for one in self.simulations if one.fresh and self._holds(one)), None)
         known = Configuration(rocket, config, self.dry_mass, self.diameter, self.length, self.cd, source)
-        if one is not None:
-            return replace(known, cg=one.cg, cp=one.cp)
         motor = next((found for one in self.motors if one.count == 1 and (found := one.found())), None)
-        if self.balance is None or motor is None:
+        end = self.balance.mount_end if self.balance is not None else None
+        if one is not None:
+            dry = self._dry_cg(one.cg, motor, end)
+            return replace(known, cg=one.cg, cp=one.cp, dry_cg=dry, mount_end=None if dry is None else end)
+        if self.balance is None:
             return known
-        return replace(known, cg=self.balance.cg(motor.loaded_mass, motor.length, self.dry_mass), cp=self.balance.cp)
+        known = replace(known, dry_cg=self.balance.dry_cg, mount_end=end, cp=self.balance.cp)
+        if motor is None:
+            return known
+        return replace(known, cg=self.balance.cg(motor.loaded_mass, motor.length, self.dry_mass))
+
+    def _dry_cg(self, cg: float | None, motor: Motor | None, mount_end: float | None) -> float | None:
+        """The center of gravity without a motor, from the simulated one with the first motor of the design; None if the
+        motor, its mount or the mass is not known. [m]"""
+        if cg is None or motor is None or mount_end is None or not self.dry_mass:
+            return None
+        moment = cg * (self.dry_mass + motor.loaded_mass) - motor.loaded_mass * (mount_end - motor.length / 2)
+        return moment / self.dry_mass
 
     def _holds(self, one: Simulation) -> bool:
         """Whether the centers of gravity and of pressure of a simulation are known and within the rocket."""

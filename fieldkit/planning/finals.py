@@ -70,6 +70,10 @@ class TrialFlights:
         """The forecast at the simulated dry mass nearest to a mass. [kg]"""
         return min(self.forecasts, key=lambda one: abs((one.plan.dry_mass or 0.0) - mass))
 
+    def area_index(self, area: float) -> int:
+        """The place among `AREAS` of the nearest to an area. [1]"""
+        return int(np.argmin(np.abs(np.log(np.array(AREAS) / area))))
+
     def best(self, rule: Season) -> FinalsRow:
         """The mass and area with the fewest points under a season's rules."""
         timed = np.full_like(self.duration, np.nan) if self.fall.assumed else self.duration

@@ -24,6 +24,7 @@ from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
 from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_plans
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
 from fieldkit.planning.limits import Limits
+from fieldkit.planning.margin import with_margin
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.planning.rules import known_rules
 from fieldkit.planning.safety import safety_lines, thrust_to_weight
@@ -228,7 +229,10 @@ def guide(
     if not motors:
         return []
     draws = draws or (SLANTED_PATH_DRAWS if plan.wind or plan.rail_angle else DRAWS)
-    planned = [(plan.with_changes(motor=label(motor), delay=None), _found(motor)) for motor in motors]
+    planned = [
+        (with_margin(plan.with_changes(motor=label(motor), delay=None), rocket.known, motor), _found(motor))
+        for motor in motors
+    ]
 
     def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)

@@ -7,6 +7,7 @@ line is never worse than caution.
 import math
 from collections.abc import Callable, Iterator, Sequence
 
+from fieldkit.flight.recovery import MAX_STABILITY
 from fieldkit.planning.check import BY_EYE, SafetyCheck, Verdict, compared, figure, length, lengths, ratio, speed, worst
 from fieldkit.planning.governed import UNTESTED, Governed
 from fieldkit.planning.limits import Limits
@@ -254,12 +255,15 @@ def stability_line(governed_by: Governed, margin: float | None, flown: int, limi
         text = (
             f"no static margin, and this rocket has not flown: check it before flight, at least {least.value:g} caliber"
         )
-        text = f"{text} (--stability-cal, or its OpenRocket design)"
+        text = f"{text} (--stability-cal, or its design)"
 
         def judge(rule: Rule) -> SafetyCheck:
             return _check(name, "unknown", text, rule)
 
         return _line(name, governed_by.texts(UNTESTED), judge, text)
+    if margin <= 1 / MAX_STABILITY:  # the least that a plan can state
+        text = "the center of pressure is not behind the center of gravity: it is unstable with this motor"
+        return SafetyCheck(name, "unsafe", text, least.source)
     text = f"{ratio(margin, least.value)} calibers, at least {least.value:g}"
     if margin < least.value:
         return SafetyCheck(name, "caution", f"{text}: show that it flies straight", least.source)

@@ -9,8 +9,9 @@ class Configuration:
     """What is known about one build of a rocket apart from its flights; None if unknown. SI.
 
     `dry_mass` to `cp` are those of its design, from the file `source`; `cg` and `cp` are the centers of gravity and of
-    pressure as it leaves the launch rod, from the tip of the nose. `weighed_mass`, without a motor, and
-    `measured_diameter` are as the flyer stated them, and replace those of the design.
+    pressure as it leaves the launch rod, from the tip of the nose, with the motor of the design. `dry_cg` and
+    `mount_end` are the center of gravity without a motor and the aft end of its mount, from there too. `weighed_mass`,
+    without a motor, and `measured_diameter` are as the flyer stated them, and replace those of the design.
     """
 
     rocket: str
@@ -22,6 +23,8 @@ class Configuration:
     source: str = ""
     cg: float | None = None
     cp: float | None = None
+    dry_cg: float | None = None
+    mount_end: float | None = None
     weighed_mass: float | None = None
     measured_diameter: float | None = None
 
@@ -37,6 +40,19 @@ class Configuration:
         if self.cg is None or self.cp is None or not self.diameter:
             return None
         return (self.cp - self.cg) / self.diameter
+
+    def margin_on(self, motor_mass: float, motor_length: float, dry_mass: float | None) -> float | None:
+        """The static margin with a loaded motor [kg], [m], whose own center is taken at its middle, and the rocket's
+        mass without it [kg]; None if the design does not show it. [1]"""
+        weighed = (self.dry_mass, self.weighed_mass, dry_mass)
+        mass = next((one for one in reversed(weighed) if one), None)
+        if None in (self.cp, self.dry_cg, self.mount_end) or mass is None or not self.diameter:
+            return None
+        assert self.cp is not None
+        assert self.dry_cg is not None
+        assert self.mount_end is not None
+        moment = mass * self.dry_cg + motor_mass * (self.mount_end - motor_length / 2)
+        return (self.cp - moment / (mass + motor_mass)) / self.diameter
 
 
 @dataclass(frozen=True, slots=True)

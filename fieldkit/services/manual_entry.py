@@ -154,6 +154,21 @@ def with_offers(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tu
     return flight, tuple(filled)
 
 
+def with_only_config(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, str]:
+    """A flight in the only configuration that its rocket is known in, unless it was answered, and a note on that; with
+    several, the flight as it is and a note that names them."""
+    if flight.config or "config" in answered or not flight.rocket:
+        return flight, ""
+    rocket = ledger.rocket(flight.rocket)
+    known = {one.config for one in ledger.flights(flight.rocket)} | {one.config for one in rocket.configurations}
+    named = sorted(known - {""})
+    if not named or "" in known:
+        return flight, ""
+    if len(named) > 1:
+        return flight, f"no configuration of {flight.rocket}, which has flown as {', '.join(named)}"
+    return flight.with_changes(config=named[0]), f"configuration {named[0]}, the only one of {flight.rocket}"
+
+
 def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tuple[Flight, tuple[str, ...]]:
     """A flight with the dry mass and diameter of its planned flight or of its configuration, as in `plans.body`, unless
     they were answered; and the names of those filled in. Raises BadValue for a saved answer that cannot be

@@ -1,13 +1,13 @@
 """A plan completed from what is known: earlier flights, the rocket's configurations, kits, sites and settings."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.flight.plan import STAGED_TAG
 from fieldkit.flight.recovery import (
     DEVICES,
-    MAX_STABILITY,
     STABILITY,
     check_recovery,
     device_of,
@@ -17,8 +17,9 @@ from fieldkit.flight.recovery import (
 )
 from fieldkit.flight.recovery import LIMITS as RECOVERY_LIMITS
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Catalogue
+from fieldkit.motors import Catalogue, Motor
 from fieldkit.motors.several import names_stages
+from fieldkit.planning.margin import with_margin
 from fieldkit.rocket import Configuration, Rocket
 from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.plausible_flights import plausible
@@ -57,17 +58,15 @@ def completed(
             rail_angle=settings.rail_angle,
             site_elevation=elevations[plan.site],
         )
-        found.append(_with_margin(_with_recovery(plan, own), rocket))
+        found.append(with_margin(_with_recovery(plan, own), rocket, _motor(plan, motors)))
     return found
 
 
-def _with_margin(plan: Flight, rocket: Rocket) -> Flight:
-    """A plan with the static margin of its design, unless it has its own; one that is not above zero counts as the
-    least that can be stored."""
-    design = rocket.design(plan.config)
-    if design is None or design.margin is None or recovery_column(plan, STABILITY):
-        return plan
-    return plan.with_changes(extra={**plan.extra, STABILITY: f"{max(design.margin, 1 / MAX_STABILITY):.2f}"})
+def _motor(plan: Flight, motors: Catalogue) -> Motor | None:
+    """The motor of a plan; None if it has none that is known, or several."""
+    with suppress(FieldkitError):
+        return motors.resolve(plan.motor).motor
+    return None
 
 
 def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:

@@ -21,6 +21,7 @@ from fieldkit.tui.host import Host
 from fieldkit.tui.next.motor_facts import facts
 from fieldkit.tui.next.plan_screen import PlanScreen
 from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.setup.card_form import ask_card
 from fieldkit.tui.setup.setup_forms import ask_rail
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.dialogs import HelpScreen
@@ -102,6 +103,7 @@ class Finder(Provider):
         host = self._host
         yield Entry("setting", "Setting: target", "The target apogee for comparing motors", host.ask_target)
         yield Entry("setting", "Setting: rail", "Length and angle of your usual rail", self._ask_rail)
+        yield Entry("setting", "Your card", "Certification, age, rules, rods, range box", self._ask_card)
         yield Entry("setting", "Setting: units", "The next units: SI, US, mixed", host.action_next_units)
         yield Entry("setting", "Load the demo rocket", Step.DEMO.value[1], self._load_demo)
         yield Entry("setting", "Setting: theme", "The next colors: field, sun, night, terminal", host.action_next_theme)
@@ -139,6 +141,10 @@ class Finder(Provider):
     def _ask_rail(self) -> None:
         if isinstance(page := self.app.screen, PageScreen):
             ask_rail(page)
+
+    def _ask_card(self) -> None:
+        if isinstance(page := self.app.screen, PageScreen):
+            ask_card(page)
 
     def _copy(self, command: str) -> None:
         self.app.copy_to_clipboard(command)

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from fieldkit.motors import catalogue
 from fieldkit.openrocket import Design, read_design
+from tests.commands import Run
 
 pytestmark = pytest.mark.fast
 
@@ -29,12 +31,16 @@ MOUNT = f"""<innertube>{PAPER}<axialoffset method="bottom">0</axialoffset><lengt
 
 
 def read(fins: str = TRAPEZOID.format(3), shape: str = "conical", entered: str = "") -> Design:
+    return read_design(content(fins, shape, entered), "a.ork")
+
+
+def content(fins: str = TRAPEZOID.format(3), shape: str = "conical", entered: str = "") -> bytes:
     """A rocket of 50 mm with a nose of 0.1 m and a tube of 0.4 m."""
     tube = f"""<bodytube>{PAPER}<length>0.4</length><thickness>0.001</thickness><radius>0.025</radius>
 <subcomponents>{fins}{MOUNT}</subcomponents></bodytube>"""
     stage = f"<stage>{entered}<subcomponents>{NOSE.format(shape)}{tube}</subcomponents></stage>"
     rocket = f"<rocket><name>A</name><subcomponents>{stage}</subcomponents></rocket>"
-    return read_design(f'<openrocket version="1.9">{rocket}</openrocket>'.encode(), "a.ork")
+    return f'<openrocket version="1.9">{rocket}</openrocket>'.encode()
 
 
 def cp(design: Design) -> float:
@@ -98,3 +104,40 @@ def test_a_design_without_a_simulation_has_the_margin_of_its_parts() -> None:
     start = design.start("A", "", "a.ork")
     motor = catalogue().resolve("AeroTech F24W").motor
     assert start.margin == pytest.approx(design.margin(motor))
+
+
+WEIGHED = """<overridemass>0.3</overridemass><overridesubcomponentsmass>true</overridesubcomponentsmass>
+<overridecg>0.28</overridecg>"""
+
+
+def stability(run: Run, *more: str) -> tuple[str, str]:
+    """The verdict and the text of the stability of a plan."""
+    (made,) = run("predict", "--rocket", "A", *more, "--json").document["predictions"]
+    (line,) = [one for one in made["safety"] if one["check"] == "stability"]
+    return line["verdict"], line["text"]
+
+
+def test_a_plan_has_the_margin_with_its_own_motor(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.ork").write_bytes(content(entered=WEIGHED))
+    run("ork", tmp_path / "a.ork")
+    margins = [read(entered=WEIGHED).margin(catalogue().resolve(f"AeroTech {name}").motor) for name in ("F24W", "G74W")]
+    for name, margin in zip(("F24W", "G74W"), margins, strict=True):
+        assert f"{margin:.1f} caliber" in stability(run, "--motor", f"AeroTech {name}")[1]
+    assert margins[0] != margins[1]
+    assert "2.2 caliber" in stability(run, "--motor", "AeroTech G74W", "--stability-cal", "2.2")[1]
+
+
+def test_a_motor_that_makes_a_rocket_unstable_is_unsafe(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.ork").write_bytes(content())
+    run("ork", tmp_path / "a.ork")
+    assert (read().margin(catalogue().resolve("AeroTech F24W").motor) or 0) < 0
+    verdict, text = stability(run, "--motor", "AeroTech F24W")
+    assert (verdict, "it is unstable" in text) == ("unsafe", True)
+
+
+def test_the_guide_judges_every_motor_by_its_own_margin(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.ork").write_bytes(content(entered=WEIGHED))
+    run("ork", tmp_path / "a.ork")
+    every = run("motors", "--fit", "A", "--json").document["motors"]
+    texts = [next(line["text"] for line in one["safety"] if line["check"] == "stability") for one in every]
+    assert len(set(texts)) > 3

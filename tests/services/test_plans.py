@@ -135,3 +135,17 @@ def test_the_rows_of_a_table_are_completed_like_a_plan_given_by_options(tmp_path
     )
     assert row["conditions"] == single["conditions"]
     assert row["apogee_m"]["p50"] == pytest.approx(single["apogee_m"]["p50"], rel=1e-6)
+
+
+def test_a_flight_without_a_configuration_has_the_only_one_of_its_rocket_and_its_mass(run: Run) -> None:
+    run("add", *STATED, *BODY, "--config", "A", "--apogee", "120m")
+    assert "configuration A, the only one of Bertha" in run("add", *STATED, "--apogee", "121m").err
+    assert masses(run) == pytest.approx([80.0, 80.0])
+    assert [one["config"] for one in run("flights", "--json").document["flights"]] == ["A", "A"]
+
+
+def test_among_several_configurations_a_flight_names_none_for_its_flyer(run: Run) -> None:
+    for name in ("A", "B"):
+        run("add", *STATED, *BODY, "--config", name, "--apogee", "120m", "--again")
+    assert "which has flown as A, B" in run("add", *STATED, "--apogee", "123m").err
+    assert run("flights", "--json").document["flights"][-1]["config"] == ""

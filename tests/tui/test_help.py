@@ -16,12 +16,14 @@ from textual.widgets import Input
 from fieldkit import tui
 from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.services.imports.mappings import TableColumns
+from fieldkit.services.pad import Checklist
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.asking import AskingScreen
 from fieldkit.tui.flights.log_view import LogLook, LogView
 from fieldkit.tui.imports.given_form import QUESTIONS as LACKED
 from fieldkit.tui.imports.given_form import SetupForm
 from fieldkit.tui.imports.mapping_form import MappingForm, MappingList
+from fieldkit.tui.pad.pad_screen import PadScreen, PadTimer
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.palette import Palette
 from fieldkit.tui.widgets.dialogs import AskText, AskYes, HelpedModal, HelpScreen
@@ -40,6 +42,7 @@ MODALS: dict[type[Screen[Any]], Callable[[App[None]], Screen[Any]]] = {
     LogView: lambda app: LogView([LogLook("a log", stacked([]), None)], "SI"),
     MappingForm: lambda app: MappingForm(TABLE),
     MappingList: lambda app: MappingList(str),
+    PadScreen: lambda app: PadScreen(Checklist("any flight", ("weighed",)), "SI", PadTimer()),
     Palette: lambda app: Palette(),
     SetupForm: lambda app: SetupForm("A log", LACKED, {one.name: "" for one in LACKED}, {}),
 }

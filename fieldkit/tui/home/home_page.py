@@ -32,6 +32,7 @@ from fieldkit.tui.widgets.table import Head, Table
 if TYPE_CHECKING:
     from fieldkit.services.launch_day import Overview
     from fieldkit.tui.flights.flight_screen import FlightScreen
+    from fieldkit.tui.pad.pad_screen import PadTimer
 
 
 MAX_PAINT = 1.0
@@ -63,6 +64,7 @@ class HomeScreen(PageScreen):
         Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("e", "day_weather", "Edit", tooltip="Enter today's weather, for every plan and flight of the day"),
+        Binding("K", "pad", "Check", tooltip="The checklist at the pad, and the contest's timer"),
     ]
     DEFAULT_CSS = """
     HomeScreen #cards { height: 8; }
@@ -82,6 +84,7 @@ class HomeScreen(PageScreen):
         self._profiles: dict[str, tuple[Flight, str]] = {}
         self._have_read = False
         self._painted = Event()
+        self._timer: PadTimer | None = None
 
     def body(self) -> Iterable[Widget]:
         """The choices, the cards, the latest flights."""
@@ -230,6 +233,13 @@ class HomeScreen(PageScreen):
         from fieldkit.tui.home.weather_form import ask_weather  # before the first paint it would take 0.3 s
 
         ask_weather(self, self._view.weather if self._view is not None else Flight())
+
+    def action_pad(self) -> None:
+        """Show the checklist at the pad."""
+        from fieldkit.tui.pad.pad_screen import PadTimer, show_pad  # before the first paint it would take 0.3 s
+
+        self._timer = self._timer or PadTimer()
+        show_pad(self, self._timer)
 
     def copied(self) -> str:
         """The row under the cursor."""

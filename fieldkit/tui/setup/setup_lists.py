@@ -10,6 +10,7 @@ from fieldkit.motors.motor import delays_text
 from fieldkit.paths import motor_folder, settings_file
 from fieldkit.planning.kits import Kit
 from fieldkit.quantities import SYSTEMS, measure, unit_of, written
+from fieldkit.services.flyer_card import card_texts
 from fieldkit.settings import Settings
 from fieldkit.tui.setup.kit_form import kit_text
 from fieldkit.tui.widgets import cards
@@ -103,6 +104,8 @@ def settings_listed(settings: Settings, ledger: str) -> ListContents:
         "theme": settings.theme,
         "target": target,
         "rail": ", ".join(end for end in ends if end) or "none",
+        "card": ", ".join(f"{name} {text}" for name, text in card_texts(settings, settings.units).items() if text)
+        or "empty",
         "ledger": ledger,
         "your motors": str(motor_folder()),
         "settings": str(settings_file()),
@@ -117,6 +120,7 @@ MEANS = {
     "Enter switches to the next; so does T on any page.",
     "target": "The target apogee for comparing motors on the Next page, where you can also set it with g.",
     "rail": "Length and angle of your usual rail or rod, for plans without one.",
+    "card": "Certification, birth, rules, rods and rails, and the motors in your range box: what plans start from.",
     "ledger": "The file with your flights. To open another, use fieldkit --ledger FILE or set FIELDKIT_LEDGER.",
     "your motors": "The folder of your own .eng and .rse files; press i in the Motors list to add one.",
     "settings": "The file with these settings.",

@@ -19,6 +19,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.setup import kit_form, setup_card, setup_forms
+from fieldkit.tui.setup.card_form import ask_card
 from fieldkit.tui.setup.kit_form import ask_delete
 from fieldkit.tui.setup.setup_card import Facts, SetupCard
 from fieldkit.tui.setup.setup_forms import ask_rail
@@ -254,6 +255,8 @@ class SetupScreen(PageScreen):
             self.field_app.ask_target()
         elif name == "rail":
             ask_rail(self)
+        elif name == "card":
+            ask_card(self)
         else:
             self.complain(f"{name} cannot be changed here; ? explains how")
 

@@ -1,0 +1,100 @@
+"""`fieldkit season`: a contest season step by step, from the kit to the finals."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fieldkit.cli.numbers import finite, length
+from fieldkit.cli.options import takes_plan
+from fieldkit.cli.planning import RocketLength, about_plan, planning, season_rule, season_year
+from fieldkit.cli.screen import AsJson, print_json, say, say_wrapped, system
+from fieldkit.paths import data_file
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from fieldkit.planning.practice import PracticePlan
+
+app = typer.Typer()
+
+
+def season(
+    context: typer.Context,
+    year: Annotated[int | None, typer.Option("--season", help="2019 to 2027; default: the current season.")] = None,
+    declared: Annotated[
+        str | None, typer.Option(help="Qualification flights declared so far, of which the best are summed: 4,5.")
+    ] = None,
+    cut: Annotated[float | None, typer.Option(callback=finite, help="Points that qualify, as in other years.")] = None,
+    rocket_length: RocketLength = None,
+    json: AsJson = False,
+    **given: str | None,
+) -> None:
+    """Guide a team through a season of the American Rocketry Challenge (TARC): limits, mass and parachute, practice,
+    qualification, finals.
+
+    Each step states what is done, what is missing and which command does it.
+    """
+    from fieldkit.planning.contest import score
+    from fieldkit.planning.contest_day import read_declared
+    from fieldkit.planning.contest_limits import allowed, approved_motors
+    from fieldkit.planning.finals import finals_table, finals_targets, trials
+    from fieldkit.planning.outlook import outlook
+    from fieldkit.planning.practice import practice, setting
+    from fieldkit.presentation.season_text import season_steps
+
+    names = read_declared(declared or "")
+    long = length("--rocket-length", rocket_length, "mm")
+    with planning(context, given) as plan:
+        found = plan.motor()
+        rule = season_rule(season_year(year))
+        scored = score(rule, plan.ledger.flights(plan.flight.rocket))
+        flown = trials(plan.rocket, plan.flight, found, rule)
+        table = finals_table(flown, rule, finals_targets(rule))
+        plans, shared_sd = practice(plan.rocket, plan.flight, found, rule, flown, table)
+        now = setting(flown, flown.best(rule), shared_sd)
+        ready = plan.flight.with_changes(dry_mass=now.row.mass)
+        ahead = outlook(rule, plan.rocket, ready, found, now.row.area)
+        lines = [
+            *plan.safety(ahead.forecast, now.row.area),
+            *allowed(rule, ready, found, long, approved_motors(rule.year, data_file("seasons"))),
+        ]
+    by_id = {flight.flight_id: points for flight, points in scored}
+    steps = season_steps(plan.flight, found, rule, scored, names, lines, now, plans, ahead, cut, system())
+    if json:
+        document: dict[str, Any] = {
+            "season": rule.year,
+            "motor": found.motor.designation,
+            "declared": [{"flight_id": name, "points": by_id.get(name)} for name in names],
+            "setting": {
+                "dry_mass_g": now.row.mass * 1e3,
+                "dry_mass_sd_g": now.mass_sd * 1e3,
+                "parachute_area": None if now.area_sd is None else now.row.area,
+                "parachute_area_sd": now.area_sd,
+                "points": now.row.points,
+            },
+            "practice": [_document(one) for one in plans.plans],
+            "next_practice": [_document(one) for one in plans.single],
+            "score": {"mean": float(rule.sums(ahead.points).mean())},
+            "steps": [{"step": name, "state": state, "lines": list(texts)} for name, state, texts in steps],
+        }
+        if cut is not None:
+            document["qualifies"] = {"cut": cut, "chance": ahead.chance(rule, cut)}
+        print_json(document | about_plan(ahead.forecast, lines))
+        return
+    for number, (name, state, texts) in enumerate(steps, start=1):
+        say(f"{number}. {name}: {state}" if state else f"{number}. {name}")
+        for text in texts:
+            say_wrapped(f"   {text}", "  ")
+
+
+takes_plan(season)
+app.command()(season)
+
+
+def _document(one: "PracticePlan") -> "dict[str, float | Sequence[float]]":
+    return {
+        "dry_masses_g": [mass * 1e3 for mass in one.masses],
+        "apogee_relative_sd": one.apogee_sd,
+        "descent_relative_sd": one.descent_sd,
+        "finals_points": one.points,
+    }

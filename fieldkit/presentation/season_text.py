@@ -1,0 +1,167 @@
+"""A contest season as steps: what is done, what is missing, and the command that does it."""
+
+import math
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.flight.short_name import short_name
+from fieldkit.messages import message
+from fieldkit.motors import Found
+from fieldkit.planning.check import BY_EYE, SafetyCheck
+from fieldkit.planning.contest import Season
+from fieldkit.planning.contest_flight import judged_duration, why_no_score
+from fieldkit.planning.outlook import Outlook
+from fieldkit.planning.practice import Practice, PracticePlan, Setting
+from fieldkit.planning.quantiles import three_of_all
+from fieldkit.presentation.forecast_text import motor_in_words
+from fieldkit.quantities import ShownUnits, counted, in_system, percent
+from fieldkit.units import FOOT
+
+Step = tuple[str, str, tuple[str, ...]]
+"""A step: its name, its state in a word or two, and its lines."""
+
+
+def season_steps(
+    plan: Flight,
+    found: Found,
+    rule: Season,
+    scored: Sequence[tuple[Flight, float]],
+    declared: Sequence[str],
+    lines: Sequence[SafetyCheck],
+    now: Setting,
+    practice: Practice,
+    ahead: Outlook,
+    cut: float | None,
+    system: str = "SI",
+) -> list[Step]:
+    """The steps of a season, in order, in the units of a system; heights in feet, as in the rules."""
+    shown = ShownUnits(system)
+    return [
+        _rules(rule),
+        _limits(plan, found, lines, system),
+        _tests(scored, rule),
+        _setting(plan, found, now, ahead, shown),
+        _practice(practice, shown),
+        _qualification(rule, scored, declared, ahead, cut),
+        _finals(plan, rule),
+    ]
+
+
+def _rules(rule: Season) -> Step:
+    opens, closes = rule.window
+    target = (
+        f"{rule.target / FOOT:.0f} ft in {opens:g} to {closes:g} s; the best {rule.best} of {rule.declared} declared"
+    )
+    texts = [f"{name}: {text}" for name, text in rule.by_hand]
+    return f"rules of {rule.year}", "checked" if rule.checked else "not checked", (target, *texts, rule.caveat)
+
+
+def _limits(plan: Flight, found: Found, lines: Sequence[SafetyCheck], system: str) -> Step:
+    contest = [line for line in lines if line.name.startswith("contest ") and not line.finding.startswith(BY_EYE)]
+    failed = [line for line in lines if line.failed]
+    open_ones = [line for line in contest if line.verdict == "unknown"]
+    state = f"{len(failed)} not ok" if failed else "ok" if not open_ones else f"{len(open_ones)} to check"
+    texts = [f"{plan.rocket} {plan.config}".strip() + f" on {motor_in_words(plan, found)}"]
+    texts += [
+        in_system(message(f"{line.name}: {line.verdict}, {line.finding}"), system) for line in (*failed, *open_ones)
+    ]
+    return "rocket and motor", state, tuple(dict.fromkeys(texts))
+
+
+def _tests(scored: Sequence[tuple[Flight, float]], rule: Season) -> Step:
+    timed = [flight for flight, _ in scored if judged_duration(flight) is not None]
+    weighed = [flight for flight, _ in scored if flight.dry_mass is not None]
+    texts = []
+    if not scored:
+        texts.append("fly it once as built, weighed at the pad with its eggs: `fieldkit add --apogee --timer-1-s`")
+    elif len(timed) < len(scored):
+        texts.append(f"{len(scored) - len(timed)} without a time: time every flight with two watches")
+    if len(weighed) < len(scored):
+        texts.append(f"{len(scored) - len(weighed)} without a mass: they teach nothing")
+    best = min((points for _, points in scored if not math.isnan(points)), default=None)
+    if best is not None:
+        texts.append(f"best of them by the rule of {rule.year}: {best:.1f} points")
+    return "test flights", f"{len(scored)} flown, {len(timed)} timed", tuple(texts)
+
+
+def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: ShownUnits) -> Step:
+    row = now.row
+    change = row.mass - (plan.dry_mass or row.mass)
+    sign = "+" if change > 0 else ""
+    lift_off = shown.mass(row.mass + found.motor.loaded_mass)
+    texts = [
+        f"dry mass {shown.mass(row.mass).split()[0]} ± {shown.mass(now.mass_sd)} "
+        f"({sign}{shown.mass(change)} against the plan), {lift_off} at lift-off"
+    ]
+    if now.area_sd is None:
+        texts.append("parachute: no flight is timed, so nothing is advised; time one, or give --parachute-diameter")
+    else:
+        texts.append(f"parachute {row.area:.0%} ± {now.area_sd:.0%} of its present area")
+    low, _, high = row.apogee
+    seconds = (
+        "" if row.duration is None or now.area_sd is None else f", {row.duration[0]:.1f} to {row.duration[2]:.1f} s"
+    )
+    texts.append(
+        f"then {low / FOOT:.0f} to {high / FOOT:.0f} ft{seconds} (90%), {row.points:.0f} points a flight on average"
+    )
+    if row.at_edge:
+        texts.append(
+            "this is at the limit of the masses tried: another motor may meet the target, `fieldkit motors --fit`"
+        )
+    texts.append(f"based on {counted(ahead.forecast.rests_on, 'flight')}")
+    return "mass and parachute together", "", tuple(texts)
+
+
+def _practice(practice: Practice, shown: ShownUnits) -> Step:
+    before, best, worst = practice.plans[0], practice.single[0], practice.single[-1]
+    texts = [
+        f"the next: timed, at a dry mass of {shown.mass(best.masses[0])}: a finals apogee is then known to "
+        f"{best.apogee_sd:.1%} instead of {before.apogee_sd:.1%}"
+    ]
+    if worst.apogee_sd - best.apogee_sd < 0.02 * best.apogee_sd:
+        texts.append("any mass between those of the finals teaches as much, so fly the one you need")
+    texts += [_planned(one, shown) for one in practice.plans]
+    return "practice", f"{before.points:.0f} points in a finals flight now", tuple(texts)
+
+
+def _planned(one: PracticePlan, shown: ShownUnits) -> str:
+    at = f" at {', '.join(shown.mass(mass) for mass in one.masses)}" if one.masses else ""
+    return (
+        f"after {counted(len(one.masses), 'more flight')}{at}: apogee ± {one.apogee_sd:.1%}, "
+        f"descent ± {one.descent_sd:.0%}, {one.points:.0f} points"
+    )
+
+
+def _qualification(
+    rule: Season, scored: Sequence[tuple[Flight, float]], declared: Sequence[str], ahead: Outlook, cut: float | None
+) -> Step:
+    by_id = {flight.flight_id: (flight, points) for flight, points in scored}
+    texts = []
+    for name in declared:
+        if name not in by_id:
+            texts.append(f"{name}: not among the flights of this rocket that have an apogee")
+            continue
+        flight, points = by_id[name]
+        why = why_no_score(flight, rule.egg_count)
+        texts.append(f"{short_name(flight)}: " + (f"no score, {why}" if why else f"{points:.2f} points"))
+    known = sorted(points for name in declared if name in by_id and not math.isnan(points := by_id[name][1]))
+    if len(known) >= rule.best:
+        texts.append(f"score so far: {sum(known[: rule.best]):.2f}")
+    low, middle, high = three_of_all(rule.sums(ahead.points))
+    texts.append(
+        f"{rule.declared} flights with mass and parachute as above would score {middle:.0f} ({low:.0f} to {high:.0f})"
+    )
+    if cut is not None:
+        texts.append(f"chance of {cut:g} points or fewer: {percent(ahead.chance(rule, cut))}")
+    left = max(rule.declared - len(declared), 0)
+    return "qualification", f"{len(declared)} of {rule.declared} declared, {left} left", tuple(texts)
+
+
+def _finals(plan: Flight, rule: Season) -> Step:
+    texts = [rule.finals] if rule.finals else []
+    named = f"--rocket '{plan.rocket}'" if " " in plan.rocket else f"--rocket {plan.rocket}"
+    texts.append(
+        f"the card for every target, in the day's air: `fieldkit finals {named} --motor {plan.motor} --season "
+        f"{rule.year} --temperature 25c --card finals.pdf`"
+    )
+    return "finals", "", tuple(texts)

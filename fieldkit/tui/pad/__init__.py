@@ -1,0 +1,1 @@
+"""The pad: a checklist, and the contest's timer."""
