@@ -19,12 +19,16 @@ from fieldkit.model.rocket_model import FlownFlights
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import fleet_term
 from fieldkit.physics.history import flown_and_planned
-from fieldkit.selection.candidates import Averaged
+from fieldkit.selection.candidates import Averaged, Place
 
 SINGLED_OUT = 0.5
 """Probability of being a one-off above which a flight is singled out. [1]"""
 SUGGESTED = 0.5
 """A tag is suggested for the most probable cause, and for others at least this fraction as probable. [1]"""
+
+JUDGED_BY = 0.9
+"""Probability of the sets of effects that flights are compared with: the others hardly change what a flight misses by.
+[1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +89,7 @@ def beside_others(
     if designs and shared:  # a design replaces the information from other rockets about drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
     parts = []
-    for chance, places in averaged or ((1.0, ()),):
+    for chance, places in _flown_sets(averaged):
         acting = (*places, *declared_places(flights, places))
         model = forecast_model(history, acting, shared, hyperprior)
         model = replace(designed(model, designs) if designs else model, coarse=True)
@@ -94,6 +98,17 @@ def beside_others(
         parts.append((chance, one_offs(used, every)))
     whole = _mixed(parts)
     return tuple(_beside(flight, whole, row) for row, flight in enumerate(flights))
+
+
+def _flown_sets(averaged: Averaged) -> Averaged:
+    """The sets that past flights distinguish, most probable first, that have `JUDGED_BY` of the probability."""
+    chances: dict[tuple[Place, ...], float] = {}
+    for chance, places in averaged or ((1.0, ()),):
+        past = tuple(replace(one, switched=one.switched and replace(one.switched, ahead=False)) for one in places)
+        chances[past] = chances.get(past, 0.0) + chance
+    order = sorted(chances.items(), key=lambda item: -item[1])
+    before = np.cumsum([0.0, *(chance for _, chance in order[:-1])])
+    return tuple((chance, places) for (places, chance), total in zip(order, before, strict=True) if total < JUDGED_BY)
 
 
 def _mixed(parts: Sequence[tuple[float, OneOffs]]) -> OneOffs:

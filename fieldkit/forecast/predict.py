@@ -5,7 +5,7 @@ simulated in one batch. Without flights the priors are simulated, and the predic
 depend on the other plans in the request: each uses the same draws as alone.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from fieldkit.forecast.term_draws import term_draws
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
+from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.documents import with_documents
 from fieldkit.model.high_power import closer_to_designs
 from fieldkit.model.hyperprior import Hyperprior, learned
@@ -142,11 +143,12 @@ def learn(
     model = forecast_model(history, every, shared, hyperprior)
     model = designed(model, designs) if designs else model
     data = observe(history, model.hyperprior)
-    rng = np.random.default_rng(seed)
+    rng, fits = np.random.default_rng(seed), dict[Hashable, Fit]()
     parts = []
     for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):
         if count:
-            parts.append(_drawn_with(model, _terms_without(model, set(every) - set(own)), data, flown, count, rng))
+            terms = _terms_without(model, set(every) - set(own))
+            parts.append(_drawn_with(model, terms, data, flown, count, rng, fits))
     values, scales = (np.concatenate(column) for column in zip(*((v, s) for _, v, s, _ in parts), strict=True))
     rests_on = int(np.sum(data.seen.any(axis=1)))
     name = model_name(sets[0][1])
@@ -166,16 +168,23 @@ def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
 
 
 def _drawn_with(
-    model: Model, terms: Sequence[int], data: Data, flown: int, draws: int, rng: np.random.Generator
+    model: Model,
+    terms: Sequence[int],
+    data: Data,
+    flown: int,
+    draws: int,
+    rng: np.random.Generator,
+    fits: dict[Hashable, Fit],
 ) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 3"], tuple[str, ...]]:
     """The final point of a fit of some of a model's terms, draws of every term (zero for terms it lacks) and of the
-    scales, and a line for each outlier."""
+    scales, and a line for each outlier. `fits` are the fits so far: what acts only ahead does not change them."""
     part = model.only(terms)
     known = set(part.shared.names) if part.shared else set()
     acted = [i for i, term in enumerate(part.terms) if term.name in known or np.any(term.weight[:flown] != 0)]
     used = acted or [0]  # a rocket never flown has the prior instead of a fit
     flown_part = replace(part.part(slice(0, len(data.seen))).only(used), coarse=True)
-    result = fit_robustly(flown_part, data, causes=True)
+    key = tuple((term.name[:2], term.bends, term.mean, term.sd, *term.weight) for term in flown_part.terms)
+    result = fits.get(key) or fits.setdefault(key, fit_robustly(flown_part, data, causes=True))
     part = replace(part, hyperprior=result.model.hyperprior)
     own, scales = term_draws(part, used, result, draws, rng, again=bool(flown))
     values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))

@@ -125,7 +125,12 @@ class Place:
         """The name of the strength of an effect, or of that in one group of `EACH_GROUP`."""
         if self.where == EACH_GROUP:
             return TermName(self.effect, EACH_GROUP, (group, self.since))
-        return TermName(self.effect, "effect", (self.where, self.since) if self.where or self.since else "")
+        return TermName(self.effect, "effect", (self.where, self.since) if self.where or self.since else self._ahead)
+
+    @property
+    def _ahead(self) -> str:
+        """Whether a switched effect acts on flights ahead: forecasts average over terms that do and that do not."""
+        return "ahead" if self.switched and self.switched.ahead else ""
 
     def has(self, name: TermName) -> bool:
         """Whether a term is one of the effect or pattern in this place."""
@@ -138,7 +143,7 @@ class Place:
     @property
     def state_name(self) -> TermName:
         """The name of what the flights have in common on which a switched effect acts."""
-        return TermName(self.effect, "state")
+        return TermName(self.effect, "state", self._ahead)
 
 
 Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
@@ -173,8 +178,8 @@ SINCE_FRACTION = 0.4
 """Fraction of an effect's prior odds for starting at some later flight. [1]"""
 
 
-HALVES_APART = 2 * (2 / np.pi) ** 0.5
-"""Distance between the means of the halves of a normal distribution, in its standard deviations. [1]"""
+_DISTANCE_OF_HALVES = 2 * (2 / np.pi) ** 0.5
+"""Distance between the means of both halves of a normal distribution, in its standard deviations. [1]"""
 _IMPULSE_POWER = 2.0
 """Power of the impulse with which the apogee grows without drag. [1]"""
 
@@ -202,7 +207,7 @@ def _state_term(place: Place, model: Model) -> Term:
     """
     acts = np.asarray(place_weight(place, model) != 0, float)
     half = (
-        HALVES_APART
+        _DISTANCE_OF_HALVES
         / 2
         * float(
             np.hypot(model.hyperprior.sd("apogee", "flight"), _IMPULSE_POWER * model.hyperprior.sd("thrust", "flight"))
@@ -298,11 +303,11 @@ def declared_state(flight: Flight) -> bool | None:
 
 def _switched_weight(switched: Switched, model: Model) -> Float[Array, "flight"]:
     """What logs show for past flights; for the others what the flyer recorded, or else whether it acts ahead."""
-    known = dict(switched.amounts)
-    usual = [
-        switched.usual * bool(switched.ahead if (own := declared_state(one)) is None else own) for one in model.flights
-    ]
-    return np.array([known.get(flight.flight_id, one) for flight, one in zip(model.flights, usual, strict=True)])
+    known, flown = dict(switched.amounts), model.history.flown
+    past = [known.get(flight.flight_id) if row < flown else None for row, flight in enumerate(model.flights)]
+    stated = [declared_state(flight) for flight in model.flights]
+    usual = [switched.usual * (switched.ahead if own is None else own) for own in stated]
+    return np.array([one if own is None else own for own, one in zip(past, usual, strict=True)], float)
 
 
 def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:

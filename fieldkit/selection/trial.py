@@ -67,8 +67,11 @@ def strength_moments(term: Term, mean: float, sd: float) -> tuple[float, float]:
 
 
 def with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
-    """The readouts of every flight with the fitted effect and without it, all else equal. Raises
-    ImpossibleFlight for a flight without a dry mass."""
+    """The readouts of every flight with the fitted effect and without it, all else equal.
+
+    Derivation: the simulator, with the terms of the effect at their means and at zero. Raises ImpossibleFlight for a
+    flight without a dry mass.
+    """
     model = trial.fit.model
     mean, _ = trial.fit.moments()
     own = {term.name for term in trial.candidate.own}

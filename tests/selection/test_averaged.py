@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import observe
@@ -14,6 +15,7 @@ from fieldkit.scoring.score import score
 from fieldkit.selection import averaged
 from fieldkit.selection.averaged import MAX_REFITS, left_out
 from fieldkit.selection.candidates import Candidate, Place, Switched, effect_terms
+from fieldkit.selection.diagnose import by_state
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.search import checked
@@ -61,6 +63,27 @@ def test_the_number_of_repeated_fits_does_not_grow_with_the_flights(monkeypatch:
     sd = (every.weight * every.sd).sum(axis=0)
     assert np.abs(((some.weight * some.mean).sum(axis=0) - (every.weight * every.mean).sum(axis=0)) / sd).max() < 0.02
     assert (some.weight * some.sd).sum(axis=0) == pytest.approx(sd, rel=0.02)
+
+
+def test_a_forecast_averages_over_the_states_of_brakes() -> None:
+    pairs = season(np.random.default_rng(3), ("apogee",), 12, None)
+    lower = [
+        flight.with_changes(apogee=(flight.apogee or 0) * (0.85 if k % 2 else 1)) for k, (flight, _) in enumerate(pairs)
+    ]
+    flown = [(flight, motor) for flight, (_, motor) in zip(lower, pairs, strict=True)]
+    place = Place(
+        "drag_step", switched=Switched(tuple((f.flight_id, 0.9 * (k % 2)) for k, f in enumerate(lower)), 0.9, 0.5)
+    )
+    (_, shut), (_, opened) = states = by_state((place,))
+    plan = [(lower[-1].unflown(tags=()), pairs[-1][1])]
+
+    def mean(*averaged: tuple[float, tuple[Place, ...]]) -> float:
+        (found,) = predict(flown, plan, averaged=averaged)
+        return float(found.apogee.mean())
+
+    low, high, both = mean((1.0, opened)), mean((1.0, shut)), mean(*states)
+    assert low < 0.95 * high
+    assert both == pytest.approx((low + high) / 2, rel=0.015)
 
 
 def test_brakes_that_a_controller_opens_do_not_spoil_forecasts() -> None:
