@@ -136,8 +136,9 @@ def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, 
     respect to it."""
     weights, steeper = _interpolation(offset)
     shape = response.moved.shape
-    along = (weights @ response.moved.reshape(*shape[:2], -1)).reshape(shape[0], *shape[2:])
-    steeply = (steeper @ response.moved[0].reshape(shape[1], -1)).reshape(shape[2:])
+    with np.errstate(invalid="ignore"):  # infinite figures of a flight that does not lift
+        along = (weights @ response.moved.reshape(*shape[:2], -1)).reshape(shape[0], *shape[2:])
+        steeply = (steeper @ response.moved[0].reshape(shape[1], -1)).reshape(shape[2:])
     found = dict(zip(response.names, along, strict=True))
     found |= zip(response.names_at_middle, response.moved_at_middle, strict=True)
     return found | {"drag": np.nan_to_num(steeply)}
