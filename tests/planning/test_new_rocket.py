@@ -254,7 +254,7 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
     assert "did you mean Astra?" in err
     assert "did you mean Moor?" in err
     # a delay takes the options of a landing and a sixth of its time
-    assert "did you mean Astra?" in plan("delay", "--rocket", "Asrta", *body)[1]
+    assert "did you mean Astra?" in plan("delay", "--rocket", "Astar", *body)[1]
     assert "did you mean Moor?" in plan("delay", "--rocket", "Astra", "--site", "Mooor")[1]
     assert "dry mass 0.4 g is unusual" in plan("delay", "--rocket", "Astra", "--dry-mass", "0.4")[1]
     assert "is less than a diameter of 21.6 mm" in plan("delay", "--rocket", "Astra", "--diameter", "6.6")[1]

@@ -210,7 +210,7 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
     columns = {pick.place: _column(pick, table) for pick in picks}
-    picks = _satellites_apart([pick for pick in picks if not np.isnan(columns[pick.place]).all()], columns)
+    picks = _with_satellite_height([pick for pick in picks if not np.isnan(columns[pick.place]).all()], columns)
     moving = {pick.channel for pick in picks if not _is_stuck(columns[pick.place])}
     for pick in picks:
         column = columns[pick.place]
@@ -250,7 +250,7 @@ def _is_stuck(values: Float[Array, "row"]) -> bool:
     return there.size >= _START_SAMPLES and float(np.ptp(there)) == 0
 
 
-def _satellites_apart(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
+def _with_satellite_height(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
     """The columns, of which a second height right beside a latitude or longitude is that of the satellites."""
     places = [pick.place for pick in picks if pick.channel in ("latitude", "longitude")]
     heights = [pick for pick in picks if pick.channel in ("altitude", "altitude_msl")]

@@ -138,8 +138,8 @@ def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
     shift = np.abs(means[0] - means[1]) * np.sqrt(cuts * (count - cuts) / count)
     cut = int(cuts[np.argmax(shift)])
     sides = flown[:cut], flown[cut:]
-    unlike = min(sides, key=lambda side: float(found.normal[side].mean()))
-    if (found.normal[unlike] > DOUBTFUL).any():
+    odd = min(sides, key=lambda side: float(found.normal[side].mean()))
+    if (found.normal[odd] > DOUBTFUL).any():
         return _with_changed_last(fit, found, flown)
     odds = (
         _log_evidence_of_two(fit, flown[:cut], flown[cut:])
@@ -148,7 +148,7 @@ def _with_change(fit: Fit, found: OneOffs) -> OneOffs:
     )
     odds -= fit.log_evidence + found.log_mixture.sum()
     changed = float(1 / (1 + np.exp(-np.clip(odds, -500, 500))))
-    run, before = (np.isin(np.arange(len(found.normal)), side) for side in (unlike, sides[0]))
+    run, before = (np.isin(np.arange(len(found.normal)), side) for side in (odd, sides[0]))
     normal = np.where(run, changed + (1 - changed) * found.normal, found.normal)
     cause = np.where(run[:, None], (1 - changed) * found.cause, found.cause)
     weight = np.where(before, (1 - changed) * found.weight, np.where(run, normal, found.weight))
