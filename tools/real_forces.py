@@ -87,7 +87,7 @@ def recordings(folder: Path) -> Iterator[Sequence[str]]:
         both, alone = level(profile), level(heights) if heights is not None else None
         steps = drag_steps([LoggedDrag(path.stem, profile, profile.reference, SCATTER)], log_prior_odds([DRAG_STEP]))
         assert steps is not None
-        apart = (
+        gap = (
             abs(both.value - alone.value) / np.hypot(both.sd, alone.sd)
             if alone and alone.source != both.source
             else None
@@ -97,7 +97,7 @@ def recordings(folder: Path) -> Iterator[Sequence[str]]:
             both.source,
             f"{1e3 * both.value:.2f} ± {1e3 * both.sd:.2f}",
             f"{1e3 * alone.value:.2f} ± {1e3 * alone.sd:.2f}" if alone else "",
-            f"{apart:.1f}" if apart is not None else "",
+            f"{gap:.1f}" if apart is not None else "",
             f"{steps.flights[0].member:.0%}",
         )
 

@@ -72,7 +72,7 @@ def _time(found: re.Match[str], day: datetime | None, row: int) -> datetime:
             f"found {shown!r} without year and month, expected them before it: 2026-05-16 {shown}", row=row
         )
     own, hour, minute = (int(found[name]) for name in ("day", "hour", "minute"))
-    near = [day + timedelta(days=apart) for apart in range(-20, 21)]
+    near = [day + timedelta(days=offset) for offset in range(-20, 21)]
     same = [one for one in near if one.day == own]
     if not same or hour > 23 or minute > 59:
         raise DamagedLog(f"found {found[0][:12]!r}, expected a day, hour and minute", row=row)

@@ -132,8 +132,8 @@ def test_nothing_is_read_beyond_the_reports_or_into_a_long_gap() -> None:
     _, weather = read("open_meteo.json")
     assert weather_at(weather, datetime(2026, 5, 16, 18, 30)).values == {}
     assert weather_at(weather, datetime(2026, 5, 16, 12, 59)).values == {}
-    apart = tuple(Report(TWO + timedelta(hours=hours), temperature=290.0) for hours in (0, 4))
-    assert weather_at(SavedWeather(apart, (), False, OF_A_STATION), TWO + timedelta(hours=1)).values == {}
+    four_hours = tuple(Report(TWO + timedelta(hours=hours), temperature=290.0) for hours in (0, 4))
+    assert weather_at(SavedWeather(four_hours, (), False, OF_A_STATION), TWO + timedelta(hours=1)).values == {}
 
 
 def test_a_day_without_a_time_is_the_mean_of_its_hours_with_their_scatter() -> None:

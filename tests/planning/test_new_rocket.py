@@ -240,8 +240,8 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
     assert main([*ledger, "sites", "Moor", "--field-size", "100m"]) == 0
     capsys.readouterr()
 
-    def plan(command: str, *options: str) -> tuple[str, str]:
-        assert main([*ledger, command, "--motor", "F24-4W", "--wind", "3m/s", *options]) == 0
+    def plan(command: str, *options: str, status: int = 0) -> tuple[str, str]:
+        assert main([*ledger, command, "--motor", "F24-4W", "--wind", "3m/s", *options]) == status
         out, err = capsys.readouterr()
         return out, err
 
@@ -257,7 +257,10 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
     assert "did you mean Astra?" in plan("delay", "--rocket", "Astar", *body)[1]
     assert "did you mean Moor?" in plan("delay", "--rocket", "Astra", "--site", "Mooor")[1]
     assert "dry mass 0.4 g is unusual" in plan("delay", "--rocket", "Astra", "--dry-mass", "0.4")[1]
-    assert "is less than a diameter of 21.6 mm" in plan("delay", "--rocket", "Astra", "--diameter", "6.6")[1]
+    assert (
+        "found a motor of 24 mm in a body of 6.6 mm"
+        in plan("delay", "--rocket", "Astra", "--diameter", "6.6", status=1)[1]
+    )
     assert not plan("delay", "--rocket", "Zephyr", "--site", "Fen", *body)[1]
 
 
