@@ -10,9 +10,11 @@ import typer
 from fieldkit.cli.screen import AsJson, complain, measured, print_json, say, say_wrapped, system
 from fieldkit.cli.session import open_ledger
 from fieldkit.errors import BadValue
-from fieldkit.quantities import written
+from fieldkit.quantities import ShownUnits, written
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from fieldkit.openrocket import Design
     from fieldkit.rocket import Configuration
 
@@ -50,6 +52,8 @@ def ork(
     say(f"{name} {config}".strip())
     for line in _lines(start, design):
         say_wrapped(line, " " * 12)
+    for line in _beside(design):
+        say_wrapped(line, " " * 12)
     for note in design.notes:
         complain(f"note: {note}")
     if not look:
@@ -82,6 +86,30 @@ def _lines(start: "Configuration", design: "Design") -> list[str]:
     return [*lines, f"  motors    {', '.join(motors)}"] if motors else lines
 
 
+CLOSE_ENOUGH = 0.05
+"""Difference between a stored apogee and our own above which the possible reasons are printed. [1]"""
+
+
+def _beside(design: "Design") -> "Iterator[str]":
+    """Each stored simulation beside our own with the same mass, rod and wind, and why they may differ."""
+    shown, far = ShownUnits(system()), False
+    for one in design.flown_again:
+        wind = ""
+        if one.wind:
+            wind = f"; {shown.length(one.growing_wind)} in a wind that grows with height from {shown.speed(one.wind)}"
+        ours = f"{shown.length(one.level_wind)} here ({one.difference:+.1%})"
+        yield f"  {one.name or 'simulation'} on {one.motor}: {shown.length(one.stored)} stored, {ours}{wind}"
+        far = far or abs(one.difference) > CLOSE_ENOUGH
+    if far:
+        yield (
+            f"  more than {CLOSE_ENOUGH:.0%} apart: here one Cd stands for all motors, that of {design.cd_by}, while "
+            "OpenRocket's changes with speed; and its thrust curve may not be that of the catalog, held to the "
+            "certified impulse and burn time (`fieldkit motors MOTOR --check`)"
+        )
+    if any(one.wind for one in design.flown_again):
+        yield "  OpenRocket's wind is the same at every height: so is a plan's with --wind-aloft at the speed of --wind"
+
+
 def _done(start: "Configuration") -> str:
     config = f" --config {quote(start.config)}" if start.config else ""
     rocket = quote(start.rocket)
@@ -112,6 +140,7 @@ def _document(start: "Configuration", design: "Design", *, saved: bool) -> dict[
             }
             for one in design.simulations
         ],
+        "flown_again": [asdict(one) | {"difference": one.difference} for one in design.flown_again],
         "notes": list(design.notes),
         "kept": saved,
     }

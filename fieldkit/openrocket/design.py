@@ -10,7 +10,7 @@ from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.balance import Balance, balance
-from fieldkit.openrocket.implied import implied_cds
+from fieldkit.openrocket.implied import FlownAgain, flown_again, implied_cds
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.rasaero import from_rasaero, is_rasaero
 from fieldkit.openrocket.rocksim import from_rocksim, is_rocksim
@@ -71,6 +71,7 @@ class Design:
     notes: tuple[str, ...]
     simulations: tuple[Simulation, ...] = ()
     balance: Balance | None = None
+    flown_again: tuple[FlownAgain, ...] = ()
 
     def margin(self, motor: Motor) -> float | None:
         """The static margin on the pad with a loaded motor, from the parts of the design; None if they do not show it.
@@ -167,6 +168,7 @@ def _design(root: "Element", source: str, notes: list[str]) -> Design:
         tuple(notes),
         tuple(stored),
         balance(stages, diameter),
+        tuple(flown_again(root, weight, diameter, cd)) if weight and cd and len(stages) == 1 else (),
     )
 
 

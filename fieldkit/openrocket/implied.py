@@ -40,12 +40,53 @@ class ImpliedCd:
     cd: float
 
 
+@dataclass(frozen=True, slots=True)
+class FlownAgain:
+    """A stored simulation beside our own with the Cd of the design: apogees [m] as stored, in a wind that is the same
+    at every height, as OpenRocket's, and in one that grows with height, as fieldkit's; and the wind at the pad. [m/s]
+    """
+
+    name: str
+    motor: str
+    stored: float
+    level_wind: float
+    growing_wind: float
+    wind: float
+
+    @property
+    def difference(self) -> float:
+        """Our apogee over the stored one in the same wind, less one. [1]"""
+        return self.level_wind / self.stored - 1
+
+
 def implied_cds(root: "Element", dry_mass: float, diameter: float) -> list[ImpliedCd]:
     """The Cd of each simulation of the current design with an apogee and one motor of the catalog, for a mass without
     motor [kg] and a diameter [m]."""
+    found = []
+    for _, plan, motor, apogee in _flown(root, dry_mass, diameter):
+        with suppress(FieldkitError, ValueError):
+            if (cd := _cd(plan, motor, apogee)) is not None:
+                found.append(ImpliedCd(f"{motor.motor.maker} {motor.motor.designation}", cd))
+    return found
+
+
+def flown_again(root: "Element", dry_mass: float, diameter: float, cd: float) -> list[FlownAgain]:
+    """Each simulation of the current design with an apogee and one motor of the catalog beside our own, for a mass
+    without motor [kg], a diameter [m] and a Cd. [1]"""
+    found = []
+    for name, plan, motor, apogee in _flown(root, dry_mass, diameter):
+        with suppress(FieldkitError, ValueError):
+            level = field_flight(plan, motor, cd, 1.0)["true_apogee_m"]
+            growing = field_flight(plan.with_changes(extra={}), motor, cd, 1.0)["true_apogee_m"]
+            named = f"{motor.motor.maker} {motor.motor.designation}"
+            found.append(FlownAgain(name, named, apogee, level, growing, plan.wind or 0.0))
+    return found
+
+
+def _flown(root: "Element", dry_mass: float, diameter: float) -> Iterator[tuple[str, Flight, Found, float]]:
+    """The simulations of the current design with an apogee [m] and one motor of the catalog: name, flight, motor."""
     rocket = root.find("rocket")
     assert rocket is not None
-    found = []
     for simulation in list(root.iterfind("simulations/simulation"))[:MOST_SUMMARIES]:
         data = simulation.find("flightdata")
         if data is None or simulation.get("status") not in ("uptodate", "loaded"):
@@ -53,11 +94,8 @@ def implied_cds(root: "Element", dry_mass: float, diameter: float) -> list[Impli
         with suppress(FieldkitError, ValueError):
             apogee = float(data.get("maxaltitude", "nan"))
             motor = _motor(rocket, simulation.findtext("conditions/configid") or "")
-            if motor is not None and math.isfinite(apogee):
-                plan = _plan(simulation, dry_mass, diameter)
-                if (cd := _cd(plan, motor, apogee)) is not None:
-                    found.append(ImpliedCd(f"{motor.motor.maker} {motor.motor.designation}", cd))
-    return found
+            if motor is not None and math.isfinite(apogee) and apogee > 0:
+                yield shown(simulation.findtext("name"))[:60], _plan(simulation, dry_mass, diameter), motor, apogee
 
 
 def _motor(rocket: "Element", configuration: str) -> Found | None:

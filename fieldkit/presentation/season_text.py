@@ -17,7 +17,7 @@ from fieldkit.presentation.forecast_text import motor_in_words
 from fieldkit.quantities import ShownUnits, counted, in_system, percent
 from fieldkit.units import FOOT
 
-Step = tuple[str, str, tuple[str, ...]]
+SeasonStep = tuple[str, str, tuple[str, ...]]
 """A step: its name, its state in a word or two, and its lines."""
 
 
@@ -33,7 +33,7 @@ def season_steps(
     ahead: Outlook,
     cut: float | None,
     system: str = "SI",
-) -> list[Step]:
+) -> list[SeasonStep]:
     """The steps of a season, in order, in the units of a system; heights in feet, as in the rules."""
     shown = ShownUnits(system)
     return [
@@ -47,7 +47,7 @@ def season_steps(
     ]
 
 
-def _rules(rule: Season) -> Step:
+def _rules(rule: Season) -> SeasonStep:
     opens, closes = rule.window
     target = (
         f"{rule.target / FOOT:.0f} ft in {opens:g} to {closes:g} s; the best {rule.best} of {rule.declared} declared"
@@ -56,7 +56,7 @@ def _rules(rule: Season) -> Step:
     return f"rules of {rule.year}", "checked" if rule.checked else "not checked", (target, *texts, rule.caveat)
 
 
-def _limits(plan: Flight, found: Found, lines: Sequence[SafetyCheck], system: str) -> Step:
+def _limits(plan: Flight, found: Found, lines: Sequence[SafetyCheck], system: str) -> SeasonStep:
     contest = [line for line in lines if line.name.startswith("contest ") and not line.finding.startswith(BY_EYE)]
     failed = [line for line in lines if line.failed]
     open_ones = [line for line in contest if line.verdict == "unknown"]
@@ -68,7 +68,7 @@ def _limits(plan: Flight, found: Found, lines: Sequence[SafetyCheck], system: st
     return "rocket and motor", state, tuple(dict.fromkeys(texts))
 
 
-def _tests(scored: Sequence[tuple[Flight, float]], rule: Season) -> Step:
+def _tests(scored: Sequence[tuple[Flight, float]], rule: Season) -> SeasonStep:
     timed = [flight for flight, _ in scored if judged_duration(flight) is not None]
     weighed = [flight for flight, _ in scored if flight.dry_mass is not None]
     texts = []
@@ -77,14 +77,14 @@ def _tests(scored: Sequence[tuple[Flight, float]], rule: Season) -> Step:
     elif len(timed) < len(scored):
         texts.append(f"{len(scored) - len(timed)} without a time: time every flight with two watches")
     if len(weighed) < len(scored):
-        texts.append(f"{len(scored) - len(weighed)} without a mass: they teach nothing")
+        texts.append(f"{len(scored) - len(weighed)} without a mass: no fit uses them")
     best = min((points for _, points in scored if not math.isnan(points)), default=None)
     if best is not None:
-        texts.append(f"best of them by the rule of {rule.year}: {best:.1f} points")
+        texts.append(f"best of them by the rule of {rule.year}: {best:.1f}")
     return "test flights", f"{len(scored)} flown, {len(timed)} timed", tuple(texts)
 
 
-def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: ShownUnits) -> Step:
+def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: ShownUnits) -> SeasonStep:
     row = now.row
     change = row.mass - (plan.dry_mass or row.mass)
     sign = "+" if change > 0 else ""
@@ -102,7 +102,8 @@ def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: Sh
         "" if row.duration is None or now.area_sd is None else f", {row.duration[0]:.1f} to {row.duration[2]:.1f} s"
     )
     texts.append(
-        f"then {low / FOOT:.0f} to {high / FOOT:.0f} ft{seconds} (90%), {row.points:.0f} points a flight on average"
+        f"then {low / FOOT:.0f} to {high / FOOT:.0f} ft{seconds} (90%), {counted(round(row.points), 'point')} a flight "
+        "on average"
     )
     if row.at_edge:
         texts.append(
@@ -112,29 +113,29 @@ def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: Sh
     return "mass and parachute together", "", tuple(texts)
 
 
-def _practice(practice: Practice, shown: ShownUnits) -> Step:
+def _practice(practice: Practice, shown: ShownUnits) -> SeasonStep:
     before, best, worst = practice.plans[0], practice.single[0], practice.single[-1]
     texts = [
         f"the next: timed, at a dry mass of {shown.mass(best.masses[0])}: a finals apogee is then known to "
         f"{best.apogee_sd:.1%} instead of {before.apogee_sd:.1%}"
     ]
     if worst.apogee_sd - best.apogee_sd < 0.02 * best.apogee_sd:
-        texts.append("any mass between those of the finals teaches as much, so fly the one you need")
+        texts.append("any mass between those of the finals narrows it as much, so fly the one you need")
     texts += [_planned(one, shown) for one in practice.plans]
-    return "practice", f"{before.points:.0f} points in a finals flight now", tuple(texts)
+    return "practice", f"{counted(round(before.points), 'point')} in a finals flight now", tuple(texts)
 
 
 def _planned(one: PracticePlan, shown: ShownUnits) -> str:
     at = f" at {', '.join(shown.mass(mass) for mass in one.masses)}" if one.masses else ""
     return (
         f"after {counted(len(one.masses), 'more flight')}{at}: apogee ± {one.apogee_sd:.1%}, "
-        f"descent ± {one.descent_sd:.0%}, {one.points:.0f} points"
+        f"descent ± {one.descent_sd:.0%}, {counted(round(one.points), 'point')}"
     )
 
 
 def _qualification(
     rule: Season, scored: Sequence[tuple[Flight, float]], declared: Sequence[str], ahead: Outlook, cut: float | None
-) -> Step:
+) -> SeasonStep:
     by_id = {flight.flight_id: (flight, points) for flight, points in scored}
     texts = []
     for name in declared:
@@ -143,7 +144,7 @@ def _qualification(
             continue
         flight, points = by_id[name]
         why = why_no_score(flight, rule.egg_count)
-        texts.append(f"{short_name(flight)}: " + (f"no score, {why}" if why else f"{points:.2f} points"))
+        texts.append(f"{short_name(flight)}: " + (f"no score, {why}" if why else f"{points:.2f}"))
     known = sorted(points for name in declared if name in by_id and not math.isnan(points := by_id[name][1]))
     if len(known) >= rule.best:
         texts.append(f"score so far: {sum(known[: rule.best]):.2f}")
@@ -152,12 +153,12 @@ def _qualification(
         f"{rule.declared} flights with mass and parachute as above would score {middle:.0f} ({low:.0f} to {high:.0f})"
     )
     if cut is not None:
-        texts.append(f"chance of {cut:g} points or fewer: {percent(ahead.chance(rule, cut))}")
+        texts.append(f"chance of a score up to {cut:g}: {percent(ahead.chance(rule, cut))}")
     left = max(rule.declared - len(declared), 0)
     return "qualification", f"{len(declared)} of {rule.declared} declared, {left} left", tuple(texts)
 
 
-def _finals(plan: Flight, rule: Season) -> Step:
+def _finals(plan: Flight, rule: Season) -> SeasonStep:
     texts = [rule.finals] if rule.finals else []
     named = f"--rocket '{plan.rocket}'" if " " in plan.rocket else f"--rocket {plan.rocket}"
     texts.append(

@@ -90,7 +90,7 @@ def test_a_season_counts_declared_flights_and_names_what_is_missing(season: Run)
     shown = season("season", *BODY, "--season", "2027", "--declared", "4,5", "--cut", "60").out
     assert "qualification: 2 of 3 declared, 1 left" in shown
     assert "score so far: " in shown
-    assert "chance of 60 points or fewer" in shown
+    assert "chance of a score up to 60" in shown
     assert "test flights: 5 flown, 5 timed" in shown
     assert "Check it against the season's rules" in " ".join(shown.split())
     assert "fieldkit finals --rocket Team --motor F39T-6 --season 2027" in " ".join(shown.split())

@@ -40,7 +40,7 @@ def test_the_timer_counts_down_and_past_its_end() -> None:
     assert timer.ends is None
 
 
-async def test_the_checklist_is_ticked_off_by_keys_and_the_timer_goes_on_while_it_is_closed(file: Path) -> None:
+async def test_the_checklist_is_ticked_off_by_keys_and_the_timer_keeps_counting_while_it_is_closed(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         await press(pilot, "K")
         screen = pilot.app.screen

@@ -21,7 +21,7 @@ from fieldkit.tui.widgets.dialogs import HelpedModal
 
 
 class PadTimer:
-    """The timer, which goes on while its screen is closed: when it ends, None while it is stopped."""
+    """The timer, which keeps counting while its screen is closed: when it ends, None while it is stopped."""
 
     ends: datetime | None = None
 
