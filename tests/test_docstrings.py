@@ -66,7 +66,7 @@ NOT_RAISED = {
     "inference/history/shards.py:simulate_table": "an unknown effect: these are the names of all effects",
     "ledger/book.py:add": "a flight that cannot be stored is a conflict",
     "reference/flights.py:reference": "the flights are shipped",
-    "reference/history_network.py:history_forecasts": "the flights are shipped",
+    "reference/report.py:history_forecasts": "the flights are shipped",
     "reference/report.py:report": "the flights are shipped",
     "services/demo.py:demo": "the flights are shipped",
 }

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.faults.session import SAMPLES
-from fieldkit.capture.sentences import sentences
+from fieldkit.capture.protocols.altimulti import sentences
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger

@@ -13,8 +13,7 @@ import typer
 
 from fieldkit.cli.live import View
 from fieldkit.cli.numbers import not_negative
-from fieldkit.cli.ports import print_ports
-from fieldkit.cli.screen import AsJson, complain, print_json, say, system
+from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, system
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.errors import BadValue, CaptureTrouble, PortTrouble
 from fieldkit.paths import capture_folder
@@ -245,3 +244,44 @@ def _document(end: "Ended", receipt: "Receipt | None") -> dict[str, object]:
         document |= {"imported": len(receipt.ids), "duplicates": receipt.duplicates}
         document |= {"rejected": rejected, "flights": list(receipt.ids)}
     return document
+
+
+def print_ports(json: bool) -> None:
+    """Print ports, supported devices, and devices that only their vendor's program can read."""
+    from fieldkit.capture import known_devices, ports
+    from fieldkit.capture.protocol import NOT_PUBLIC
+
+    here = ports()
+    if json:
+        print_json(
+            {
+                "ports": [
+                    {
+                        "port": port.name,
+                        "vendor": port.vendor,
+                        "product": port.product,
+                        "serial": port.serial,
+                        "described": port.described,
+                        "about": port.about,
+                        "device": port.device or None,
+                    }
+                    for port in here
+                ],
+                "devices": {name: one.title for name, one in known_devices().items()},
+                "not_public": dict(NOT_PUBLIC),
+            }
+        )
+        return
+    rows = [(port.name, _numbers(port), port.about or port.described, port.device) for port in here]
+    if rows:
+        print_table(("port", "numbers", "identified as", "device"), rows)
+    else:
+        say("No serial ports found; plug in the logger or its adapter")
+    say()
+    print_table(("device", "description"), [(name, one.title) for name, one in known_devices().items()])
+    for name, text in NOT_PUBLIC.items():
+        complain(f"{name}: {text}")
+
+
+def _numbers(port: "Port") -> str:
+    return "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"

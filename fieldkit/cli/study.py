@@ -1,5 +1,6 @@
 """`fieldkit study`: pages whose figures are all computed."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -7,8 +8,8 @@ import typer
 
 from fieldkit.cli.screen import complain, progress, say_lines
 from fieldkit.cli.session import known_motors, open_ledger
-from fieldkit.cli.studies import need_studies
 from fieldkit.cli.targets import ForceOption, settled
+from fieldkit.errors import FieldkitError
 from fieldkit.files import write
 from fieldkit.progress import part
 
@@ -80,3 +81,14 @@ def _write_or_print(page: str, out: Path | None, force: bool) -> None:
         return
     write(out, page.encode(), force=force)
     complain(f"Wrote the page to {out}")
+
+
+def need_studies() -> None:
+    """Raise FieldkitError that says what to install if the studies, which are not in the wheel, are missing."""
+    try:
+        found = find_spec("studies.paper")
+    except ModuleNotFoundError:
+        found = None
+    if found is None:
+        how = "from a checkout of fieldkit: pip install -e ."
+        raise FieldkitError(f"the studies are not in the installed program; {how}")

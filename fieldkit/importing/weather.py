@@ -18,6 +18,7 @@ from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.importing.tables.text import check_count, decode_whole, lines_of
 from fieldkit.physics.standard_atmosphere import HYDROSTATIC_EXPONENT, LAPSE, STANDARD_TEMPERATURE
 from fieldkit.plugins import plugins
+from fieldkit.safe_text import whole_number
 
 QUANTITIES = {"temperature": "temperature", "pressure": "pressure", "humidity": "fraction", "wind": "speed"}
 """What a report has of the air near the ground, with the quantity of each."""
@@ -224,8 +225,8 @@ def read_time(text: str, row: int, column: str = "time") -> datetime:
     """A time as weather services write it: ISO 8601, with a blank or a T, or seconds since 1970. Raises DamagedLog."""
     shown = text.strip()
     try:
-        if shown.isdigit() and len(shown) > 8:
-            return datetime(1970, 1, 1) + timedelta(seconds=int(shown))
+        if len(shown) > 8 and (seconds := whole_number(shown)) is not None:
+            return datetime(1970, 1, 1) + timedelta(seconds=seconds)
         return datetime.fromisoformat(shown.replace("/", "-").removesuffix("Z").strip()).replace(tzinfo=None)
     except (ValueError, OverflowError) as error:
         raise DamagedLog(f"found {shown[:40]!r}, expected 2026-05-16T14:00", row=row, column=column) from error

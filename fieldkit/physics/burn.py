@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.physics.forces import EquationsOfMotion, length_of
-from fieldkit.physics.lift_off import lift_off_time
 from fieldkit.physics.state import Setup
-from fieldkit.shapes import Array, Integers
+from fieldkit.shapes import Array, Float, Integers
 
 MAX_DRAG_FRACTION = 0.5
 """Largest fraction by which drag may change the speed in a step. [1]"""
@@ -298,3 +297,25 @@ def _leave_rail(track: AscentState, setup: Setup, dt: Array, position: Array, ve
         place = np.minimum(np.maximum(place - miss / np.where(slope > 0, slope, np.inf), 0.0), 1.0)
     track.rail_speed = track.rail_speed.copy()
     track.rail_speed[leaves] = (lift0 + place * (2 * square + 3 * place * cubic)) / dt
+
+
+def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
+    """Time at which thrust first exceeds weight and friction on the rail; inf if it never does. [s]
+
+    Derivation: Newton's second law at rest, with the thrust linear between two points of its curve.
+    """
+    burns, motor = setup.burns, setup.motor
+    mass = setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]
+    weight = mass * (setup.gravity + setup.rail_friction)
+    needed = weight * setup.burn_stretch / setup.thrust_factor
+    result = np.where(burns.rise_thrust[0][motor] > needed, burns.rise_time[0][motor], np.inf)
+    for knot in range(len(burns.rise_time) - 1):
+        before, after = burns.rise_thrust[knot][motor], burns.rise_thrust[knot + 1][motor]
+        crosses = (after > needed) & np.isinf(result)
+        if crosses.any():
+            share = np.clip((needed - before) / np.where(after > before, after - before, np.inf), 0.0, 1.0)
+            start, end = burns.rise_time[knot][motor], burns.rise_time[knot + 1][motor]
+            result = np.where(crosses, start + share * (end - start), result)
+        if not np.isinf(result).any():
+            break
+    return np.asarray(result * setup.burn_stretch)

@@ -7,6 +7,7 @@ Source: RocketFlightLogger.ino, config.cpp, logger_i2c_eeprom.cpp (bdureau/Rocke
 
 import re
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from fieldkit.capture.captured import Captured, Log
@@ -14,8 +15,8 @@ from fieldkit.capture.events import FlightsListed, Instruction, Sample, Stored
 from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import NOISE, Dialogue, Link
 from fieldkit.capture.protocol import CaptureOptions, Protocol
-from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
+from fieldkit.importing.tables.checksums import sum_256
 from fieldkit.quantities import counted
 from fieldkit.safe_text import whole_number
 
@@ -31,6 +32,36 @@ TRIES = 3
 """Number of times that a command is sent until the answer is complete. [1]"""
 STREAM = 60.0
 """Longest pause in telemetry. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """A sentence; `sound` if its checksum is valid, or if its kind has none."""
+
+    name: str
+    fields: tuple[str, ...]
+    sound: bool
+
+
+def sentence(piece: bytes) -> Sentence | None:
+    """The sentence at the end of the text before a semicolon, None if there is none."""
+    start = piece.rfind(b"$")
+    if start < 0:
+        return None
+    body = piece[start + 1 :]
+    name, *fields = body.decode("latin-1").split(",")
+    if not fields:
+        return Sentence(name.strip(), (), name.strip().isalnum())
+    right = str(sum_256(body[: body.rfind(b",") + 1])) == fields[-1].strip()
+    return Sentence(name, tuple(fields[:-1]), right)
+
+
+def sentences(content: bytes) -> Iterable[Sentence]:
+    """All sentences `$name,field,...,checksum;` in a sequence of bytes. The checksum is the sum of the characters from
+    the name up to and including the comma before the checksum, modulo 256."""
+    for piece in content.split(b";")[:-1]:
+        if (one := sentence(piece)) is not None:
+            yield one
 
 
 def recognizes_stream(heard: bytes) -> bool:

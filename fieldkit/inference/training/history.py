@@ -3,6 +3,7 @@
 import hashlib
 import json
 import shutil
+import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from torch import nn
 from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.errors import BadValue
+from fieldkit.files import read_own, replace
 from fieldkit.inference.history.columns import OF_HISTORY, PER_EFFECT
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.features import effect_names, feature_names
@@ -28,7 +30,6 @@ from fieldkit.inference.training.fit import TrainingProgress, one_thread
 from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss, scaled_features
 from fieldkit.inference.training.member_graphs import history_graph
 from fieldkit.inference.training.shipping import claim, ship
-from fieldkit.inference.training.stopwatch import Stopwatch
 from fieldkit.inference.training.unfinished import load_state, save_state
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import learned
@@ -257,3 +258,21 @@ def _card(
         },
         "made_with": {name: version(name) for name in ("torch", "onnx", "numpy")},
     }
+
+
+class Stopwatch:
+    """Seconds spent on a resumable run: those of earlier runs, saved in a file, and those since it was made. [s]"""
+
+    def __init__(self, file: Path) -> None:
+        self._file, self._began = file, time.perf_counter()
+        self._before = float(read_own(file)) if file.exists() else 0.0
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of all runs. [s]"""
+        return self._before + time.perf_counter() - self._began
+
+    def save(self) -> None:
+        """Save the seconds so far. Raises FieldkitError."""
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        replace(self._file, f"{self.seconds:.1f}".encode())

@@ -113,12 +113,12 @@ def test_the_command_trains_a_network_that_answers(
 
 
 def test_the_time_of_an_interrupted_run_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fieldkit.inference.training import stopwatch
+    from fieldkit.inference.training import history
 
     seconds = iter([100.0, 160.0, 500.0, 530.0])
-    monkeypatch.setattr(stopwatch, "time", SimpleNamespace(perf_counter=lambda: next(seconds)))
-    stopwatch.Stopwatch(tmp_path / "parts" / "seconds").save()
-    assert stopwatch.Stopwatch(tmp_path / "parts" / "seconds").seconds == pytest.approx(90.0)
+    monkeypatch.setattr(history, "time", SimpleNamespace(perf_counter=lambda: next(seconds)))
+    history.Stopwatch(tmp_path / "parts" / "seconds").save()
+    assert history.Stopwatch(tmp_path / "parts" / "seconds").seconds == pytest.approx(90.0)
 
 
 @pytest.mark.thorough

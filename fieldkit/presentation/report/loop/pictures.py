@@ -1,12 +1,14 @@
 """The pictures of the loop's report. Each draws into given axes; none opens a window."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.flight import BY_NAME
-from fieldkit.presentation.report.loop.axis import Axis, axis
+from fieldkit.physics.effect import effect_named
+from fieldkit.presentation.condition_axis import in_units
 from fieldkit.presentation.report.style import (
     AFTER_COLOR,
     BEFORE_COLOR,
@@ -21,9 +23,12 @@ from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.drag_steps import FlightDrag
 from fieldkit.selection.fingerprint import FingerprintMark
 from fieldkit.selection.logged_forces import ThrustProfile
+from fieldkit.selection.residual import columns_of
 from fieldkit.selection.verdict import NAMING_PROBABILITY
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
+
+TITLES = {"flight_number": "flight, in the order flown", "hour": "hour of the day"}
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +37,47 @@ if TYPE_CHECKING:
 NINE_OF_TEN = 1.645
 """Half width of the central 90% interval of a normal distribution, in standard deviations. [1]"""
 DrawFindings = Callable[["Figure | SubFigure", Findings, ShownUnits], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """A title, a value for each flight (nan if not recorded), and the names of the values if they are groups."""
+
+    title: str
+    values: Float[Array, "flight"]
+    names: Sequence[str] = ()
+
+
+def axis(found: Findings, system: str = "SI") -> Axis:
+    """The column of the accepted effect, or else of the strongest correlation, or else the order flown; in the units of
+    a system.
+    """
+    diagnosis = found.diagnosis
+    for trial in diagnosis.accepted[:1]:
+        effect = effect_named(trial.candidate.place.effect)
+        if effect.needs:
+            column = BY_NAME[effect.needs]
+            return Axis(*in_units(column.header, diagnosis.model.recorded(column.name), system))
+        if trial.candidate.place.where and not trial.candidate.place.since:
+            return _grouped(found, effect.per)
+        if effect.grows or trial.candidate.place.since:
+            return _numbered(found, "flight_number", system)
+    if found.patterns and (diagnosis.accepted or found.patterns[0].p < 0.1):
+        best = found.patterns[0].against
+        return _numbered(found, best, system) if best in columns_of(diagnosis) else _grouped(found, best)
+    return _numbered(found, "flight_number", system)
+
+
+def _numbered(found: Findings, name: str, system: str) -> Axis:
+    title, values = in_units(name, columns_of(found.diagnosis)[name], system)
+    return Axis(TITLES.get(name, title), values)
+
+
+def _grouped(found: Findings, per: str) -> Axis:
+    model = found.diagnosis.model
+    own = model.groups(per)
+    names = list(dict.fromkeys(own))
+    return Axis(per, np.array([names.index(name) for name in own], float), names)
 
 
 def residuals(figure: "Figure | SubFigure", found: Findings, shown: ShownUnits) -> None:
