@@ -97,7 +97,7 @@ def recordings(folder: Path) -> Iterator[Sequence[str]]:
             both.source,
             f"{1e3 * both.value:.2f} ± {1e3 * both.sd:.2f}",
             f"{1e3 * alone.value:.2f} ± {1e3 * alone.sd:.2f}" if alone else "",
-            f"{gap:.1f}" if apart is not None else "",
+            f"{gap:.1f}" if gap is not None else "",
             f"{steps.flights[0].member:.0%}",
         )
 

@@ -261,7 +261,8 @@ def test_a_plan_reports_values_that_look_mistyped(tmp_path: Path, capsys: pytest
         "found a motor of 24 mm in a body of 6.6 mm"
         in plan("delay", "--rocket", "Astra", "--diameter", "6.6", status=1)[1]
     )
-    assert not plan("delay", "--rocket", "Zephyr", "--site", "Fen", *body)[1]
+    (note,) = plan("delay", "--rocket", "Zephyr", "--site", "Fen", *body)[1].splitlines()
+    assert note.startswith("note: saved dry mass 400 g")
 
 
 def test_a_motor_that_needs_a_larger_field_does_not_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
