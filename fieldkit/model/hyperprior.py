@@ -256,10 +256,10 @@ def learned() -> Hyperprior:
 
 
 def _noise_of(card: Mapping[str, Any], readout: str) -> Mapping[str, float]:
-    """The noise of a readout. Readouts from logs, which cards of older versions lack, take it from `START`."""
+    """The noise of a readout. One that a card lacks, because its version did not compare that readout, is `START`'s."""
     place = READOUTS.index(readout)
     start = {"fixed": START.fixed[place], "ratio": START.ratio[place]}
-    noise: Mapping[str, float] = card["noise"].get(readout, start) if readout in FROM_LOGS else card["noise"][readout]
+    noise: Mapping[str, float] = card["noise"][readout] if readout == "apogee" else card["noise"].get(readout, start)
     return noise
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from fieldkit.errors import DamagedModel
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
-from fieldkit.model.hyperprior import START, learned, read_card
+from fieldkit.model.hyperprior import READOUTS, START, learned, read_card
 from fieldkit.model.scale import Scale
 
 pytestmark = pytest.mark.fast
@@ -38,6 +38,15 @@ def test_an_older_card_lacks_means_and_readouts_from_samples() -> None:
     assert found.motor_scales().tolist() == found.scales()[0].tolist(), "one scale for motors and apogees"
     card["scatter"]["of"] = "apogee"
     assert read_card(json.dumps(card), "older.json").motors == START.motors
+
+
+def test_a_readout_that_the_card_does_not_know_has_the_error_of_the_start() -> None:
+    """Adding a readout to the fit does not make the shipped card, or a flyer's own, unreadable."""
+    card = learned().json()
+    card["noise"] = {name: noise for name, noise in card["noise"].items() if name != "peak_accel"}
+    found, place = read_card(json.dumps(card), "older.json"), READOUTS.index("peak_accel")
+    assert (found.fixed[place], found.ratio[place]) == (START.fixed[place], START.ratio[place])
+    assert found.fixed[:place] == learned().fixed[:place]
 
 
 @pytest.mark.parametrize(
