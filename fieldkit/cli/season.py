@@ -20,7 +20,9 @@ app = typer.Typer()
 
 def season(
     context: typer.Context,
-    year: Annotated[int | None, typer.Option("--season", metavar="YEAR", help="2019 to 2027; default: the current season.")] = None,
+    year: Annotated[
+        int | None, typer.Option("--season", metavar="YEAR", help="2019 to 2027; default: the current one.")
+    ] = None,
     declared: Annotated[
         str | None, typer.Option(help="Qualification flights declared so far, of which the best are summed: 4,5.")
     ] = None,
