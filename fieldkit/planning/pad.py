@@ -48,5 +48,5 @@ def _rocket(plan: Flight, found: Found) -> Iterator[str]:
 
 
 def _checks(lines: Sequence[SafetyCheck]) -> Iterator[str]:
-    yield from (f"{line.name} is {line.verdict}: {line.finding}" for line in lines if line.failed)
+    yield from (f"{line.name} ({line.verdict}): {line.finding}" for line in lines if line.failed)
     yield from (f"{line.name}: {line.finding.removeprefix(BY_EYE)}" for line in lines if line.by_eye)

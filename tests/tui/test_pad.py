@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import cast
 
 import pytest
-from textual.widgets import SelectionList
+from textual.widgets import OptionList
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
@@ -45,13 +45,15 @@ async def test_the_checklist_is_ticked_off_by_keys_and_the_timer_keeps_counting_
         await press(pilot, "K")
         screen = pilot.app.screen
         assert isinstance(screen, PadScreen)
-        steps = screen.query_one(SelectionList)
+        steps = screen.query_one(OptionList)
         assert steps.option_count >= len(LAUNCH) + 4
         await press(pilot, "space", "space", "t")
-        assert len(steps.selected) == 2
+        assert [str(steps.get_option_at_index(at).prompt)[:3] for at in range(3)] == ["[x]", "[x]", "[ ]"]
         assert "left" in text_of(pilot, "#timer")
         await press(pilot, "escape", "K")
         assert "left" in text_of(pilot, "#timer")
+        again = pilot.app.screen.query_one(OptionList)
+        assert str(again.get_option_at_index(1).prompt).startswith("[x]")
 
 
 async def test_the_checklist_is_that_of_the_waiting_plan(file: Path) -> None:

@@ -8,7 +8,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.content import Content
-from textual.widgets import SelectionList, Static
+from textual.widgets import OptionList, Static
 
 from fieldkit.planning.pad import CONTEST_MINUTES
 from fieldkit.quantities import in_system
@@ -21,9 +21,12 @@ from fieldkit.tui.widgets.dialogs import HelpedModal
 
 
 class PadTimer:
-    """The timer, which keeps counting while its screen is closed: when it ends, None while it is stopped."""
+    """The timer, which keeps counting while its screen is closed, and the steps that are ticked off: `ends` is None
+    while it is stopped."""
 
-    ends: datetime | None = None
+    def __init__(self) -> None:
+        self.ends: datetime | None = None
+        self.ticked: set[str] = set()
 
     def toggle(self, now: datetime) -> None:
         """Start the timer, or stop it."""
@@ -45,7 +48,7 @@ class PadScreen(HelpedModal[None]):
     PadScreen { align: center middle; background: $backdrop; }
     PadScreen > Vertical { width: 94%; max-width: 100; height: 90%; background: $surface; border: solid $border; }
     PadScreen #timer { height: 1; padding: 0 1; text-style: bold; }
-    PadScreen SelectionList { height: 1fr; border: none; background: $surface; }
+    PadScreen OptionList, PadScreen OptionList:focus { height: 1fr; border: none; background: $surface; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "dismiss", "Close", priority=True),
@@ -59,14 +62,10 @@ class PadScreen(HelpedModal[None]):
 
     def compose(self) -> ComposeResult:
         """The timer, and the steps."""
-        steps = [
-            (Content(printable(in_system(step, self._system))), number)
-            for number, step in enumerate(self._found.steps, start=1)
-        ]
         with Vertical() as frame:
             frame.border_title = Content(printable(f"At the pad: {self._found.title}"))
             yield Static(id="timer")
-            yield SelectionList[int](*steps)
+            yield OptionList(*map(self._line, range(len(self._found.steps))))
             yield KeyBar()
 
     def on_mount(self) -> None:
@@ -92,10 +91,18 @@ class PadScreen(HelpedModal[None]):
         self._count()
 
     def action_tick(self) -> None:
-        """Tick off the step under the cursor, and go to the next."""
-        steps = self.query_one(SelectionList)
-        steps.action_select()
-        steps.action_cursor_down()
+        """Tick off the step under the cursor, or not, and go to the next."""
+        steps = self.query_one(OptionList)
+        if steps.highlighted is not None:
+            self._timer.ticked ^= {self._found.steps[steps.highlighted]}
+            steps.replace_option_prompt_at_index(steps.highlighted, self._line(steps.highlighted))
+            steps.highlighted = min(steps.highlighted + 1, steps.option_count - 1)
+
+    def _line(self, place: int) -> Content:
+        """A step, with its box."""
+        step = self._found.steps[place]
+        box = "[x]" if step in self._timer.ticked else "[ ]"
+        return Content(f"{box} {printable(in_system(step, self._system))}")
 
 
 def show_pad(page: PageScreen, timer: PadTimer) -> None:
