@@ -1,5 +1,5 @@
-"""Connections to the app's server, with a limit in total and a lower limit per address, so that nobody can block
-others."""
+"""Connections to the app's server, with a limit in total and a lower limit per address, so that few can hardly
+block others."""
 
 import asyncio
 import signal
@@ -12,8 +12,6 @@ from aiohttp import web
 
 MAX_CONNECTIONS = 100
 """Maximum number of open connections; a browser uses about six. [1]"""
-MAX_OF_ADDRESS = 50
-"""Maximum number of open connections per address. [1]"""
 IDLE_PERIOD = 15.0
 """How long a connection stays open without a request. [s]"""
 PAUSE = 0.1
@@ -29,10 +27,11 @@ class Connections:
         self._open: dict[asyncio.BaseTransport, str] = {}
 
     def has_room(self, address: str) -> bool:
-        """Whether an address may open another connection."""
+        """Whether an address may open another connection: while it has fewer than are free, so the first has at most
+        half of all, the next a quarter, and a new one still finds a place."""
         self._open = {one: whose for one, whose in self._open.items() if not one.is_closing()}
         whose = list(self._open.values())
-        return len(whose) < MAX_CONNECTIONS and whose.count(address) < MAX_OF_ADDRESS
+        return whose.count(address) < MAX_CONNECTIONS - len(whose)
 
     def came(self, transport: asyncio.BaseTransport, address: str) -> None:
         """Count an accepted connection."""

@@ -246,8 +246,12 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             here = is_loopback(split.hostname or "") and (split.port or 80) == self.port
         except ValueError:  # not a valid port
             return False
-        link = urlsplit(self.public_url).netloc.lower()  # as browsers write it, and without the usual port
-        return here or asked.lower() in (link, link.removesuffix(":80"))
+        return here or asked.lower() in self._names()
+
+    def _names(self) -> tuple[str, str]:
+        """Host name and port of the link, as browsers write it, and without the usual port."""
+        link = urlsplit(self.public_url).netloc.lower()
+        return link, link.removesuffix(":80")
 
     async def on_startup(self, app: web.Application) -> None:
         """Print nothing: the command has already printed the link."""
@@ -257,6 +261,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         if isinstance(request.protocol, listening.Handler):
             request.protocol.has_asked = True
         self._refuse_strangers(request)
+        if request.path == "/" and request.host.lower() not in self._names():
+            raise web.HTTPFound(self.link)  # `localhost`: cookies and sockets belong to one name
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
         if request.path == "/ws" and len(self.open) >= MAX_APPS:

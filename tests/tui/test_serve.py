@@ -117,11 +117,31 @@ async def test_a_foreign_host_name_that_resolves_to_this_computer_is_refused(unu
                     assert (await anyone.get(base + path, headers={"Host": host})).status == 403
                 with pytest.raises(WSServerHandshakeError):
                     await anyone.ws_connect(base + "ws", headers={"Host": host}, origin=f"http://{host}")
-            for host in (here, f"localhost:{unused_tcp_port}", f"[::1]:{unused_tcp_port}"):
+            assert (await anyone.get(base, headers={"Host": here, "Origin": f"http://{here}"})).status == 200
+            for host in (f"localhost:{unused_tcp_port}", f"[::1]:{unused_tcp_port}"):
                 headers = {"Host": host, "Origin": f"http://{host}"}
-                assert (await anyone.get(base, headers=headers)).status == 200
+                answer = await anyone.get(base, headers=headers, allow_redirects=False)
+                assert (answer.status, answer.headers["Location"]) == (302, base)
             for origin in (f"http://localhost:{unused_tcp_port + 1}", "http://localhost:none", "null"):
                 assert (await anyone.get(base, headers={"Origin": origin})).status == 403
+    finally:
+        await runner.cleanup()
+
+
+async def test_localhost_opens_the_app_under_the_name_of_the_link(unused_tcp_port: int) -> None:
+    """Its page, its socket and its cookie belong to one origin."""
+    runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
+    try:
+        async with ClientSession() as flyer:
+            answer = await flyer.get(
+                f"http://127.0.0.1:{unused_tcp_port}/?token=a+token",
+                headers={"Host": f"localhost:{unused_tcp_port}"},
+                allow_redirects=False,
+            )
+            assert answer.status == 302
+            followed = await flyer.get(answer.headers["Location"])
+            assert followed.status == 200
+            assert f"ws://127.0.0.1:{unused_tcp_port}/ws" in await followed.text()
     finally:
         await runner.cleanup()
 
@@ -193,7 +213,7 @@ def test_messages_from_a_page_are_bounded_or_ignored(text: str, payload: object)
 async def test_a_client_without_the_token_cannot_use_up_all_connections(
     unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(listening, "MAX_OF_ADDRESS", 3)
+    monkeypatch.setattr(listening, "MAX_CONNECTIONS", 6)
     app = await GuardedServer("127.0.0.1", unused_tcp_port, "a token", None)._make_app()
     serving = asyncio.ensure_future(listening.serve(app, "127.0.0.1", unused_tcp_port, serve.HEADERS))
     try:
@@ -301,6 +321,14 @@ def test_a_closed_connection_makes_room_for_another(monkeypatch: pytest.MonkeyPa
     assert not connections.has_room("10.0.0.2")
     here[0].closing = True
     assert connections.has_room("10.0.0.2")
+
+
+def test_two_addresses_leave_room_for_others() -> None:
+    connections = listening.Connections()
+    for address in ("10.0.0.1", "10.0.0.2", "10.0.0.3"):
+        while connections.has_room(address):
+            connections.came(Transport(), address)
+    assert connections.has_room("10.0.0.4")
 
 
 async def test_the_number_of_simultaneous_apps_is_limited(
