@@ -325,9 +325,9 @@ def test_a_closed_connection_makes_room_for_another(monkeypatch: pytest.MonkeyPa
 
 def test_two_addresses_leave_room_for_others() -> None:
     connections = listening.Connections()
-    for address in ("10.0.0.1", "10.0.0.2", "10.0.0.3"):
-        while connections.has_room(address):
-            connections.came(Transport(), address)
+    for host in ("10.0.0.1", "10.0.0.2", "10.0.0.3"):
+        while connections.has_room(host):
+            connections.came(Transport(), host)
     assert connections.has_room("10.0.0.4")
 
 
