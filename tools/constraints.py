@@ -1,0 +1,49 @@
+"""Prints the versions of everything that a field install consists of, as tested: `python -m tools.constraints`.
+
+Written to `constraints.txt`, they make `pip install -c constraints.txt .` resolve the same in a year as today. The
+extras for the field are included; those for training, the manual and development are not.
+"""
+
+import tomllib
+from collections.abc import Iterable
+from importlib.metadata import distribution
+from pathlib import Path
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parent.parent
+FIELD_EXTRAS = ("serve", "postgres")
+"""Extras that a flyer installs."""
+
+
+def declared() -> list[str]:
+    """The requirements of the program and of its extras for the field, as `pyproject.toml` declares them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [*project["dependencies"], *(one for name in FIELD_EXTRAS for one in project["optional-dependencies"][name])]
+
+
+def installed(requirements: Iterable[str]) -> dict[str, str]:
+    """The installed versions of requirements and of everything that they require, by name. Raises
+    PackageNotFoundError for one that is not installed."""
+    found: dict[str, str] = {}
+    waiting = [Requirement(one) for one in requirements]
+    done: set[tuple[str, frozenset[str]]] = set()
+    while waiting:
+        one = waiting.pop()
+        key = canonicalize_name(one.name), frozenset(one.extras)
+        if key in done:
+            continue
+        done.add(key)
+        own = distribution(one.name)
+        found[canonicalize_name(one.name)] = own.version
+        for text in own.requires or ():
+            other = Requirement(text)
+            if other.marker is None or any(other.marker.evaluate({"extra": extra}) for extra in ("", *one.extras)):
+                waiting.append(other)
+    return found
+
+
+if __name__ == "__main__":
+    for name, version in sorted(installed(declared()).items()):
+        print(f"{name}=={version}")
