@@ -71,6 +71,9 @@ def _lines(start: "Configuration", design: "Design") -> list[str]:
     lines.append(f"  Cd        {start.cd:.2f}, from {design.cd_by}" if start.cd else "  Cd        not in the file")
     if start.margin is not None:
         lines.append(f"  stability {start.margin:.1f} calibers with its motor, at small angles")
+    elif design.balance is not None:
+        cp = written(design.balance.cp, "mm", system())
+        lines.append(f"  stability center of pressure {cp} from the nose; a plan has the margin with its own motor")
     margins = {
         f"{motor.maker} {motor.designation}": margin
         for one in design.motors
