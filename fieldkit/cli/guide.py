@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
-from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.errors import FieldkitError, NoFlights, UnknownMotor
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, Verdict
@@ -105,6 +106,18 @@ def _in_season(
     return held, motor_advice(held, rule, label(last) if last is not None else None)
 
 
+def _boxed(plan: PlanContext) -> dict[str, int]:
+    """How many of each motor are in the flyer's range box; a name that no motor has any more is left out."""
+    from fieldkit.planning.motor_guide import label
+
+    found: dict[str, int] = {}
+    for one in read_settings().flyer.box:
+        with suppress(FieldkitError):
+            name = label(plan.motors.resolve(one.motor).motor)
+            found[name] = found.get(name, 0) + one.count
+    return found
+
+
 def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
     """The motors in stock by a saved list; lines that name none are printed."""
     from fieldkit.importing.tables.text import decode_whole
@@ -121,7 +134,7 @@ def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
 
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool, boxed: bool) -> "Wanted":
-    from fieldkit.planning.motor_guide import Wanted, label, mount_of, widest_motor
+    from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
     from fieldkit.services.shortlist import shortlist
 
     last = mount_of(plan.rocket, plan.flight.config) or plan.rocket.mount
@@ -132,7 +145,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
         raise UnknownMotor("found no flights that show the motor mount and no diameter, expected --mount such as 29mm")
     names = shortlist(plan.ledger, plan.flight.rocket) if shortlisted else None
     if boxed:
-        box = frozenset(label(plan.motors.resolve(one.motor).motor) for one in read_settings().flyer.box)
+        box = frozenset(_boxed(plan))
         names = box if names is None else box & names
     if fit["in_stock"]:
         stock = _in_stock(plan, Path(fit["in_stock"]))
@@ -179,7 +192,7 @@ def _print_json(
 def _print(
     plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", names: MotorNames, of: int, *, every: bool
 ) -> None:
-    from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK
+    from fieldkit.planning.motor_guide import EJECTION_CHECK, RAIL_CHECK, label
     from fieldkit.presentation.forecast_text import rests_in_words
 
     prediction, flight = choices[0].prediction, plan.flight
@@ -205,6 +218,9 @@ def _print(
         say_wrapped(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
         )
+    box = _boxed(plan)
+    if held := [f"{names[one.motor]} ({box[label(one.motor)]})" for one in choices if label(one.motor) in box]:
+        say_wrapped(f"box     in your range box: {', '.join(held)}; --box forecasts only those", "        ")
     say_wrapped(f"based on {rests_in_words(prediction)}")
     print_conditions(prediction.plan, plan.rocket.known)
     say()

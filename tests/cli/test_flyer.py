@@ -75,3 +75,11 @@ def test_what_the_card_cannot_hold_is_refused(run: Run, given: tuple[str, ...], 
     assert printed.status
     assert why in printed.err
     assert read_settings().flyer == FlyerCard()
+
+
+def test_the_guide_names_the_fitting_motors_that_are_in_the_box(run: Run) -> None:
+    run("flyer", "--motor", "C6-5", "--count", "3")
+    run("flyer", "--motor", "G80T-7", "--count", "1")
+    fit = ("motors", "--fit", "Small", "--dry-mass", "60g", "--diameter", "25mm", "--mount", "18mm", "--class", "B-C")
+    assert "in your range box: C6 (3); --box" in " ".join(run(*fit).out.split())
+    assert [one["motor"] for one in run(*fit, "--box", "--json").document["motors"]] == ["C6"]
