@@ -12,7 +12,7 @@ from math import log, log1p
 from typing import get_args
 
 from fieldkit.model.random_effects import known_effects
-from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, Family, effects
+from fieldkit.physics.effect import LOGGED_EFFECTS, Effect, Family, effects, spoken
 
 NO_EFFECT_PROBABILITY = 0.5
 """Prior probability that nothing is missing from a rocket's model. [1]"""
@@ -39,8 +39,8 @@ def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> di
 def inclusion_of(names: Sequence[str]) -> dict[str, float]:
     """The same for histories in which only these effects occur, by default all. Raises BadValue for an unknown one."""
     every = inclusion_probabilities()
-    known_effects(names)
-    return {name: chance if not names or name in names else 0.0 for name, chance in every.items()}
+    wanted = set(map(spoken, known_effects(names)))
+    return {name: chance if not wanted or name in wanted else 0.0 for name, chance in every.items()}
 
 
 def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None = None) -> float:
