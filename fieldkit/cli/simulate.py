@@ -112,6 +112,10 @@ def simulate(
         )
         result |= {"cd": drag, "cd_p05": low, "cd_p95": high, "apogee_m_p05": least["apogee_m"]}
         result |= {"apogee_m_p95": highest["apogee_m"]}
+    if "duration_s" in result and "apogee_to_eject_s" not in result:
+        complain(
+            "note: the motor has no known charge, so duration and descent speed are those of a parachute open at apogee"
+        )
     lines = []
     if found.motor.kind == "stages":
         lines = staged_lines(plan, found, highest, Site(), own_limits())
