@@ -1,5 +1,6 @@
 """`fieldkit season`: a contest season step by step, from the kit to the finals."""
 
+import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -41,7 +42,7 @@ def season(
     from fieldkit.planning.contest_limits import allowed, approved_motors
     from fieldkit.planning.finals import finals_table, finals_targets, trials
     from fieldkit.planning.outlook import outlook
-    from fieldkit.planning.practice import practice, setting
+    from fieldkit.planning.practice import final_scores, practice, setting
     from fieldkit.presentation.season_text import season_steps
 
     names = read_declared(declared or "")
@@ -61,7 +62,9 @@ def season(
             *allowed(rule, ready, found, long, approved_motors(rule.year, data_file("seasons"))),
         ]
     by_id = {flight.flight_id: points for flight, points in scored}
-    steps = season_steps(plan.flight, found, rule, scored, names, lines, now, plans, ahead, cut, system())
+    known = [points for name in names if not math.isnan(points := by_id.get(name, math.nan))]
+    scores = final_scores(rule, known, ahead.points, max(rule.declared - len(names), 0))
+    steps = season_steps(plan.flight, found, rule, scored, names, lines, now, plans, ahead, scores, cut, system())
     if json:
         document: dict[str, Any] = {
             "season": rule.year,
@@ -76,11 +79,11 @@ def season(
             },
             "practice": [_document(one) for one in plans.plans],
             "next_practice": [_document(one) for one in plans.single],
-            "score": {"mean": float(rule.sums(ahead.points).mean())},
+            "score": None if scores is None else {"mean": float(scores.mean())},
             "steps": [{"step": name, "state": state, "lines": list(texts)} for name, state, texts in steps],
         }
-        if cut is not None:
-            document["qualifies"] = {"cut": cut, "chance": ahead.chance(rule, cut)}
+        if cut is not None and scores is not None:
+            document["qualifies"] = {"cut": cut, "chance": float((scores <= cut).mean())}
         print_json(document | about_plan(ahead.forecast, lines))
         return
     for number, (name, state, texts) in enumerate(steps, start=1):

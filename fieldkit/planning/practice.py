@@ -117,6 +117,16 @@ def practice(
     return Practice(tuple(plans), tuple(best(1))), float(np.sqrt(np.diag(shared.cov).mean()))
 
 
+def final_scores(
+    rule: Season, known: Sequence[float], ahead: Float[Array, "draw declared"], left: int
+) -> Float[Array, "draw"] | None:
+    """The score of a season: the best of the declared flights that have points and of those that are left, by their
+    forecast points; None if these are too few. [1]"""
+    flown = np.broadcast_to(np.array(known), (len(ahead), len(known)))
+    every = np.concatenate([flown, ahead[:, :left]], axis=1)
+    return rule.sums(every) if every.shape[1] >= rule.best else None
+
+
 def _shared(rocket: RocketData, plan: Flight, found: Found, masses: tuple[float, ...]) -> _Shared:
     """What flights at these dry masses [kg] have in common: each is drawn twice, with its own scatter."""
     planned = [(plan.with_changes(dry_mass=mass), found) for mass in (*masses, *masses)]

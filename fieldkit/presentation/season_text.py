@@ -15,6 +15,7 @@ from fieldkit.planning.practice import Practice, PracticePlan, Setting
 from fieldkit.planning.quantiles import three_of_all
 from fieldkit.presentation.forecast_text import motor_in_words
 from fieldkit.quantities import ShownUnits, counted, in_system, percent
+from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
 SeasonStep = tuple[str, str, tuple[str, ...]]
@@ -31,6 +32,7 @@ def season_steps(
     now: Setting,
     practice: Practice,
     ahead: Outlook,
+    scores: Float[Array, "draw"] | None,
     cut: float | None,
     system: str = "SI",
 ) -> list[SeasonStep]:
@@ -42,7 +44,7 @@ def season_steps(
         _tests(scored, rule),
         _setting(plan, found, now, ahead, shown),
         _practice(practice, shown),
-        _qualification(rule, scored, declared, ahead, cut),
+        _qualification(rule, scored, declared, scores, cut),
         _finals(plan, rule),
     ]
 
@@ -127,14 +129,18 @@ def _practice(practice: Practice, shown: ShownUnits) -> SeasonStep:
 
 def _planned(one: PracticePlan, shown: ShownUnits) -> str:
     at = f" at {', '.join(shown.mass(mass) for mass in one.masses)}" if one.masses else ""
+    when = f"after {counted(len(one.masses), 'more flight')}{at}" if one.masses else "now"
     return (
-        f"after {counted(len(one.masses), 'more flight')}{at}: apogee ± {one.apogee_sd:.1%}, "
-        f"descent ± {one.descent_sd:.0%}, {counted(round(one.points), 'point')}"
+        f"{when}: apogee ± {one.apogee_sd:.1%}, descent ± {one.descent_sd:.0%}, {counted(round(one.points), 'point')}"
     )
 
 
 def _qualification(
-    rule: Season, scored: Sequence[tuple[Flight, float]], declared: Sequence[str], ahead: Outlook, cut: float | None
+    rule: Season,
+    scored: Sequence[tuple[Flight, float]],
+    declared: Sequence[str],
+    scores: Float[Array, "draw"] | None,
+    cut: float | None,
 ) -> SeasonStep:
     by_id = {flight.flight_id: (flight, points) for flight, points in scored}
     texts = []
@@ -148,12 +154,14 @@ def _qualification(
     known = sorted(points for name in declared if name in by_id and not math.isnan(points := by_id[name][1]))
     if len(known) >= rule.best:
         texts.append(f"score so far: {sum(known[: rule.best]):.2f}")
-    low, middle, high = three_of_all(rule.sums(ahead.points))
-    texts.append(
-        f"{rule.declared} flights with mass and parachute as above would score {middle:.0f} ({low:.0f} to {high:.0f})"
-    )
-    if cut is not None:
-        texts.append(f"chance of a score up to {cut:g}: {percent(ahead.chance(rule, cut))}")
+    if scores is not None:
+        low, middle, high = three_of_all(scores)
+        texts.append(
+            f"the score at the end, if the others fly with mass and parachute as above: {middle:.0f} "
+            f"({low:.0f} to {high:.0f})"
+        )
+    if scores is not None and cut is not None:
+        texts.append(f"chance of a score up to {cut:g}: {percent(float((scores <= cut).mean()))}")
     left = max(rule.declared - len(declared), 0)
     return "qualification", f"{len(declared)} of {rule.declared} declared, {left} left", tuple(texts)
 

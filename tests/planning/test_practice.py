@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fieldkit.planning import practice as module
-from fieldkit.planning.practice import _left, _Shared
+from fieldkit.planning.contest import season as season_of
+from fieldkit.planning.practice import _left, _Shared, final_scores
 from tests.commands import Run
 
 CHECK_SHAPES = False
@@ -100,3 +101,12 @@ def test_a_kit_that_never_flew_has_a_season_too(run: Run) -> None:
     shown = run("season", "--rocket", "New", "--motor", "F39T-6", "--dry-mass", "450g", "--diameter", "66mm").out
     assert "test flights: 0 flown" in shown
     assert "parachute: no flight is timed" in shown
+
+
+def test_declared_flights_count_as_flown_in_the_score_at_the_end() -> None:
+    rule = season_of(2027)
+    ahead = np.array([[5.0, 50.0, 70.0], [60.0, 8.0, 9.0]])
+    assert final_scores(rule, [10.0, 20.0], ahead, 1) == pytest.approx([15.0, 30.0])
+    assert final_scores(rule, [10.0, 20.0], ahead, 0) == pytest.approx([30.0, 30.0])
+    assert final_scores(rule, [], ahead, 3) == pytest.approx([55.0, 17.0])
+    assert final_scores(rule, [10.0], ahead, 0) is None
