@@ -18,6 +18,7 @@ from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreads
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.tracks import track_table
 from fieldkit.importing.tables.wrapped_lines import unwrapped
+from fieldkit.importing.weather import is_weather
 from fieldkit.messages import with_words
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
@@ -121,6 +122,8 @@ def _hint(log: bytes) -> str:
     if log.startswith(b"PK\x03\x04"):
         return "; it is an archive; unpack it first"
     start = log[:HEAD]
+    if is_weather(start):
+        return "; it is saved weather, which `fieldkit weather FILE` fills in"
     if start.lstrip(b"\xef\xbb\xbf \r\n").startswith(b"<"):
         return "; it is XML, such as a track for maps; export a table (CSV) instead"
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):

@@ -9,6 +9,7 @@ import csv
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from itertools import pairwise
@@ -98,6 +99,14 @@ class WeatherAtTime:
 def weather_formats() -> Mapping[str, WeatherFormat]:
     """All formats in the plug-in folder by name."""
     return plugins("parsers.weather", "WEATHER")  # type: ignore[return-value]
+
+
+def is_weather(head: bytes) -> bool:
+    """Whether the beginning of a file is saved weather."""
+    with suppress(DamagedLog):
+        text = decode_whole(head)
+        return any(one.recognizes(text) for one in weather_formats().values())
+    return False
 
 
 def read_weather(content: bytes, source: str) -> tuple[str, SavedWeather]:

@@ -107,3 +107,8 @@ def test_the_weather_moves_the_forecast_of_a_flight_as_its_density_does(
 def test_an_unknown_zone_is_refused(text: str) -> None:
     with pytest.raises(BadValue, match="expected one such as America/Chicago"):
         read_zone(text)
+
+
+@pytest.mark.parametrize("name", ["metar.txt", "meteostat.csv", "open_meteo.json"])
+def test_an_import_of_weather_names_the_command_for_it(name: str, run: Run) -> None:
+    assert "it is saved weather, which `fieldkit weather FILE` fills in" in run("import", SAVED / name, status=1).err
