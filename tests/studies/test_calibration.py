@@ -11,7 +11,7 @@ from studies.calibration import TruthRank, coverage, rank, ranked, table, unifor
 from tests.effort import THOROUGH
 
 CHECK_SHAPES = False
-LEDGERS = 60 if THOROUGH else 24
+LEDGERS = 40 if THOROUGH else 24
 CHANCE = 0.001
 """Significance level of the test for uniform ranks: a false alarm in one of a thousand runs."""
 

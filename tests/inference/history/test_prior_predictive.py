@@ -65,7 +65,7 @@ def test_the_apogee_alone_is_compared_with_the_prior_of_motor_and_mass() -> None
 
 def test_hardly_any_flight_from_the_prior_has_an_inconsistent_readout() -> None:
     """Flights drawn from the model: every term from its prior, readouts with errors of a Student t."""
-    rng, count = np.random.default_rng(3), 200
+    rng, count = np.random.default_rng(3), 100
     history = history_of([PLAN, PLAN.with_changes(flight_id="2")], [FOUND, FOUND], flown=1)
     model = _at_median_scales(history_model(history, learned(), declared=True))
     prior = model.hyperprior
