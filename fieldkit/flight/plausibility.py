@@ -274,7 +274,8 @@ def far_from_usual(flight: Flight, usual: Mapping[str, float]) -> Iterator[TextW
     for name, middle in usual.items():
         value = flight.number(name)
         if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
-            times, usually = f"{float(f'{value / middle:.2g}'):g} times", of_column(BY_NAME[name], middle)
+            ratio, usually = value / middle, of_column(BY_NAME[name], middle)
+            times = f"{float(f'{ratio:.2g}'):g} times" if ratio > 1 else f"{float(f'{100 * ratio:.2g}'):g}% of"
             phrase = f"{_titled(BY_NAME[name], value)} is {times} the usual {usually} of this rocket and motor"
             yield message(phrase)
 

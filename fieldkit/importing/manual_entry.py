@@ -30,6 +30,8 @@ from fieldkit.flight.readout import beside
 from fieldkit.importing.tables.flight_dates import date_of
 from fieldkit.messages import TextWithAmounts, marked, message
 
+MONTH_FIRST = "month/day"
+"""The `unit` of a date in which `5/1/2026` is May 1st."""
 NOT_RECORDED = "-"
 """Typed for "not recorded" when an empty answer would accept the default."""
 
@@ -104,7 +106,7 @@ def field_of(name: str) -> tuple[str, str]:
 def read_answer(name: str, text: str, unit: str = "") -> object:
     """Parse the typed value of a field; an empty text, or `-` for a number, means "not recorded". Raises BadValue. [SI]
 
-    A number without a unit is in `unit`, or in the column's own.
+    A number without a unit is in `unit`, or in the column's own; of a date such as 5/1/2026 the `unit` is the order.
     """
     text = text.strip()
     if name in BY_NAME:
@@ -115,7 +117,12 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
         return check_name(text)
     if name != "date_time":
         return text
-    return date_of(text, None) or read_date(_day_in_words(text))
+    return date_of(text, False if unit == MONTH_FIRST else None) or read_date(_day_in_words(text))
+
+
+def date_order(system: str) -> str:
+    """The `unit` of dates for a flyer with these units: with US units the month comes first."""
+    return MONTH_FIRST if system == "US" else ""
 
 
 def read_lift_off_mass(text: str, unit: str = "") -> float | None:

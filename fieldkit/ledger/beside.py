@@ -121,5 +121,5 @@ class BesideFlights(OpenLedger):
         """Delete a draft, which `undo` restores; False if there is none."""
         with self._changing() as recorder:
             if dropped := drafts.put_away(recorder, name):
-                recorder.sign("drop", f"the draft of {name}")
+                recorder.sign("start over", "the unfinished flight")
         return dropped

@@ -30,6 +30,16 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
+class UndoStep:
+    """The change that undo would undo, the number of flights that it would add, change or remove, and whether this
+    open ledger made the change, not another program or an earlier session."""
+
+    change: Change
+    flights: int
+    own: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Image:
     """A row of a table before and after a change, or its key and the changed columns; None if it did not exist."""
 
@@ -48,6 +58,8 @@ class ChangeRecorder:
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
         self.images: list[Image] = []
+        self.number: int | None = None
+        """The number of its entry in the journal, once it is signed."""
 
     def insert(self, table: Table, rows: Sequence[Row]) -> None:
         """Add rows."""
@@ -73,14 +85,26 @@ class ChangeRecorder:
         for table, keys in _keys_by_table(self.images).items():
             checksums.seal(self.connection, table, keys)
         images = [[image.table, image.before, image.after] for image in self.images]
-        _enter(self.connection, command=command, what=what, images=images)
+        self.number = _enter(self.connection, command=command, what=what, images=images)
 
 
-def undo(connection: Connection) -> Change:
-    """Undo the last change in effect. Raises LedgerError if there is none."""
+def undo_step(connection: Connection) -> UndoStep:
+    """What `undo` would undo. Raises LedgerError if there is nothing."""
     done, _ = _done_and_undone(connection)
     if not done:
         raise LedgerError("nothing left to undo")
+    change, images = _whole(connection, done[-1])
+    rows = [image.after or image.before or {} for image in images if image.table in (flights.name, tags.name)]
+    return UndoStep(change, len({row["entry"] for row in rows}))
+
+
+def undo(connection: Connection, number: int | None = None) -> Change:
+    """Undo the last change in effect. Raises LedgerError if there is none, or if it does not have this number."""
+    done, _ = _done_and_undone(connection)
+    if not done:
+        raise LedgerError("nothing left to undo")
+    if number not in (None, done[-1]):
+        raise LedgerError("nothing undone: another program has changed the ledger meanwhile")
     change, images = _whole(connection, done[-1])
     _apply(connection, [image.swapped() for image in reversed(images)])
     _enter(connection, command="undo", what=_named(change), target=change.number)
@@ -152,11 +176,13 @@ def _named(change: Change) -> str:
     return f"{change.command}: {change.what}"
 
 
-def _enter(connection: Connection, **values: Any) -> None:
+def _enter(connection: Connection, **values: Any) -> int:
+    """Add an entry; returns its number."""
     row = {"number": length(connection) + 1, "at": now(), **values}
     if SEPARATE_COLUMN in row:
         row[f"{SEPARATE_COLUMN}_checksum"] = checksums.checksum_of(row[SEPARATE_COLUMN])
     connection.execute(insert(journal).values(row | {CHECKSUM: checksums.checksum(row)}))
+    return int(row["number"])
 
 
 def _keys_by_table(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:

@@ -14,7 +14,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing.incoming import IncomingFlight, Original
 from fieldkit.ledger import book, drafts, journal, naming
 from fieldkit.ledger.beside import BesideFlights
-from fieldkit.ledger.journal import Change, ChangeRecorder
+from fieldkit.ledger.journal import Change, ChangeRecorder, UndoStep
 from fieldkit.ledger.records import Added, Renewal
 from fieldkit.ledger.rows import merged
 from fieldkit.ledger.shown import FlightsOut
@@ -135,10 +135,17 @@ class Ledger(FlightsOut, BesideFlights):
                 recorder.sign("remove", _listed(ids))
         return [stored.flight for stored in gone]
 
-    def undo(self) -> Change:
-        """Undo the last change and return it. Raises LedgerError if there is none."""
+    def undo_step(self) -> UndoStep:
+        """What `undo` would undo. Raises LedgerError if there is nothing."""
+        with self._reading() as connection:
+            step = journal.undo_step(connection)
+        return replace(step, own=step.change.number in self.own_changes)
+
+    def undo(self, number: int | None = None) -> Change:
+        """Undo the last change and return it. Raises LedgerError if there is none, or if its number is not the one
+        given."""
         with self._writing() as connection:
-            return replace(journal.undo(connection), undone=True)
+            return replace(journal.undo(connection, number), undone=True)
 
     def redo(self) -> Change:
         """Redo the last undone change. Raises LedgerError if there is none, or if another change came in between."""

@@ -24,6 +24,8 @@ class OpenLedger:
         """Why the backup before a change failed, empty if it did not; the change was made anyway."""
         self.remarks: list[str] = []
         """Remarks on the ledger's flights for the user, one line each, in the order found."""
+        self.own_changes: set[int] = set()
+        """Numbers of the changes made through this object."""
 
     @classmethod
     def open(cls: type[Kind], where: str | Path | None = None) -> Kind:
@@ -70,4 +72,7 @@ class OpenLedger:
     @contextmanager
     def _changing(self, *, keep: bool = True) -> Iterator[ChangeRecorder]:
         with self._writing(keep=keep) as connection:
-            yield ChangeRecorder(connection)
+            recorder = ChangeRecorder(connection)
+            yield recorder
+        if keep and recorder.number is not None:
+            self.own_changes.add(recorder.number)

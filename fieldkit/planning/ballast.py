@@ -85,7 +85,8 @@ class Result:
 class Ballast:
     """The dry mass to fly [kg], the mass to add to the current one [kg], and the results.
 
-    `forecast` is the flight at that mass and `unchanged` the one at the current mass, `slope` the change of apogee with
+    `forecast` is the flight at that mass and `unchanged` the one at the current mass with the draws of
+    `predict`, `slope` the change of apogee with
     mass [m/kg], `there` the result at that mass and `today` the result without a change. `reach` is the lowest and the
     highest median apogee of the masses tried [m]; the target is `met` if it lies between. `gain` is the mean
     improvement in points per flight, `gain_error` its standard error, with as many flights as the forecast is based on;
@@ -172,7 +173,7 @@ def ballast(
         mass=mass,
         add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
         forecast=forecast,
-        unchanged=predictions[-1],
+        unchanged=forecasts(rocket, [(plan, found)])[0],
         slope=float(np.median(curve(mass, 1)[0])),
         there=_result(goal, *curve(mass)),
         today=_result(goal, apogee[:, -1], duration[:, -1]),

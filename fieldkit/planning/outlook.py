@@ -30,7 +30,8 @@ AREA_TOLERANCE = 5e-3
 class Outlook:
     """Forecast of a plan's points: draws for each flight that may be declared, and what they are based on.
 
-    `fall` is the basis of the durations [s]. `area` is the ratio of the parachute's area with the fewest points to the
+    `forecast` has the draws of `predict`, so that every page shows the same figures. `fall` is the basis of the
+    durations [s]. `area` is the ratio of the parachute's area with the fewest points to the
     area flown [1], `points_there` the mean points with it, `speed_there` its descent speed near the ground [m/s];
     `gain` is the mean improvement by it in points per flight, `gain_error` its standard error, with as many flights as
     the forecast is based on.
@@ -70,6 +71,7 @@ def outlook(
     the right uncertainty. Raises ImpossibleFlight for a plan without a mass, BadValue for a recovery device
     or rail direction that cannot be read.
     """
+    (forecast,) = forecasts(rocket, [(plan, found)], draws=draws)
     predictions = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
     fall, shape = fall_of(rocket.history, predictions[0].plan, found), (draws, rule.declared)
     mass, density = landing_mass(predictions[0].plan, found), air_of(predictions[0].plan).density
@@ -83,7 +85,7 @@ def outlook(
     duration = timed(area)
     points = rule.points(apogee, duration)
     return Outlook(
-        predictions[0],
+        forecast,
         points,
         duration,
         fall,

@@ -106,7 +106,7 @@ def finals_heading(plan: Flight, found: Found, rule: Season, fall: Fall, system:
     if fall.assumed:
         yield (
             "no parachute is advised, and only the altitude is scored: the descent is not measured; time a flight, or "
-            "give --main-speed or --parachute-diameter"
+            "give the descent speed under it, or its diameter"
         )
 
 

@@ -9,13 +9,13 @@ APOGEE = BY_NAME["apogee"]
 
 
 def estimate_line(found: TypedEstimate, system: str) -> str:
-    """Cd, alpha and the next apogee with their 90% intervals, or the missing inputs."""
+    """Cd, alpha and the next apogee with their 90% intervals, marked as provisional, or the missing inputs."""
     if found.needs:
         return f"Cd and next apogee: needs {_listed(found.needs)}"
     if found.cd is None or found.alpha is None or found.next_apogee is None:
         return f"Cd and next apogee: {in_system(found.implausible_because, system)}"
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
-    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
+    apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"
 
 
@@ -25,7 +25,7 @@ def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Thr
     if found.cd is None or found.alpha is None or found.next_apogee is None:
         return []
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
-    apogee = f"{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
+    apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return [
         ("Cd", _ratio(found.cd), found.cd),
         ("alpha", _ratio(found.alpha), found.alpha),
@@ -40,7 +40,7 @@ def _whole(height: float, system: str) -> str:
 
 def _ratio(interval: Three) -> str:
     low, middle, high = interval
-    return f"{middle:.2f} ({low:.2f}-{high:.2f})"
+    return f"≈{middle:.2f} ({low:.2f}-{high:.2f})"
 
 
 def _listed(names: tuple[str, ...]) -> str:

@@ -18,7 +18,7 @@ from fieldkit.motors.names import parse, with_delay
 from fieldkit.motors.several import tag_of_several
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.plans import BODY, body
-from fieldkit.services.plausible_flights import credible, without_delay
+from fieldkit.services.plausible_flights import credible, motor_type
 from fieldkit.services.sites import site_of
 
 WEATHER = ("wind", "temperature")
@@ -186,10 +186,10 @@ def with_build(ledger: Ledger, flight: Flight, answered: Collection[str]) -> tup
 def usual(ledger: Ledger, motors: Catalogue, flight: Flight) -> dict[str, float]:
     """The medians of the readouts of the same rocket on the same motor, any delay, without implausible flights; none if
     rocket or motor is missing. [SI]"""
-    motor = without_delay(flight.motor)
-    if not (flight.rocket and motor):
+    if not (flight.rocket and flight.motor):
         return {}
-    same = [one for one in ledger.flights(flight.rocket) if without_delay(one.motor) == motor]
+    types = {name: motor_type(name, motors) for name in {flight.motor, *ledger.names("motor", flight.rocket)}}
+    same = [one for one in ledger.flights(flight.rocket) if types.get(one.motor) == types[flight.motor]]
     return middles(credible(same, motors))
 
 

@@ -167,7 +167,7 @@ def outlying(flights: Sequence[Flight], new: Collection[str], motors: Catalogue)
     by_motor: dict[str, list[Flight]] = {}
     for flight in flights:
         if flight.clean and flight.motor:
-            by_motor.setdefault(without_delay(flight.motor), []).append(flight)
+            by_motor.setdefault(motor_type(flight.motor, motors), []).append(flight)
     found: list[tuple[str, str]] = []
     for several in by_motor.values():
         compared = credible(several, motors)
@@ -180,6 +180,13 @@ def outlying(flights: Sequence[Flight], new: Collection[str], motors: Catalogue)
 
 _TO_THE_LETTERS = re.compile(r"(?:.*?[\s-])??\d*(?:1/[248])?[A-O]-?\d[\d.]*[A-Z]*(?=[-\s]|$)")
 """A motor's name up to its propellant letters. Hyphens occur before its class too: `Q-Jet C12-4`, `HP-I205W-6`."""
+
+
+def motor_type(name: str, motors: Catalogue) -> str:
+    """What motors of one type have in common, however they are written: maker and designation, or of an unknown motor
+    its name without a delay."""
+    found = None if is_cluster(name) else _resolved(name, motors)
+    return without_delay(name) if found is None else f"{found.motor.maker} {found.motor.designation}"
 
 
 def without_delay(motor: str) -> str:

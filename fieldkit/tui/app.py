@@ -1,7 +1,7 @@
 """The app: its pages, its colors, its notices, and undo from anywhere."""
 
 import asyncio
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,8 @@ from textual.widget import AwaitMount
 from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
+from fieldkit.quantities import counted
+from fieldkit.safe_text import printable
 from fieldkit.settings import UNITS
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
 from fieldkit.tui.keys import in_capitals
@@ -25,6 +27,7 @@ from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
 
 if TYPE_CHECKING:
+    from fieldkit.ledger.journal import Change, UndoStep
     from fieldkit.tui.flights.flights_page import FlightsScreen
 
 PAUSE = 0.05
@@ -81,6 +84,8 @@ class FieldkitApp(Surviving):
             limit_malloc()
         self._opened: dict[str, PageScreen] = {}
         self._length: int | None = None
+        self._first_length: int | None = None
+        """Number of changes when the app was opened."""
         self._hides = True
         self.unseen = self._readied = False
         self.animation_level = "none"
@@ -193,6 +198,7 @@ class FieldkitApp(Surviving):
 
     def _seen_round(self, length: int | None) -> None:
         before, self._length = self._length, length
+        self._first_length = length if self._first_length is None else self._first_length
         if None not in (before, length) and before != length:
             self.revision += 1
             self._refresh_page()
@@ -238,17 +244,31 @@ class FieldkitApp(Surviving):
         self.simulate_key(key)
 
     def action_undo(self) -> None:
-        """Undo the last change, no matter who made it."""
-        self._journal("undo", "Undone", ". U to redo")
+        """Undo the last change; ask first if it concerns more than one flight, or if another program made it."""
+        if isinstance(page := self.screen, PageScreen):
+            page.change(lambda: self.resources.ledger.undo_step(), self._undo)
+
+    def _undo(self, step: "UndoStep") -> None:
+        others = not step.own and self._first_length is not None and step.change.number > self._first_length
+        undo = partial(self._journal, lambda: self.resources.ledger.undo(step.change.number), "Undone", ". U to redo")
+        if step.flights <= 1 and not others:
+            undo()
+            return
+        from fieldkit.tui.widgets.dialogs import AskYes  # takes 6 ms to import
+
+        who = " by another program" if others else ""
+        count = f" ({counted(step.flights, 'flight')})" if step.flights > 1 else ""
+        question = printable(f"Undo the last change{who}: {step.change.command} {step.change.what}{count}?")
+        self.push_screen(AskYes(question), lambda yes: undo() if yes else None)
 
     def action_redo(self) -> None:
         """Redo what was undone last."""
-        self._journal("redo", "Redone", ". u to undo")
+        self._journal(lambda: self.resources.ledger.redo(), "Redone", ". u to undo")
 
-    def _journal(self, method: str, done: str, back: str) -> None:
+    def _journal(self, work: "Callable[[], Change]", done: str, back: str) -> None:
         page = self.screen
         if isinstance(page, PageScreen):
-            page.change(lambda: getattr(self.resources.ledger, method)(), partial(self._journalled, done, back))
+            page.change(work, partial(self._journalled, done, back))
 
     def _journalled(self, done: str, back: str, change: Any) -> None:
         self.show_notice(f"{done}: {change.command} {change.what}{back}")
@@ -258,6 +278,16 @@ class FieldkitApp(Surviving):
         """Open a flight over the Flights page."""
         if (page := await self._flights_page()) is not None:
             page.open_flight(id)
+
+    async def decide(self, view: int) -> None:
+        """Open a decision for the motor selected on the page of the next flight."""
+        from fieldkit.tui.next.next_page import NextScreen  # before the first paint it would take 0.7 s
+
+        await self.action_page("next_flight")
+        await self._close_above()
+        if isinstance(page := self.screen, NextScreen):
+            await page.settled("plan", "find")
+            await page.action_decide(view)
 
     async def show_flights(self, words: str) -> None:
         """Show only the flights that match all of these words."""

@@ -17,6 +17,8 @@ from fieldkit.tui.resources import Resources
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.bars import Notice, NoticeBar
 
+EXPIRY = 15.0
+"""How long a notice of success is shown. [s]"""
 LOOKS = {"units", "theme", "target"}
 """Settings that only change the display."""
 
@@ -54,11 +56,18 @@ class Choosing(InOrder):
             super().refresh_css(animate)
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Show a notice over earlier ones; errors stay until they are dismissed, successes until the next notice or
-        page."""
+        """Show a notice over earlier ones; errors stay until they are dismissed, successes for a while, but not longer
+        than until the next notice or page."""
         notice = Notice(text, error)
+        if not error:
+            self.set_timer(EXPIRY, partial(self._expire, notice))
         self.notices = [notice, *(one for one in self.notices if one.error and one != notice)]
         self._show_notices()
+
+    def _expire(self, notice: Notice) -> None:
+        """Remove this notice, but not a later one with the same text."""
+        if any(one is notice for one in self.notices):
+            self.withdraw(notice.text)
 
     def withdraw(self, text: str) -> None:
         """Remove a notice that no longer holds."""

@@ -19,7 +19,7 @@ from fieldkit.tui.home.first_run import take
 from fieldkit.tui.home.first_steps import Step
 from fieldkit.tui.host import Host
 from fieldkit.tui.next.motor_facts import facts
-from fieldkit.tui.next.plan_screen import PlanScreen
+from fieldkit.tui.next.plan_screen import VIEWS, PlanScreen
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.setup.card_form import ask_card
 from fieldkit.tui.setup.setup_forms import ask_rail
@@ -105,6 +105,9 @@ class Finder(Provider):
         yield Entry("setting", "Setting: rail", "Length and angle of your usual rail", self._ask_rail)
         yield Entry("setting", "Your card", "Certification, age, rules, rods, range box", self._ask_card)
         yield Entry("setting", "Setting: units", "The next units: SI, US, mixed", host.action_next_units)
+        for place, view in enumerate(VIEWS):
+            about = "Decide, for the motor selected on the Fly page"
+            yield Entry("decision", f"Decide: {view.lower()}", about, partial(host.decide, place))
         yield Entry("setting", "Load the demo rocket", Step.DEMO.value[1], self._load_demo)
         yield Entry("setting", "Setting: theme", "The next colors: field, sun, night, terminal", host.action_next_theme)
 

@@ -51,6 +51,9 @@ class Host(Protocol):
     async def open_flight(self, id: str) -> None:
         """Open a flight over the Flights page."""
 
+    async def decide(self, view: int) -> None:
+        """Open a decision for the motor selected on the page of the next flight."""
+
     async def show_flights(self, words: str) -> None:
         """Show only the flights that match all of these words."""
 

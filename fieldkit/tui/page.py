@@ -229,10 +229,10 @@ class PageScreen(AskingScreen):
             self.show_notice("Nothing to copy")
 
     def action_back(self) -> None:
-        """Dismiss a notice, or else leave a field, or else leave the screen if it is above a page, which a notice of
-        success does not delay."""
-        over = len(self.app.screen_stack) > 1 and not isinstance(self.focused, Input)
-        if self.field_app.notices and (self.field_app.notices[0].error or not over):
+        """Dismiss an error, or else leave a field, or else leave the screen if it is above a page, or else dismiss a
+        notice of success."""
+        notices, over = self.field_app.notices, len(self.app.screen_stack) > 1
+        if notices and (notices[0].error or not (over or isinstance(self.focused, Input))):
             self.field_app.action_read()
         elif isinstance(self.focused, Input) and (rest := self.resting_place()) is not None:
             self.set_focus(rest)

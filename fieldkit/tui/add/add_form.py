@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import date
+from datetime import date, datetime
 from threading import Lock
 
 from fieldkit.errors import BadValue, FieldkitError
@@ -60,6 +60,8 @@ BODY = ("dry_mass", "diameter")
 """Needed for Cd and the next forecast; asked before saving if the ledger does not know them."""
 MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READOUT_QUESTIONS, *BODY))
 """The other questions, asked below the button."""
+SYSTEM = "system"
+"""Key of the system of units in which units were typed, beside the units."""
 TODAY = "today"
 """The default date."""
 
@@ -89,6 +91,8 @@ class FormStart:
     units: Mapping[str, str]
     offers: Mapping[str, str]
     names: Names
+    waiting: str = ""
+    """The build of an open forecast, if the draft is of another one: `Astra B on F39T-6`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +161,14 @@ def lacks(flight: Flight) -> str:
     return " and ".join(BY_NAME[name].title.lower() for name in ("motor", "dry_mass") if not getattr(flight, name))
 
 
+def _other_build(draft: Mapping[str, str], plan: Mapping[str, str]) -> str:
+    """The build of a plan if a draft names another rocket or configuration; else empty."""
+    if not draft or all(draft.get(name, plan.get(name, "")) == plan.get(name, "") for name in ("rocket", "config")):
+        return ""
+    build = " ".join(plan[name] for name in ("rocket", "config") if plan.get(name))
+    return f"{build} on {plan['motor']}" if plan.get("motor") else build
+
+
 class Draft:
     """The flight being entered, as a draft in the ledger and finally saved.
 
@@ -178,11 +190,14 @@ class Draft:
     def begin(self) -> FormStart:
         """Load the draft; one that was started on another day has that day as its default date."""
         ledger, own = self._resources.ledger, self._resources.own_draft
-        draft, self._units = ledger.draft(own.name) or {}, ledger.draft(UNITS) or {}
+        draft, units = ledger.draft(own.name) or {}, ledger.draft(UNITS) or {}
+        same_system = units.pop(SYSTEM, self._resources.settings.units) == self._resources.settings.units
+        self._units = units if same_system else {}  # those of the settings were chosen later
         self._kept = self._dated = bool(draft)
         started = (ledger.draft(own.started) or {}).get(DATE.name) if draft else None
         day = {DATE.name: started} if started and started != f"{date.today()}" else {}
-        return FormStart(draft, self._units, self.offers(draft) | day, self._resources.names())
+        waiting = _other_build(draft, planned_answers(ledger))
+        return FormStart(draft, self._units, self.offers(draft) | day, self._resources.names(), waiting)
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """The default answers from the planned flight, or from the last one, given the answers so far."""
@@ -215,7 +230,7 @@ class Draft:
                 ledger.keep_draft(own.started, {DATE.name: f"{date.today()}"})
                 self._dated = True
             if units != self._units:
-                ledger.keep_draft(UNITS, dict(units))
+                ledger.keep_draft(UNITS, {**units, SYSTEM: self._resources.settings.units})
                 self._units = units
 
     def is_saved(self, typed: Flight) -> bool:
@@ -271,6 +286,8 @@ class Draft:
             return f"Flight {flight_named} has the same values, or had when it was entered.\nSave another one like it?"
         named = self._resources.names()
         doubts = [doubt for name in ("rocket", "site", "motor") if (doubt := named.doubt(name, getattr(flight, name)))]
+        if flight.date_time is not None and flight.date_time > datetime.now():
+            doubts.append(f"{flight.date_time:%Y-%m-%d %H:%M} is in the future.")
         expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
         if expected is not None and flight.apogee is not None:
             system = system_typed(READOUTS[0], unit, self._resources.settings.units)

@@ -1,6 +1,6 @@
 """Add: the ten readouts in the order of the altimeter; every key is saved, nothing is refused before saving."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, wait
 from functools import partial
 from typing import ClassVar
@@ -11,11 +11,12 @@ from textual.widget import Widget
 from textual.widgets import Button, Input
 
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import Question
+from fieldkit.importing.manual_entry import Question, date_order
 from fieldkit.quantities import unit_of
 from fieldkit.services.manual_entry import kind, typed_unit, with_unit
 from fieldkit.tui.add.add_form import (
     BY_NAME,
+    DATE,
     MORE_FIELDS,
     READOUT_QUESTIONS,
     Answered,
@@ -69,7 +70,7 @@ class AddScreen(PageScreen):
 
     def on_mount(self) -> None:
         """Prepare the draft of the flight being entered."""
-        self._draft = Draft(self.resources)
+        self._draft, self._system = Draft(self.resources), self.resources.settings.units
         self._saving = Saving(self, self._sheet, self._draft)
 
     def on_unmount(self) -> None:
@@ -91,6 +92,8 @@ class AddScreen(PageScreen):
 
     def reload(self) -> None:
         """Continue a draft and offer defaults; clear a typed flight that is saved now; the card changes its units."""
+        if self._system != self.resources.settings.units:  # chosen after any unit that was typed
+            self._units, self._system = {}, self.resources.settings.units
         self.query_one(EstimateLine).forget()
         self._saving.card.redraw(self.resources.settings.units)
         if self._sheet.touched:
@@ -107,7 +110,8 @@ class AddScreen(PageScreen):
         self._sheet.fill(start.offers, self.resources.settings.units)
         self._sheet.picker.sources = start.names.sources()
         if start.draft and not self._draft.shown:
-            self.show_notice("Unfinished flight: continue here, or ^N to start over")
+            other = f"^N to start the forecast's: {start.waiting}" if start.waiting else "^N to start over"
+            self.show_notice(f"Unfinished flight{_of(start.draft)}: continue here, or {other}")
         self._draft.shown = True
         if start.draft and isinstance(self.focused, AfterCard):  # its flight was undone
             self._saving.leave_card()
@@ -168,6 +172,7 @@ class AddScreen(PageScreen):
 
     def _read(self) -> Answered:
         units = {name: self.unit(question) for name, question in BY_NAME.items()}
+        units[DATE.name] = date_order(self.resources.settings.units)
         return answered(self._sheet.answers(), units, self._usual)
 
     def _ask_usual(self) -> None:
@@ -287,3 +292,9 @@ class AddScreen(PageScreen):
         if self._saving.card.display:
             return self._saving.card.text
         return "\n".join(f"{BY_NAME[n].title}  {t}" for n, t in self._answers().items() if t)
+
+
+def _of(draft: Mapping[str, str]) -> str:
+    """The rocket and configuration of a draft, if it names a rocket: ` of Astra A`."""
+    build = " ".join(draft[name] for name in ("rocket", "config") if draft.get(name))
+    return f" of {build}" if draft.get("rocket") else ""

@@ -6,7 +6,7 @@ from functools import partial
 from fieldkit.errors import BadValue
 from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.flight.short_name import flight_label
-from fieldkit.importing.manual_entry import QUESTIONS, Question
+from fieldkit.importing.manual_entry import QUESTIONS, Question, date_order
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import DATE
 from fieldkit.tui.add.fields import Form
@@ -31,6 +31,7 @@ def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[st
     units = {
         question.name: unit_of(question.column, system) for question in EDIT_QUESTIONS if question.column is not None
     }
+    units[DATE.name] = date_order(system)
     form = Form(flight_label(id, "Flight"), EDIT_QUESTIONS, texts, units, names=page.resources.names)
     page.app.push_screen(form, partial(_answered, page, id, renamed, texts))
 

@@ -63,7 +63,7 @@ class HomeScreen(PageScreen):
         Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
         Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
-        Binding("e", "day_weather", "Edit", tooltip="Enter today's weather, for every plan and flight of the day"),
+        Binding("e", "day_weather", "Weather", tooltip="Enter today's weather, for every plan and flight of the day"),
         Binding("K", "pad", "Check", tooltip="The checklist at the pad, and the contest's timer"),
     ]
     DEFAULT_CSS = """

@@ -10,7 +10,7 @@ from textual.worker import Worker
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME
-from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.importing.manual_entry import Question, date_order, read_answer
 from fieldkit.quantities import unit_of
 from fieldkit.services.manual_entry import with_unit
 from fieldkit.tui.add.add_form import Draft
@@ -67,7 +67,8 @@ class SetupForm(Form):
 def ask_given(page: PageScreen, given: Mapping[str, str], answer: Callable[[dict[str, str]], None]) -> None:
     """Ask for values that a file lacks; values `given` for other columns are unchanged. `answer` gets all of them as
     text."""
-    units = {name: unit_of(BY_NAME[name], page.resources.settings.units) for name in NUMBERS}
+    system = page.resources.settings.units
+    units = {name: unit_of(BY_NAME[name], system) for name in NUMBERS} | {"date_time": date_order(system)}
     texts = {question.name: given.get(question.name, "") for question in QUESTIONS}
 
     def answered(values: dict[str, object] | None) -> None:

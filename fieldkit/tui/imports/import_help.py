@@ -19,7 +19,7 @@ IMPORT_HELP = Help(
             "columns",
             "m to map the columns of a table; M to change or remove saved mappings.",
         ),
-        ("edit", "Values that the file lacks, such as the rocket and its mass, for every flight in it."),
+        ("values", "e for values that the file lacks, such as the rocket and its mass, for every flight in it."),
         (
             "design",
             "A design (.ork, .rkt, .CDX1) adds no flight: mass, diameter and Cd are the start of a rocket.",

@@ -62,7 +62,7 @@ class ImportScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("F", "format", "Format", tooltip="Choose the parser"),
-        Binding("e", "set", "Edit", tooltip="Values that the file lacks: rocket, motor, mass"),
+        Binding("e", "set", "Values", tooltip="Values that the file lacks: rocket, motor, mass"),
         Binding("l", "look", "Look", tooltip="The log as a plot, with its columns, readouts and events"),
         Binding("m", "columns", "Columns", tooltip="Map the columns of a table"),
         Binding("M", "mappings", "Mappings", tooltip="Saved mappings: change or delete them", show=False),
@@ -84,9 +84,16 @@ class ImportScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._folder = working_folder()
-        self._reading = ReadOptions()
+        self._chosen_options: dict[Path, ReadOptions] = {}  # by file: what suits one may not suit the next
+        self._marked: tuple[Path, ...] = ()
         self._look: Look | None = None
         self._answered: dict[str, str] = {}  # what was last entered on storing a file
+
+    @property
+    def _reading(self) -> ReadOptions:
+        """How to read the file under the cursor, with the marked files."""
+        path = self.query_one("#files", Table).current
+        return replace(self._chosen_options.get(path, ReadOptions()), marked=self._marked)
 
     def body(self) -> Iterable[Widget]:
         """The folder, the files, and the preview; on a large screen also the climb, and how the file was read."""
@@ -117,12 +124,12 @@ class ImportScreen(PageScreen):
         self._folder = folder
         self.query_one("#where", Static).update(Content(printable(folder_text(folder))))
         rows = {path: name_and_size(path) for path in paths}
-        self._reading = replace(self._reading, marked=tuple(path for path in self._reading.marked if path in rows))
+        self._marked = tuple(path for path in self._marked if path in rows)
         table = self.query_one("#files", Table)
 
         def cells(path: Path) -> tuple[str, str]:
             name, size = rows[path]
-            return ("+ " if path in self._reading.marked else "") + name, size
+            return ("+ " if path in self._marked else "") + name, size
 
         table.show([Head("file", 0, middle=True), Head("size", 7, True)], paths, cells)
         if mark is not None:
@@ -192,16 +199,15 @@ class ImportScreen(PageScreen):
 
     def action_mark(self) -> None:
         """Mark or unmark the file under the cursor for reading together with others."""
-        path, marked = self.query_one("#files", Table).current, self._reading.marked
+        path, marked = self.query_one("#files", Table).current, self._marked
         if path is None or path == PARENT_FOLDER or isdir(path):
             return
-        marked = tuple(one for one in marked if one != path) if path in marked else (*marked, path)
-        self._reading = replace(self._reading, marked=marked)
+        self._marked = tuple(one for one in marked if one != path) if path in marked else (*marked, path)
         self.query_one("#files", Table).refresh()
         self._examine()
 
     def _stored(self, receipt: Receipt) -> None:
-        self._reading = replace(self._reading, marked=())
+        self._marked = ()
         self.show_notice(stored_in_words(receipt))
         self.field_app.changed()
 
@@ -239,21 +245,24 @@ class ImportScreen(PageScreen):
             self._read_as(replace(self._reading, format=text.strip() or None))
 
     def _read_as(self, reading: ReadOptions) -> None:
-        """Read the file under the cursor with these options, and later ones too; show why if it fails."""
+        """Read the file under the cursor, and files marked with it, with these options; show why if it fails."""
         try:
             reading.defaults()
             reading.named()
         except FieldkitError as error:
             self.complain(by_keys(str(error)))
             return
-        self._reading = reading
+        path = self.query_one("#files", Table).current
+        if path is not None:
+            self._chosen_options |= dict.fromkeys(reading.together(path), reading)
         self._examine()
 
     def action_set(self) -> None:
         """Enter values that the file lacks."""
-        ask_given(self, self._reading.given, self._set)
+        ask_given(self, self._reading.given or self._answered, self._set)
 
     def _set(self, given: dict[str, str]) -> None:
+        self._answered = given
         self._read_as(replace(self._reading, given=given))
 
     async def action_columns(self) -> None:

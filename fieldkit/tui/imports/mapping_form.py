@@ -37,7 +37,7 @@ _ABOUT = {
     LIFTOFF_MASS: "Mass with the motor; the motor's mass is subtracted.",
     MOTOR_MASS: "Mass of the loaded motor.",
 }
-_HOW_TO_CHOOSE = "Choose its column with ↓, then its unit if the name lacks one."
+_HOW_TO_CHOOSE = "Type part of its name: ↓ and Enter choose from the list, Enter alone takes the only match."
 FIRST_FIELDS = ("rocket", "motor", "apogee", "dry_mass", "date_time")
 """The fields of a flight that are asked first, because a forecast needs them."""
 MAX_CELL = 16
@@ -82,9 +82,10 @@ class MappingForm(Form):
         self.query_one("#table", Static).update(_first_rows(self._columns, used))
 
     async def action_go_on(self) -> None:
-        """Move to the next line; a chosen column without a unit first offers its units."""
+        """Move to the next line with the chosen column, or the only one offered; one without a unit first offers its
+        units."""
         field = self.focused.parent if self.focused is not None else None
-        if self._picker.take() and isinstance(field, Field):
+        if self._picker.take(only=True) and isinstance(field, Field):
             self._picker.offer_more(field.question.name)
             if self._picker.open:
                 return

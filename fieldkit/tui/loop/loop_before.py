@@ -18,14 +18,14 @@ RARE_SDS = 2.0
 """Standard deviations of a prior that an effect rarely exceeds. [1]"""
 
 
-def before_search(about: str, flights: Sequence[Flight]) -> Hanging:
+def before_search(about: str, flights: Sequence[Flight], motors: Sequence[str]) -> Hanging:
     """What a search does, and which flights of the rocket, readouts and conditions it would compare."""
     used = [flight for flight in flights if flight.clean and flight.readouts()]
     names = [*READOUTS, *CONDITIONS]
     counts = {one.title: sum(flight.number(one.name) is not None for flight in used) for one in names}
     pairs = [
         ("flights", f"{len(used)} of {len(flights)}: with readouts, without an anomaly tag"),
-        ("motors", ", ".join(dict.fromkeys(flight.motor for flight in used if flight.motor))),
+        ("motors", ", ".join(motors)),
         ("configurations", ", ".join(dict.fromkeys(flight.config for flight in used if flight.config))),
         ("recorded", ", ".join(f"{title.lower()} {count}" for title, count in counts.items() if count)),
         ("not recorded", ", ".join(title.lower() for title, count in counts.items() if not count)),

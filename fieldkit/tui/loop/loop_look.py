@@ -9,6 +9,7 @@ from fieldkit.progress import ReportProgress
 from fieldkit.services import close_loop
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import which_rocket
+from fieldkit.services.plausible_flights import motor_type
 from fieldkit.tui.resources import Resources
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
@@ -27,6 +28,8 @@ class Standing:
     flights: tuple[Flight, ...]
     tried: tuple[Effect, ...] = ()
     """The effects that a search tries."""
+    motors: tuple[str, ...] = ()
+    """The types of motors flown, each once."""
 
     @property
     def plain(self) -> bool:
@@ -48,7 +51,9 @@ def standing_of(resources: Resources, rocket: str | None) -> Standing | None:
         return None
     name = which_rocket(ledger, rocket if rocket in rockets else None)
     tried = tuple(effect for effect in effects().values() if not effect.form_of)
-    return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)), tried)
+    flights = ledger.flights(name)
+    types = dict.fromkeys(motor_type(flight.motor, resources.motors) for flight in flights if flight.motor)
+    return Standing(name, rockets, tuple(ledger.versions(name)), tuple(flights), tried, tuple(types))
 
 
 def look(resources: Resources, rocket: str, on_progress: ReportProgress) -> Findings:

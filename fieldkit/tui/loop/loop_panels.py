@@ -146,7 +146,7 @@ class Panels(Container):
         """Show what a search would compare and the effects that it would try, until one runs."""
         if self.found is None:
             about = self._why or TEXT_BEFORE_RUN["verdict"]
-            self.query_one("#verdict", Static).update(before_search(about, standing.flights))
+            self.query_one("#verdict", Static).update(before_search(about, standing.flights, standing.motors))
             self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
             self._tried = {effect.title: effect for effect in standing.tried}
             rows = rows_before(standing.tried, system)

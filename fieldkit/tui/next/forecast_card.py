@@ -8,7 +8,6 @@ from textual.widgets import Static
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.planning.motor_guide import MotorChoice, label
 from fieldkit.planning.quick_guide import QuickChoice
-from fieldkit.quantities import number
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui.next import motor_rows, next_words
@@ -38,11 +37,11 @@ class ForecastCard(VerticalScroll):
         yield Plot(id="hill")
         yield Static("", id="more")
 
-    def show(self, plan: Plan, one: MotorChoice, settings: Settings) -> None:
-        """Show the forecast of a plan on a motor."""
+    def show(self, plan: Plan, one: MotorChoice, settings: Settings, *, exact: bool) -> None:
+        """Show the forecast of a plan on a motor; marked as provisional unless it is `exact`, as it would be saved."""
         system = settings.units
         title, text = next_words.title(plan, one.name), next_words.interval(one.interval, system)
-        middle = number(cards.APOGEE, one.apogee, system)
+        middle = motor_rows.middle(one, system, exact=exact)
         more, checks = next_words.figures(plan, one, system), next_words.checks(one, system)
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one(Big).show(middle)
@@ -56,11 +55,11 @@ class ForecastCard(VerticalScroll):
         """Show the quick answer for a motor, until the fit replaces it."""
         system = settings.units
         title, text = next_words.title(plan, label(one.motor)), next_words.interval(one.interval, system)
-        middle, more = motor_rows.whole(one.apogee, system), next_words.quick_figures(plan, one, system)
+        middle, more = motor_rows.middle(one, system, exact=False), next_words.quick_figures(plan, one, system)
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one(Big).show(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
-        self.query_one("#safety", Static).update(f"{motor_rows.QUICK_MARK} {next_words.QUICK}")
+        self.query_one("#safety", Static).update(f"{motor_rows.PROVISIONAL} {next_words.QUICK}")
         self.query_one("#more", Static).update(cards.lines("", more, 9))
         self.query_one(Plot).show(None)
         self.text = cards.as_text(f"{title}: {middle} {text}", [("", next_words.QUICK), *more])

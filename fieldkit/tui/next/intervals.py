@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 from rich.cells import cell_len, set_cell_size
 from textual.content import Content
@@ -34,9 +35,10 @@ class IntervalBar:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The minimum and maximum of all marked values."""
+        """The minimum and maximum of all marked values that are finite; zero without any."""
         marked = [self.low, self.high] + ([self.flown] if self.flown is not None else [])
-        return min(marked), max(marked)
+        known = [value for value in marked if isfinite(value)]
+        return min(known, default=0.0), max(known, default=0.0)
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class Intervals(Visual):
         lead = min(max(map(cell_len, names), default=0), width // 3)
         room = max(10, width - lead - 3)
         ends = [end for row in self.rows for end in row.ends] + list(self.marks.values())
-        start, end = min(ends), max(ends)
+        start, end = min(ends, default=0.0), max(ends, default=1.0)
         lines = [
             f"{set_cell_size(name, lead)}  {bar(row, start, end, room, tuple(self.marks.values()))}"
             for name, row in zip(names, self.rows, strict=True)
@@ -93,8 +95,11 @@ class Intervals(Visual):
 
 def bar(row: IntervalBar, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
     """An interval on a scale from `start` to `end`, `width` cells wide: `├──●──┤`, with `◎` at the marks (`◉` on the
-    median) and `◆` at the result; an arrow points to an end of the interval beyond the scale."""
+    median) and `◆` at the result; an arrow points to an end of the interval beyond the scale. Blank if a value of the
+    interval is not finite: no flight of some draws."""
     line = [" "] * width
+    if not all(map(isfinite, (row.low, row.middle, row.high, start, end))):
+        return "".join(line)
     low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
     line[low : high + 1] = "─" * (high - low + 1)
     line[low] = "├" if row.low >= start else "←"
@@ -105,7 +110,7 @@ def bar(row: IntervalBar, start: float, end: float, width: int, marks: tuple[flo
         if start <= mark <= end:
             at = _cell(mark, start, end, width)
             line[at] = TARGET if line[at] != "●" else "◉"
-    if row.flown is not None:
+    if row.flown is not None and isfinite(row.flown):
         line[_cell(row.flown, start, end, width)] = FLOWN_MARK
     return "".join(line)
 
@@ -121,7 +126,7 @@ class HeightScale:
     @classmethod
     def of(cls, shown: Iterable[tuple[Bounds | None, float | None]], target: float | None) -> "HeightScale":
         """A scale that holds all of these, each an interval and a flown apogee, and the target."""
-        ends = [end for bounds, flown in shown for end in (*(bounds or ()), flown) if end is not None]
+        ends = [end for bounds, flown in shown for end in (*(bounds or ()), flown) if end is not None and isfinite(end)]
         ends += [target] if target and ends else []
         return cls(min(ends, default=0.0), max(ends, default=1.0), target)
 
@@ -130,7 +135,7 @@ class HeightScale:
         marks = (self.target,) if self.target else ()
         if bounds is not None:
             return bar(IntervalBar("", *bounds, flown), self.low, self.high, width, marks)
-        if flown is None:
+        if flown is None or not isfinite(flown):
             return ""
         line = [" "] * width
         for value, sign in (*((mark, TARGET) for mark in marks), (flown, FLOWN_MARK)):

@@ -26,8 +26,10 @@ def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: s
     """The answer with both pictures; `size` is of the field across. [m]"""
     unit = spelled(unit_of(cards.APOGEE, system))
     field = ", circle the field" if size else ""
-    title = f"Left: pad, apogee and landing of {DRAWN_FLIGHTS} draws from the side [{unit}]. "
-    title += f"Right, from above, wind to the right: ▲ the pad, dots landings, ellipse 90% of them{field} [{unit}]"
+    title = (
+        f"{DRAWN_FLIGHTS} draws from the side, pad to apogee to landing; and landings from above, wind to the right: "
+    )
+    title += f"▲ pad, ellipse 90% of them{field} [{unit}]"
     scaled = partial(_scaled, system)
     return replace(
         answer, title=title, draw=partial(_from_the_side, one, scaled), second=partial(_from_above, one, size, scaled)

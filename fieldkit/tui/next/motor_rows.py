@@ -21,8 +21,8 @@ NAME, SHORT_NAME = 22, 14
 """Widths of a motor's name, with and without its manufacturer. [cell]"""
 LEAST_BAR = 14
 """Minimum width of a drawn interval. [cell]"""
-QUICK_MARK = "≈"
-"""Mark of a quick answer."""
+PROVISIONAL = "≈"
+"""Mark of a figure that may still change: a quick answer, or a fit with few draws."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,9 @@ class MotorColumn:
 
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
     """Headings and cells in a width: a `brief` choice next to a card, or else all that fit."""
-    columns = _brief(settings) if brief else _narrow(settings) if width < 76 else _every(settings, width >= 100)
+    columns = _brief(motors, settings) if brief else _narrow(motors, settings)
+    if not brief and width >= 76:
+        columns = _every(motors, settings, width >= 100)
     left = width - 2 - sum(column.width + 1 for column in columns)
     name = NAME if left - NAME >= 2 * LEAST_BAR else SHORT_NAME
     room = left - name
@@ -65,21 +67,21 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
     return heads, cells
 
 
-def _brief(settings: Settings) -> list[MotorColumn]:
+def _brief(motors: MotorList, settings: Settings) -> list[MotorColumn]:
     """Apogee, the distance from the target, or without a target the interval, and ejection."""
-    return [_apogee(settings), *(_off(settings) or [_range(settings)]), _eject()]
+    return [_apogee(motors, settings), *(_off(settings) or [_range(settings)]), _eject()]
 
 
-def _narrow(settings: Settings) -> list[MotorColumn]:
-    return [_apogee(settings), _range(settings), *_off(settings), _eject(), _rail(settings, wide=False)]
+def _narrow(motors: MotorList, settings: Settings) -> list[MotorColumn]:
+    return [_apogee(motors, settings), _range(settings), *_off(settings), _eject(), _rail(settings, wide=False)]
 
 
-def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
+def _every(motors: MotorList, settings: Settings, wide: bool) -> list[MotorColumn]:
     """All figures; if there is room, with units in the headings and a few more columns."""
     return [
         _of_any("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
         _of_any("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
-        _apogee(settings),
+        _apogee(motors, settings),
         _range(settings),
         *_off(settings),
         MotorColumn("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
@@ -94,13 +96,16 @@ def _of_any(title: str, width: int, text: Callable[[MotorChoice | QuickChoice], 
     return MotorColumn(title, width, text, text)
 
 
-def _apogee(settings: Settings) -> MotorColumn:
-    return MotorColumn(
-        "apogee",
-        6,
-        lambda one: number(cards.APOGEE, one.apogee, settings.units),
-        lambda one: f"{QUICK_MARK}{whole(one.apogee, settings.units)}",
-    )
+def _apogee(motors: MotorList, settings: Settings) -> MotorColumn:
+    def text(one: MotorChoice) -> str:
+        return middle(one, settings.units, exact=one.motor in motors.exact)
+
+    return MotorColumn("apogee", 6, text, lambda one: middle(one, settings.units, exact=False))
+
+
+def middle(one: MotorChoice | QuickChoice, system: str, *, exact: bool) -> str:
+    """The median of a forecast; whole and marked unless it is exactly what would be saved: `≈251`."""
+    return number(cards.APOGEE, one.apogee, system) if exact else f"{PROVISIONAL}{whole(one.apogee, system)}"
 
 
 def _range(settings: Settings) -> MotorColumn:

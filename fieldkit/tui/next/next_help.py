@@ -11,7 +11,10 @@ NEXT_HELP = Help(
     "the two are compared. Forecasts are advice: the range safety officer decides.",
     (
         ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
-        ("≈ apogee", "A quick answer by the network, without safety checks; the fit's forecast replaces it."),
+        (
+            "≈ apogee",
+            "Not final: the network's answer, then a fit with few draws. The selected one is forecast in full.",
+        ),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
         (
             "eject",

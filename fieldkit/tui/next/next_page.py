@@ -201,7 +201,7 @@ class NextScreen(PageScreen):
         elif isinstance(one, QuickChoice):
             card.show_quick(plan, one, self.resources.settings)
         else:
-            card.show(plan, one, self.resources.settings)
+            card.show(plan, one, self.resources.settings, exact=one.motor in self._motors.exact)
             if one.motor not in self._motors.exact:
                 self._rest = self.set_timer(REST, partial(self._forecast_exactly, one))
             return
@@ -249,14 +249,14 @@ class NextScreen(PageScreen):
         if build is not None:
             self._keep_plan(build)
 
-    async def action_decide(self) -> None:
+    async def action_decide(self, view: int = 0) -> None:
         """Open the decisions for the motor under the cursor."""
         await self.settled("change", "plan")
         plan, motor = self._motors.plan, self.query_one(Table).current
         if plan is not None and motor is not None:
             one = self._motors.known.get(motor)
             full = plan.full.with_changes(motor=label(motor), delay=one.delay if one else None)
-            self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor)))
+            self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor), view))
 
     async def action_plan(self) -> None:
         """Change the plan."""

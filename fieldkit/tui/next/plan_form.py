@@ -4,12 +4,16 @@ import asyncio
 from collections.abc import Callable
 from functools import partial
 
+from textual import on
+from textual.widgets import Input
+from textual.worker import Worker
+
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import unit_of
 from fieldkit.services.launch_day import save_plan
 from fieldkit.services.plans import completed_plan
-from fieldkit.tui.add.fields import Form
+from fieldkit.tui.add.fields import Field, Form
 from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import Resources
@@ -17,6 +21,36 @@ from fieldkit.tui.setup.setup_lists import same
 
 BODY = ("dry_mass", "diameter")
 """The figures of a plan that belong to its rocket."""
+
+
+class PlanForm(Form):
+    """The form of a plan: mass and diameter are those of the rocket and configuration named in it, unless they were
+    typed; `known` finds them, `shown` is the plan as the form shows it."""
+
+    known: Callable[[Flight], Flight]
+    shown: Flight
+    system: str
+    _following: Worker[None] | None = None
+
+    @on(Input.Changed, "#in-rocket,#in-config")
+    def _renamed(self) -> None:
+        self._following = self.run_worker(self._follow, group="follow", exclusive=True)
+
+    async def _follow(self) -> None:
+        fields = {field.question.name: field for field in self.query(Field)}
+        build = {name: fields[name].answer for name in ("rocket", "config")}
+        named = self.shown.with_changes(**build, **dict.fromkeys(BODY))
+        self.shown = await asyncio.to_thread(self.known, named) if build["rocket"] else named
+        texts = plan_texts(self.shown, self.system)
+        for name in BODY:
+            if not fields[name].typed:
+                fields[name].fill(texts[name])
+
+    async def action_take(self) -> None:
+        """Submit the answers when they have followed the rocket."""
+        if self._following is not None:
+            await self._following.wait()
+        await super().action_take()
 
 
 async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> None:
@@ -28,18 +62,18 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
     def answered(values: dict[str, object] | None) -> None:
         if values is None:
             return
-        as_shown = {name for name in PLAN if not_retyped(shown, name, values[name], system)}
+        as_shown = {name for name in PLAN if not_retyped(form.shown, name, values[name], system)}
         values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
-        if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # unchanged figures are of the old one
+        if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # its figures follow its last flight
             values = {**values, **dict.fromkeys(as_shown.intersection(BODY))}
         try:
             keep(planned(values))
         except BadValue as error:
             page.complain(str(error))
 
-    page.app.push_screen(
-        Form("The plan", QUESTIONS, plan_texts(shown, system), units, names=page.resources.names), answered
-    )
+    form = PlanForm("The plan", QUESTIONS, plan_texts(shown, system), units, names=page.resources.names)
+    form.known, form.shown, form.system = partial(_with_body, page.resources), shown, system
+    page.app.push_screen(form, answered)
 
 
 def _with_body(resources: Resources, plan: Flight) -> Flight:

@@ -94,7 +94,7 @@ class PlanScreen(PageScreen):
         Binding("left", "turn(-1)", "Previous view", show=False, priority=True),
         Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
         Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
-        Binding("e", "day", "Edit", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
+        Binding("e", "day", "Day", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
         Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
         Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , for the previous one"),
@@ -122,11 +122,10 @@ class PlanScreen(PageScreen):
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """
 
-    def __init__(self, decision: Decision) -> None:
+    def __init__(self, decision: Decision, view: int = 0) -> None:
         super().__init__()
         self._decision = decision
-
-        self._view, self._aim, self._area_ratio = 0, 0, AREA_RATIOS.index(1.0)
+        self._view, self._aim, self._area_ratio = view, 0, AREA_RATIOS.index(1.0)
         self._season = season_of(date.today(), data_file("seasons"))
         self._shown_answer = Answer(())
 

@@ -20,6 +20,7 @@ GLYPHS = {
     ",": (" ", " ", "▀"),
     "-": ("  ", "▀▀", "  "),
     "+": ("   ", "▀█▀", "   "),
+    "≈": ("   ", "▄▀▄", "▄▀▄"),
 }
 """Strokes as wide as half a line is high: five dots up, three across."""
 

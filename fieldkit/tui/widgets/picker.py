@@ -69,8 +69,10 @@ class Picker(OptionList, can_focus=False):
         at = (-1 if self.highlighted is None else self.highlighted) + by
         self.highlighted = None if at < 0 else min(at, len(self._picks) - 1)
 
-    def take(self) -> bool:
-        """Put the chosen answer in the input; False if none is chosen."""
+    def take(self, *, only: bool = False) -> bool:
+        """Put the chosen answer in the input, or the only one offered if `only`; False if none is chosen."""
+        if only and self.highlighted is None and len(self._picks) == 1:
+            self.highlighted = 0
         if not self.open or self.highlighted is None or self._line is None:
             self.close()
             return False

@@ -1,0 +1,247 @@
+"""What went wrong for flyers at the launch site, each as a story that must not repeat."""
+
+import math
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from textual.widgets import Input
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, models
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.manual_entry import usual
+from fieldkit.settings import change_settings
+from fieldkit.tui.next.forecast_card import ForecastCard
+from fieldkit.tui.next.intervals import HeightScale, IntervalBar, Intervals, bar
+from fieldkit.tui.widgets.bars import NoticeBar
+from fieldkit.tui.widgets.big import GLYPHS
+from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
+
+LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return at_home(tmp_path, monkeypatch)
+
+
+def notice(pilot: object) -> str:
+    return text_of(pilot, "NoticeBar")  # type: ignore[arg-type]
+
+
+async def test_a_column_mapping_belongs_to_the_file_for_which_it_was_typed(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("tick,howhigh,warmth\n" + LOG)
+    (file.parent / "read.pf2").write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")  # type: ignore[attr-defined]
+        await press(pilot)
+        await press(pilot, "m", "ctrl+u", *typed("tick [ms]"), "down", "ctrl+u", *typed("howhigh [m]"), "ctrl+s", "_")
+        assert "would add" in shown(pilot)
+        pilot.app.screen.go(file.parent, file.parent / "read.pf2")  # type: ignore[attr-defined]
+        await press(pilot, "_")
+        assert "would add 1 flight" in " ".join(shown(pilot).split())
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")  # type: ignore[attr-defined]
+        await press(pilot, "_")
+        assert "would add" in shown(pilot), "the mapping is still there for its own file"
+
+
+async def test_enter_takes_the_only_column_that_is_offered(file: Path) -> None:
+    (file.parent / "odd.csv").write_text("tick,howhigh,warmth\n" + LOG)
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        pilot.app.screen.go(file.parent, file.parent / "odd.csv")  # type: ignore[attr-defined]
+        await press(pilot)
+        await press(pilot, "m", "ctrl+u", *typed("tic"), "enter")
+        assert pilot.app.screen.query_one("#in-time", Input).value == "tick"
+
+
+async def test_an_unfinished_flight_of_another_build_names_the_open_forecast_and_yields_to_it(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    async with opened(file, page="add") as pilot:
+        pilot.app.screen.query_one("#in-config", Input).focus()
+        await press(pilot, "ctrl+u", *typed("A"), "enter", "_")
+    with Ledger.open(file) as ledger:
+        from fieldkit.motors import catalogue
+
+        plan = Flight(rocket="Astra", config="B", motor="AeroTech F39T-6", dry_mass=0.448, diameter=0.066)
+        predict_plans(ledger, catalogue(), [plan], decided=True)
+    async with opened(file, page="add") as pilot:
+        assert "^N to start the forecast's: Astra B on" in notice(pilot)
+        await press(pilot, "ctrl+n", "_")
+        assert pilot.app.screen.query_one("#in-config", Input).value == "B"
+
+
+async def test_a_figure_that_is_not_final_says_so_and_the_saved_one_is_the_one_shown(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "_")
+        card = pilot.app.screen.query_one(ForecastCard)
+        table = pilot.app.screen.resting_place()  # type: ignore[attr-defined]
+        rows = {motor: table.cells(motor)[1] for motor in table.keys}
+        exact = pilot.app.screen._motors.exact  # type: ignore[attr-defined]
+        assert exact == {table.current}
+        assert all(text.startswith("≈") != (motor in exact) for motor, text in rows.items())
+        assert "≈" not in card.text
+        before = rows[table.current]
+        await press(pilot, "enter", "_")
+        assert f" to {before} m" in notice(pilot)
+        await press(pilot, "d", *["right"] * 3, "_")  # the landing of the same plan
+        assert before.split(".")[0] in shown(pilot)
+    assert "≈" in GLYPHS
+
+
+async def test_the_contest_shows_the_apogee_of_the_forecast(file: Path) -> None:
+    from fieldkit.motors import Found, catalogue
+    from fieldkit.planning.forecasts import forecasts
+    from fieldkit.planning.outlook import outlook
+    from fieldkit.services.forecasts import rocket_of
+    from fieldkit.tui.next.decisions import rule_of
+
+    motors = catalogue()
+    with Ledger.open(file) as ledger:
+        rocket = rocket_of(ledger, motors, "Astra")
+    plan = Flight(rocket="Astra", config="A", motor="AeroTech F24W", delay=4.0, dry_mass=0.322, diameter=0.066)
+    found = Found(motors.resolve("AeroTech F24W").motor, None)
+    (alone,) = forecasts(rocket, [(plan, found)])
+    assert outlook(rule_of(2027), rocket, plan, found).forecast.apogee_quantiles() == alone.apogee_quantiles()
+
+
+async def test_units_chosen_later_win_over_one_typed_earlier(file: Path) -> None:
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("923ft"), "enter", "_")
+        screen = pilot.app.screen
+        assert screen._unit_of_answer(screen.field("eject_altitude").question) == "ft"  # type: ignore[attr-defined]
+        await press(pilot, "escape", "N", "N", "N", "_")  # around to SI
+        assert screen._unit_of_answer(screen.field("eject_altitude").question) == "m"  # type: ignore[attr-defined]
+        assert screen.field("apogee").answer == "923ft"  # type: ignore[attr-defined]
+
+
+async def test_escape_leaves_a_field_even_while_a_success_is_shown(file: Path) -> None:
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("92"), "ctrl+n", "_")
+        assert "Started over" in notice(pilot)
+        await press(pilot, "escape")
+        assert not isinstance(pilot.app.focused, Input)
+
+
+async def test_a_notice_of_success_expires_and_an_error_does_not(file: Path) -> None:
+    async with opened(file) as pilot:
+        with pytest.MonkeyPatch.context() as patched:
+            patched.setattr("fieldkit.tui.choosing.EXPIRY", 0.05)
+            pilot.app.show_notice("Gone wrong", error=True)  # type: ignore[attr-defined]
+            pilot.app.show_notice("Done")  # type: ignore[attr-defined]
+            await pilot.pause(0.3)
+        await press(pilot)
+        assert [one.text for one in pilot.app.notices] == ["Gone wrong"]  # type: ignore[attr-defined]
+
+
+async def test_the_plan_shows_the_mass_that_it_saves_when_its_configuration_changes(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        await press(pilot, "p", "_")
+        form = pilot.app.screen
+        assert form.query_one("#in-dry_mass", Input).value == "448 g"
+        form.query_one("#in-config", Input).focus()
+        await press(pilot, "ctrl+u", *typed("A"), "_")
+        assert form.query_one("#in-dry_mass", Input).value == "322 g"
+        await press(pilot, "ctrl+s", "_", "4", "_")
+        assert "322 g without motor" in shown(pilot)
+
+
+async def test_a_date_in_the_future_is_asked_about(file: Path) -> None:
+    ahead = f"{datetime.now() + timedelta(days=30):%Y-%m-%d}"
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("198"))
+        pilot.app.screen.query_one("#in-date_time", Input).focus()
+        await press(pilot, "ctrl+u", *typed(ahead), "ctrl+s", "_")
+        assert "is in the future" in shown(pilot)
+
+
+async def test_with_us_units_the_month_of_a_date_comes_first(file: Path) -> None:
+    change_settings({"units": "US"}, file.with_name("settings.json"))
+    async with opened(file, page="add") as pilot:
+        pilot.app.screen.query_one("#in-date_time", Input).focus()
+        await press(pilot, "ctrl+u", *typed("5/1/2026"), "_")
+        assert pilot.app.screen._answered.flight.date_time == datetime(2026, 5, 1)  # type: ignore[attr-defined]
+    change_settings({"units": "SI"}, file.with_name("settings.json"))
+    async with opened(file, page="flights") as pilot:
+        await press(pilot, "e", "_")
+        pilot.app.screen.query_one("#in-date_time", Input).focus()
+        await press(pilot, "ctrl+u", *typed("5/1/2026"), "_")
+        assert "expected a date" in shown(pilot)
+
+
+async def test_undo_asks_before_it_takes_back_an_import_and_says_so(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "u", "_")
+        assert "12 flights" in words(pilot)
+        await press(pilot, "n", "_")
+        with Ledger.open(file) as ledger:
+            assert len(ledger.flights()) == 12
+        await press(pilot, "u", "_", "y", "_")
+        with Ledger.open(file) as ledger:
+            assert not ledger.flights()
+
+
+async def test_undo_asks_before_it_takes_back_what_another_program_did(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot)
+        with Ledger.open(file) as other:
+            other.add([Flight("14", "Astra", "B", "F39T-6", dry_mass=0.448, apogee=199.0)], command="add")
+        await press(pilot, "u", "_")
+        assert "by another program: add 14" in words(pilot)
+        await press(pilot, "escape", "_")
+        with Ledger.open(file) as other:
+            assert len(other.flights()) == 13
+
+
+async def test_what_the_app_did_itself_is_undone_at_once(file: Path) -> None:
+    async with opened(file, page="add") as pilot:
+        await press(pilot, *typed("198"), "ctrl+n", "_", "escape", "u", "_")
+        assert "Undone: start over the unfinished flight" in notice(pilot)
+
+
+def test_two_spellings_of_a_motor_are_one_motor(file: Path) -> None:
+    from fieldkit.motors import catalogue
+
+    with Ledger.open(file) as ledger:
+        flown = usual(ledger, catalogue(), Flight(rocket="Astra", motor="F24-4W"))
+        assert flown
+        assert usual(ledger, catalogue(), Flight(rocket="Astra", motor="AeroTech F24W-7")) == flown
+
+
+async def test_no_two_keys_of_the_main_pages_named_edit_do_different_things(file: Path) -> None:
+    from fieldkit.tui.page import pages
+
+    named = {
+        binding.description
+        for page in pages().values()
+        for binding in page.screen.BINDINGS
+        if getattr(binding, "key", "") == "e"
+    }
+    assert len(named) == len(
+        [1 for page in pages().values() for b in page.screen.BINDINGS if getattr(b, "key", "") == "e"]
+    )
+
+
+async def test_the_palette_opens_a_decision(file: Path) -> None:
+    async with opened(file, (120, 36), page="home") as pilot:
+        await press(pilot, "ctrl+p", "_")
+        await press(pilot, *typed("decide: landing"), "_", "_")
+        await press(pilot, "enter", "_")
+        assert "Decide" in pilot.app.screen.TITLE  # type: ignore[operator]
+        assert "wind" in shown(pilot)
+
+
+def test_an_interval_that_is_not_finite_is_blank_and_ends_no_app() -> None:
+    nothing = IntervalBar("weak", math.nan, math.nan, math.nan, math.nan)
+    assert not bar(nothing, 0.0, 1.0, 20).strip()
+    assert "weak" in str(Intervals((nothing, IntervalBar("good", 1.0, 2.0, 3.0)), lambda x: f"{x:g}", {}))
+    scale = HeightScale.of([((math.nan, math.nan, math.nan), 100.0), (None, 200.0)], None)
+    assert (scale.low, scale.high) == (100.0, 200.0)
+
+
+async def test_notices_name_no_option_of_the_command_line(file: Path) -> None:
+    async with opened(file, page="home") as pilot:
+        assert "--" not in str(pilot.app.screen.query_one(NoticeBar).content)
