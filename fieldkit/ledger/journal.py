@@ -31,8 +31,8 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class UndoStep:
-    """The change that undo would undo, the number of flights that it would add, change or remove, and whether this
-    open ledger made the change, not another program or an earlier session."""
+    """The change that undo would undo, the number of flights that it would remove, and whether it was made through this
+    open ledger, not by another program or in an earlier session."""
 
     change: Change
     flights: int
@@ -94,8 +94,7 @@ def undo_step(connection: Connection) -> UndoStep:
     if not done:
         raise LedgerError("nothing left to undo")
     change, images = _whole(connection, done[-1])
-    rows = [image.after or image.before or {} for image in images if image.table in (flights.name, tags.name)]
-    return UndoStep(change, len({row["entry"] for row in rows}))
+    return UndoStep(change, sum(image.before is None for image in images if image.table == flights.name))
 
 
 def undo(connection: Connection, number: int | None = None) -> Change:

@@ -53,7 +53,8 @@ class Effect:
     it. `measured` is the standard deviation of the fitted value from a measurement on the ground, 0 if there is none.
     An effect with `needs_delay` acts only on motors with a delay. `quantity` is the quantity of the model to whose
     logarithm the strength adds, and `shared_by` the groups of flights of several rockets on which it may act equally;
-    empty for an effect of one rocket.
+    empty for an effect of one rocket. `says` are sentences for a negative and a positive strength, in which `{where}`
+    is the group or the rocket, and `{amount}` the strength; without them `explains` stands in.
     """
 
     title: str
@@ -82,6 +83,7 @@ class Effect:
     measured: float = 0.0
     needs_delay: bool = False
     quantity: str = ""
+    says: tuple[str, str] | None = None
     shared_by: tuple[SharedBy, ...] = ()
 
     def strength(self, fitted: Strength) -> Strength:

@@ -25,12 +25,14 @@ class Outcome:
     """Forecast of a flight, forecast of the next flight like it, and Cd before and after the flight. [m, 1]
 
     `kept` states whether the forecast was saved before the flight; otherwise it is computed from the other flights.
-    `after` is the forecast of the next flight like it, `beside` the flight compared with the others of its rocket.
+    `before` is the forecast from the other flights, `after` that of the next flight like it, `beside` the flight
+    compared with the others of its rocket.
     """
 
     flight: Flight
     forecast: Three
     kept: bool
+    before: Prediction
     after: Prediction
     cd: tuple[float, float]
     beside: FlightBesideOthers | None = None
@@ -83,6 +85,7 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
         flight=flight,
         forecast=before.apogee_quantiles() if kept is None else kept.interval,
         kept=kept is not None,
+        before=before,
         after=after,
         cd=(float(before.cd.mean()), float(after.cd.mean())),
         beside=flight_beside_others(ledger, motors, flight),

@@ -20,6 +20,14 @@ class ListedFlight:
     id: str
     flight: Flight
     forecast: "SavedForecast | None"
+    computed: float | None = None
+    """Flown minus the apogee to expect from the other flights, for a flight without a saved forecast. [m]"""
+
+    @property
+    def miss(self) -> float | None:
+        """Flown minus forecast: the saved forecast, or else what the other flights lead to expect. [m]"""
+        saved = None if self.forecast is None else self.forecast.miss
+        return self.computed if saved is None else saved
 
 
 def listed_at_once(where: str | Path | None) -> list[ListedFlight]:

@@ -244,7 +244,7 @@ class FieldkitApp(Surviving):
         self.simulate_key(key)
 
     def action_undo(self) -> None:
-        """Undo the last change; ask first if it concerns more than one flight, or if another program made it."""
+        """Undo the last change; ask first if it would remove more than one flight, or if another program made it."""
         if isinstance(page := self.screen, PageScreen):
             page.change(lambda: self.resources.ledger.undo_step(), self._undo)
 

@@ -1,6 +1,6 @@
 """Color schemes of the app: for a room, for bright sun, for the dark, and the terminal's.
 
-No information is in color alone, so a scheme may have few colors.
+Colors repeat states that symbols tell (`fieldkit.tui.widgets.states`), so a scheme may have few.
 """
 
 from collections.abc import Mapping
@@ -71,7 +71,7 @@ SUN = Theme(
     primary="#000000",
     secondary="#000000",
     accent="#00226b",
-    warning="#000000",
+    warning="#5c3300",
     error="#7a0000",
     success="#003d12",
     foreground="#000000",
@@ -83,22 +83,24 @@ SUN = Theme(
     luminosity_spread=0.0,
     variables=_flat("#000000", "#ffffff", "#000000"),
 )
+NIGHT_INK = "#ff6f64"
+"""A red that is seven times as bright as black, in WCAG's measure, and spares eyes that are used to the dark."""
 NIGHT = Theme(
     name="night",
-    primary="#ff5a4f",
-    secondary="#ff5a4f",
-    accent="#ff5a4f",
-    warning="#ff5a4f",
-    error="#ff5a4f",
-    success="#ff5a4f",
-    foreground="#ff5a4f",
+    primary=NIGHT_INK,
+    secondary=NIGHT_INK,
+    accent=NIGHT_INK,
+    warning="#ff9a4d",
+    error="#ff8080",
+    success="#ffb499",
+    foreground=NIGHT_INK,
     background="#000000",
     surface="#000000",
     panel="#000000",
     dark=True,
     text_alpha=1.0,
     luminosity_spread=0.0,
-    variables=_flat("#ff5a4f", "#000000", "#8a1a12"),
+    variables=_flat(NIGHT_INK, "#000000", "#8a1a12"),
 )
 TERMINAL = Theme(
     name="terminal",
@@ -106,9 +108,9 @@ TERMINAL = Theme(
     primary="ansi_default",
     secondary="ansi_default",
     accent="ansi_default",
-    warning="ansi_default",
-    error="ansi_default",
-    success="ansi_default",
+    warning="ansi_magenta",
+    error="ansi_red",
+    success="ansi_green",
     foreground="ansi_default",
     background="ansi_default",
     surface="ansi_default",

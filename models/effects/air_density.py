@@ -26,4 +26,8 @@ EFFECT = Effect(
     measured=0.01,
     quantity="drag",
     shared_by=("day", "site"),
+    says=(
+        "The air is about {amount} thinner than recorded",
+        "The air is about {amount} denser than recorded",
+    ),
 )

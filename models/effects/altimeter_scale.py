@@ -23,4 +23,8 @@ EFFECT = Effect(
     measured=0.01,
     quantity="apogee",
     shared_by=("day", "device", "fleet"),
+    says=(
+        "The altimeter reads about {amount} low",
+        "The altimeter reads about {amount} high",
+    ),
 )

@@ -23,4 +23,8 @@ EFFECT = Effect(
     tell_apart="record top speed and coast time on a long-burning and a short-burning motor",
     setup=setup,
     background=Prior(mean=0.08, sd=0.05),
+    says=(
+        "{where} has about {amount} less drag in the coast than under power",
+        "{where} has about {amount} more drag in the coast than under power",
+    ),
 )

@@ -25,4 +25,8 @@ EFFECT = Effect(
     per="motor",
     needs_delay=True,
     starts=(0.12, 0.25, 0.45, 0.65),
+    says=(
+        "The charge fires about {amount} of its delay late",
+        "The charge fires about {amount} of its delay early",
+    ),
 )

@@ -25,4 +25,8 @@ EFFECT = Effect(
     needs_delay=True,
     form_of="early_ejection",
     starts=(0.5, 1.2, 2.5, 4.0),
+    says=(
+        "The charge fires about {amount} late",
+        "The charge fires about {amount} early",
+    ),
 )

@@ -24,4 +24,8 @@ EFFECT = Effect(
     starts_anywhere=True,
     from_first=False,
     measured=0.005,
+    says=(
+        "{where} carries about {amount} less than entered",
+        "{where} carries about {amount} more than entered",
+    ),
 )

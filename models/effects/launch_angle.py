@@ -25,4 +25,8 @@ EFFECT = Effect(
     per="site",
     squared=True,
     measured=4.0,
+    says=(
+        "{where} leaves the rail about {amount} off vertical",
+        "{where} leaves the rail about {amount} off vertical",
+    ),
 )

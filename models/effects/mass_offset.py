@@ -21,4 +21,8 @@ EFFECT = Effect(
     setup=setup,
     per="config",
     measured=0.005,
+    says=(
+        "{where} is about {amount} lighter than entered",
+        "{where} is about {amount} heavier than entered",
+    ),
 )

@@ -23,4 +23,8 @@ EFFECT = Effect(
     starts_anywhere=True,
     quantity="thrust",
     shared_by=("motor_type", "lot"),
+    says=(
+        "{where} delivers about {amount} less thrust than certified",
+        "{where} delivers about {amount} more thrust than certified",
+    ),
 )

@@ -16,4 +16,8 @@ EFFECT = Effect(
     everywhere=False,
     form_of="air_density",
     measured=10.0,
+    says=(
+        "The site lies about {amount} lower than recorded",
+        "The site lies about {amount} higher than recorded",
+    ),
 )

@@ -23,4 +23,8 @@ EFFECT = Effect(
     form_of="thrust_curve",
     starts_anywhere=True,
     from_first=False,
+    says=(
+        "{where} burns about {amount} shorter than certified",
+        "{where} burns about {amount} longer than certified",
+    ),
 )

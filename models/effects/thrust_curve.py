@@ -22,4 +22,8 @@ EFFECT = Effect(
     per="motor",
     quantity="stretch",
     shared_by=("motor_type", "lot"),
+    says=(
+        "{where} burns about {amount} shorter than certified",
+        "{where} burns about {amount} longer than certified",
+    ),
 )

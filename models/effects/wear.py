@@ -20,4 +20,8 @@ EFFECT = Effect(
     tell_apart="repair and polish the rocket and fly the same motor again",
     setup=setup,
     grows=True,
+    says=(
+        "{where} loses about {amount} of its drag with every flight",
+        "{where} gains about {amount} of drag with every flight",
+    ),
 )

@@ -295,13 +295,13 @@ async def test_a_search_that_ends_leaves_the_panel_in_front(file: Path) -> None:
             pilot.app.post_message(Key("S", "S"))
             while not pilot.app.screen.is_asking("look"):
                 await pilot.pause(0.01)
-            for _ in range(4):
+            for _ in range(2):
                 pilot.app.post_message(Key("right", None))
             await pilot.pause(0.2)
             waiting.set()
             await press(pilot)
             assert "held-out error" in words(pilot), "a heading of Versions"
-            assert f"The search of Astra has ended: {found.diagnosis.effect}" in words(pilot)
+            assert "The search of Astra has ended. Something may be missing" in words(pilot)
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 50)])
@@ -316,7 +316,7 @@ async def test_a_fingerprint_fits_its_panel(size: tuple[int, int], file: Path) -
 
 async def test_the_ranking_lists_before_a_search_what_it_looks_for(file: Path) -> None:
     async with opened(file, page="loop") as pilot:
-        await press(pilot, "right", "right", "right", "down")
+        await press(pilot, "left", "down")
         assert "an altimeter that reads high or low 10% of the height" in words(pilot)
         assert "test fly a second altimeter next to it" in words(pilot)
         await press(pilot, "enter")

@@ -10,4 +10,4 @@ def test_checks_that_only_the_flyer_can_make_are_counted() -> None:
         SafetyCheck("misfire", "unknown", f"{BY_EYE}wait a minute", ""),
         SafetyCheck("rail exit speed", "caution", "13 m/s", ""),
     ]
-    assert list(safety_in_brief(lines)) == ["! rail exit speed", "? ceiling, 1 to check yourself"]
+    assert list(safety_in_brief(lines)) == ["! rail exit speed", "? 1 not given, 1 to check yourself"]

@@ -245,3 +245,22 @@ def test_an_interval_that_is_not_finite_is_blank_and_ends_no_app() -> None:
 async def test_notices_name_no_option_of_the_command_line(file: Path) -> None:
     async with opened(file, page="home") as pilot:
         assert "--" not in str(pilot.app.screen.query_one(NoticeBar).content)
+
+
+async def test_a_flight_that_stands_out_is_tagged_with_its_likely_cause_by_one_key(file: Path) -> None:
+    async with opened(file, (120, 36), page="loop") as pilot:
+        assert "Flight 4 flew 20% low: scatter, or with a chance of 32% extra drag" in text_of(pilot, "#why")
+        await press(pilot, "t", "_")
+        assert "Tagged flight 4 extra_drag" in notice(pilot)
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("4").tags == ("extra_drag",)
+
+
+async def test_what_rockets_share_is_shown_on_the_loop_page_after_a_fleet_search(file: Path) -> None:
+    from fieldkit.tui.loop.fleet import FLEET_DRAFT
+
+    line = "AeroTech F24W since 2025-09-01: 24% less thrust and impulse than expected"
+    with Ledger.open(file) as ledger:
+        ledger.keep_draft(FLEET_DRAFT, {"lines": [line]})
+    async with opened(file, page="loop") as pilot:
+        assert line in words(pilot)

@@ -24,7 +24,7 @@ from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import hanging
-from fieldkit.tui.widgets.plots import Plot, draw_density
+from fieldkit.tui.widgets.plots import Marked, Plot, draw_density
 
 DrawPlot = Callable[[Any, Any], None]
 MAX_EARLIER = 24
@@ -89,7 +89,9 @@ class AfterCard(VerticalScroll, can_focus=True):
 
     def on_mount(self) -> None:
         """Set the titles of the plot and the card."""
-        self.query_one(Plot).border_title = "The apogee of the next flight; lines are 5%, median and 95%"
+        self.query_one(
+            Plot
+        ).border_title = "The next flight: filled 90%, line the median; ◆ this flight, outline its forecast"
         self.border_subtitle = "Enter to add the next flight"
 
     def saved(self, id: str, flight: Flight, system: str) -> None:
@@ -124,7 +126,6 @@ class AfterCard(VerticalScroll, can_focus=True):
             self._put(".facts", NO_FORECAST)
             return
         outcome = found.outcome
-        low, middle, high = outcome.next_flight
         facts = [("Flown", measure(cards.APOGEE, outcome.flight.apogee, system)), *outcome_facts(outcome, system)]
         advice = suggestion_line(found.next, system)
         self._put(".facts", cards.lines("", facts))
@@ -134,8 +135,9 @@ class AfterCard(VerticalScroll, can_focus=True):
         ]
         self._put(".bars", _drawn(rows, system, "90% interval, ● median, ◆ flown"))
         self._put(".next", hanging([f"Suggested  {advice}"]))
-        marks = [(x, "") for x in (middle, low, high)]
-        self._hill(draw_density(outcome.after.apogee, marks, partial(_height, system)))
+        flown = outcome.flight.apogee
+        marks = [Marked("◆", flown)] if flown is not None else []
+        self._hill(draw_density(outcome.after.apogee, partial(_height, system), *marks, former=outcome.before.apogee))
         if found.earlier:
             self._put(".earlier", _drawn(_rows(found.earlier), system, "Earlier forecasts of this rocket"))
         self.text = "\n".join([self.text, cards.as_text("", facts), advice])

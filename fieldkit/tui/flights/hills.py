@@ -26,7 +26,7 @@ def hills(flight: Flight, resources: Resources) -> Hills:
         (
             place,
             f"{title}  {with_sd(values.mean(), values.std())}",
-            draw_density(values, [(float(values.mean()), "")], lambda value: f"{value:.2f}"),
+            draw_density(values, lambda value: f"{value:g}"),
         )
         for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "alpha", drag.thrust))
     )

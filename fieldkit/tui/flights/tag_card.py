@@ -89,9 +89,9 @@ class TagCard(VerticalScroll):
         if plot is None:
             plot = Plot()
             self.mount(plot)
-        marks = [(float(place), "") for place in now.forecast.apogee_quantiles()]
-        plot.border_title = Content("next apogee with these tags")
-        plot.show(draw_density(now.forecast.apogee, marks, lambda value: measure(cards.APOGEE, value, system)))
+        plot.border_title = Content("next apogee with these tags" + ("" if same else "; outline before"))
+        former = None if same else before.forecast.apogee
+        plot.show(draw_density(now.forecast.apogee, lambda at: measure(cards.APOGEE, at, system), former=former))
 
 
 def meaning(tag: str) -> str:

@@ -5,19 +5,24 @@ of processor time for the screen of a flight, 0.5 s for the plan, and 0.3 s for 
 read it is imported in 20 to 70 ms."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import datetime
 from functools import cached_property, partial
+from math import isfinite
 from threading import Event
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import Flight
+from fieldkit.safe_text import printable
 from fieldkit.services.listed_flights import ListedFlight, listed_at_once
+from fieldkit.tui.asking import or_why
 from fieldkit.tui.help import Help
 from fieldkit.tui.home.cards import LastCard, NextCard
 from fieldkit.tui.home.choices import Choices
@@ -32,6 +37,8 @@ from fieldkit.tui.widgets.table import Head, Table
 if TYPE_CHECKING:
     from fieldkit.services.launch_day import Overview
     from fieldkit.tui.flights.flight_screen import FlightScreen
+    from fieldkit.tui.flights.log_plot import Drawn
+    from fieldkit.tui.home.pane import Beside
     from fieldkit.tui.pad.pad_screen import PadTimer
 
 
@@ -52,7 +59,11 @@ class HomeScreen(PageScreen):
         "and weather filled in from that forecast; p to edit the plan: rocket, mass and weather. Weather entered once "
         "(e) is used in every plan and flight of the day.",
         (
-            ("miss", "Flown minus forecast, for the forecast saved before the flight."),
+            (
+                "miss",
+                "Flown minus the forecast saved before the flight, ! outside its interval; with ~ against what the "
+                "other flights lead to expect.",
+            ),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
             ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
@@ -66,6 +77,7 @@ class HomeScreen(PageScreen):
         Binding("e", "day_weather", "Weather", tooltip="Enter today's weather, for every plan and flight of the day"),
         Binding("K", "pad", "Check", tooltip="The checklist at the pad, and the contest's timer"),
     ]
+    HORIZONTAL_BREAKPOINTS = [*PageScreen.HORIZONTAL_BREAKPOINTS, (150, "-broad")]  # noqa: RUF012  # as Textual has it
     DEFAULT_CSS = """
     HomeScreen #cards { height: 8; }
     HomeScreen.-narrow #cards { height: 14; layout: vertical; }
@@ -73,7 +85,12 @@ class HomeScreen(PageScreen):
     HomeScreen.-narrow.-tall #cards { height: 16; }
     HomeScreen #cards.-empty { height: 5; }
     HomeScreen.-tall RocketStrip.-shown { display: block; }
+    HomeScreen #split { height: 1fr; }
     HomeScreen Table { height: 1fr; margin: 0 1; }
+    HomeScreen #left { width: 3fr; }
+    HomeScreen.-broad Pane { width: 2fr; }
+    HomeScreen #share { height: auto; max-height: 3; margin: 0 2; display: none; }
+    HomeScreen #share.-shown { display: block; }
     HomeScreen.-first Table { height: 6; }
     HomeScreen #day { height: 1fr; padding: 0 2; }
     """
@@ -82,6 +99,7 @@ class HomeScreen(PageScreen):
         super().__init__()
         self._view: Overview | None = None
         self._profiles: dict[str, tuple[Flight, str]] = {}
+        self._beside: "Beside" = {}
         self._have_read = False
         self._painted = Event()
         self._timer: PadTimer | None = None
@@ -92,8 +110,10 @@ class HomeScreen(PageScreen):
         with Horizontal(id="cards"):
             yield NextCard(id="next")
             yield LastCard(id="last")
-        yield Table(empty="reading the ledger ...")
-        yield RocketStrip()
+        yield Static("", id="share")
+        with Horizontal(id="split"), Vertical(id="left"):
+            yield Table(empty="reading the ledger ...")
+            yield RocketStrip()
 
     def on_mount(self) -> None:
         """Focus the table."""
@@ -136,6 +156,38 @@ class HomeScreen(PageScreen):
         flights = view.flights if view is not None else ()
         wanted = [one for one in flights if one.flight.has_log and self._profile(one) is None]
         self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
+        if flights:
+            self.ask(partial(self._compare, flights), self._have_beside, "beside", alone=True)
+            self.ask(self._read_shared, self._show_shared, "shared")
+
+    def _compare(self, flights: Sequence[ListedFlight]) -> "Beside":
+        with IMPORTING:
+            from fieldkit.tui.home.pane import beside_others  # before the first paint it would take 0.7 s
+
+        return beside_others(self.resources, flights)
+
+    def _have_beside(self, beside: "Beside") -> None:
+        """Show the misses of flights without a saved forecast, and why flights missed."""
+        self._beside = beside
+        if self._view is not None:
+            misses = {key: one.miss for key, one in beside.items() if isfinite(one.miss)}
+            flights = [
+                replace(one, computed=misses.get((one.flight.rocket, one.flight.flight_id)))
+                for one in self._view.flights
+            ]
+            self._view = replace(self._view, flights=tuple(flights))
+            self._show()
+
+    def _read_shared(self) -> Sequence[str]:
+        from fieldkit.tui.loop.fleet import kept_findings
+
+        return kept_findings(self.resources.ledger)
+
+    def _show_shared(self, lines: Sequence[str]) -> None:
+        """Show what several rockets share, as found on the Loop page."""
+        shared = self.query_one("#share", Static)
+        shared.set_class(bool(lines), "-shown")
+        shared.update(Content("\n".join(printable(f"! {line}") for line in lines[:3])))
 
     def _profile(self, one: ListedFlight) -> str | None:
         """The profile of a flight; None until it has been read, or if it was read for another flight with the same
@@ -190,8 +242,9 @@ class HomeScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self) -> None:
-        """Show the rocket of the flight under the cursor, on a tall screen."""
+        """Show the flight under the cursor on a broad screen, and its rocket on a tall one."""
         key = self.query_one(Table).current
+        self._show_pane(key)
         listed = self._view.flights if self._view is not None and self.has_class("-tall") else ()
         flight = next((one.flight for one in listed if one.id == key), None)
         strip = self.query_one(RocketStrip)
@@ -200,6 +253,39 @@ class HomeScreen(PageScreen):
         else:
             facts = partial(rocket_facts, self.resources.ledger, flight, self.resources.settings.units)
             self.ask(facts, strip.show, "rocket")
+
+    def _show_pane(self, key: object) -> None:
+        """Show a flight beside the list, if there is room."""
+        flights = self._view.flights if self._view is not None else ()
+        one = next((one for one in flights if one.id == key), None)
+        if not self.has_class("-broad") or not flights:
+            for hidden in self.query("Pane"):
+                hidden.display = False
+            return
+        from fieldkit.tui.home.pane import Pane  # before the first paint it would take 0.7 s
+
+        pane = next(iter(self.query(Pane)), None)
+        if pane is None:
+            pane = Pane()
+            self.query_one("#split").mount(pane)
+            self.call_after_refresh(self._show_pane, key)  # when it has its widgets
+            return
+        pane.display = True
+        pane.show(one, flights, self._beside, self.resources.settings.units)
+        if one is not None and one.flight.has_log:
+            self.ask(partial(self._read_climb, one.id), self._show_climb, "climb")
+
+    def _read_climb(self, id: str) -> "Drawn | None":
+        from fieldkit.tui.flights.log_plot import Drawn, drawn
+
+        found = or_why(lambda: drawn(self.resources.ledger, id, self.resources.settings.units))()
+        return found if isinstance(found, Drawn) else None
+
+    def _show_climb(self, log: "Drawn | None") -> None:
+        from fieldkit.tui.home.pane import Pane
+
+        for pane in self.query(Pane):
+            pane.show_climb(log)
 
     @on(Table.Chosen)
     async def _chosen(self, message: Table.Chosen) -> None:

@@ -15,6 +15,10 @@ from fieldkit.tui.widgets.table import Head
 
 PROFILE_CELLS, MOTOR_CELLS = 16, 10
 """Widths of the sparkline and of the motor of a flight. [cell]"""
+TAG_CELLS = 12
+"""Width of the tags of a flight. [cell]"""
+COMPUTED = "~"
+"""Mark of a miss against what the other flights lead to expect, if no forecast was saved."""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
 """Widths above which a table has room for profiles, and for the interval of each forecast. [cell]"""
 APOGEE = BY_NAME["apogee"]
@@ -26,17 +30,23 @@ def listed(
     """The columns that fit in a width, without those that are empty for all flights, and the cells of a flight and its
     profile, all intervals on one scale."""
     scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
-    profiles = PROFILE_CELLS if width >= NORMAL_TABLE and any(one.flight.has_log for one in flights) else 0
-    bars = max(20, width - 64 - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
+    tagged = TAG_CELLS + 1 if any(one.flight.tags for one in flights) else 0
+    logged = width >= NORMAL_TABLE + tagged and any(one.flight.has_log for one in flights)
+    profiles = PROFILE_CELLS if logged else 0
+    bars = max(20, width - 65 - tagged - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
     heads, cells = _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
-    dated, missed = (any(has(one) for one in flights) for has in (lambda one: one.flight.date_time, _miss))
-    shown = [n for n, head in enumerate(heads) if {"when": dated, "miss": missed}.get(head.title, True)]
+    seen = {
+        "when": any(one.flight.date_time for one in flights),
+        "miss": any(one.miss is not None for one in flights),
+        "tags": any(one.flight.tags for one in flights),
+    }
+    shown = [n for n, head in enumerate(heads) if seen.get(head.title, True)]
     return [heads[n] for n in shown], lambda one, profile: [cells(one, profile)[n] for n in shown]
 
 
 def _heads(profiles: int, bars: int, scale: HeightScale, system: str) -> list[Head]:
     heads = [Head("id", 5, tail=True), Head("when", 11), Head("rocket", 0), Head("motor", MOTOR_CELLS)]
-    heads += [Head("apogee", 7, True), Head("miss", 6, True)]
+    heads += [Head("apogee", 7, True), Head("miss", 7, True), Head("tags", TAG_CELLS)]
     heads += [Head("profile", profiles)] if profiles else []
     return [*heads, Head(heading(bars, scale, system), bars)] if bars else heads
 
@@ -47,17 +57,22 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[
         flight, forecast = one.flight, one.forecast
         when = f"{flight.date_time:%m-%d %H:%M}" if flight.date_time else ""
         apogee = "" if flight.apogee is None else number(APOGEE, flight.apogee, system)
-        miss = "" if forecast is None or forecast.miss is None else signed(forecast.miss, system) + "*" * forecast.stale
+        stale = "*" if forecast is not None and forecast.stale and forecast.miss is not None else ""
+        miss = "" if one.miss is None else f"{_outside(one)}{signed(one.miss, system)}{stale}"
         motor = motor_name(flight.motor, MOTOR_CELLS)
-        texts = [one.id, when, build_of(flight), motor, apogee, miss]
+        texts = [one.id, when, build_of(flight), motor, apogee, miss, " ".join(flight.tags)]
         texts += [profile] if profiles else []
         return [*texts, scale.line(_bounds(one), flight.apogee, bars)] if bars else texts
 
     return cells
 
 
-def _miss(one: ListedFlight) -> bool:
-    return one.forecast is not None and one.forecast.miss is not None
+def _outside(one: ListedFlight) -> str:
+    """The mark of a flight outside its forecast's interval, or of a miss that was computed from the other flights."""
+    bounds, apogee = _bounds(one), one.flight.apogee
+    if bounds is None or apogee is None or one.forecast is None or one.forecast.miss is None:
+        return COMPUTED
+    return "" if bounds[0] <= apogee <= bounds[2] else "!"
 
 
 def signed(height: float, system: str) -> str:

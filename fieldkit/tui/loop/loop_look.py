@@ -3,17 +3,21 @@
 from dataclasses import dataclass
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.ledger import Version
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.progress import ReportProgress
 from fieldkit.services import close_loop
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import which_rocket
+from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.services.plausible_flights import motor_type
 from fieldkit.tui.resources import Resources
 
-PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
-"""The panels of the page, shown one at a time or all at once."""
+PANELS = ("Verdict", "Flights", "Versions", "Evidence", "Residuals", "Fingerprint", "Ranking")
+"""The panels of the page, the last four a level down, shown one at a time or all of a level at once."""
+FRONT = PANELS[:3]
+"""The panels of the first level."""
 PLAIN_MODEL = 0
 """The number of the model without any effect added."""
 
@@ -62,3 +66,8 @@ def look(resources: Resources, rocket: str, on_progress: ReportProgress) -> Find
     Raises NoFlights if there are too few flights.
     """
     return close_loop.look(resources.ledger, resources.motors, rocket, on_progress)
+
+
+def beside_the_others(resources: Resources, rocket: str) -> tuple[FlightBesideOthers, ...]:
+    """The flights of a rocket, each beside the others. Raises FieldkitError if they cannot be compared."""
+    return flights_beside_others(resources.ledger, resources.motors, rocket)

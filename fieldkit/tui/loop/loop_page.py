@@ -1,6 +1,6 @@
 """Loop: errors of a rocket's model, possible missing effects, the model with them, and earlier versions."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -12,6 +12,9 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.flight.short_name import flight_label
+from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.presentation.loop_headline import headline
 from fieldkit.presentation.loop_text import report
 from fieldkit.safe_text import printable
 from fieldkit.services.close_loop import adopt
@@ -19,9 +22,11 @@ from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import used_version
 from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.loop.fleet import kept_findings, search_fleet
 from fieldkit.tui.loop.loop_help import LOOP_HELP
-from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
+from fieldkit.tui.loop.loop_look import PANELS, Standing, beside_the_others, look, standing_of
 from fieldkit.tui.loop.loop_panels import Panels
+from fieldkit.tui.loop.single_flights import SingleFlights, suggested
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
@@ -29,7 +34,7 @@ from fieldkit.tui.widgets.tabs import TabLine
 
 
 class LoopScreen(PageScreen):
-    """Five panels: one at a time, or all at once if there is room."""
+    """A headline with single flights and versions, and a level down the evidence: one panel or all of a level."""
 
     NAME = "loop"
     TITLE = "Loop"
@@ -38,6 +43,7 @@ class LoopScreen(PageScreen):
         Binding("S", "search", "Search", tooltip="Search for missing effects"),
         Binding("A", "accept", "Accept", tooltip="Use the effects that were found"),
         Binding("D", "decline", "Decline", tooltip="Leave the model unchanged"),
+        Binding("t", "tag", "Tag", tooltip="Tag the flight that stands out with its likely cause", show=False),
         Binding("v", "covariate", "Against", tooltip="Residuals against the next column"),
         Binding("n", "effect", "Effect", tooltip="Fingerprint of the next effect"),
         Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
@@ -48,9 +54,11 @@ class LoopScreen(PageScreen):
     DEFAULT_CSS = """
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     LoopScreen #panels { height: 1fr; }
-    LoopScreen.-wide #tabs { display: none; }
-    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 1fr 1fr 1fr; }
-    LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
+    LoopScreen.-wide #panels { layout: grid; grid-size: 2 2; grid-rows: 1fr 1fr; }
+    LoopScreen.-wide .panel { display: none; border: round $border-blurred; border-title-color: $foreground; }
+    LoopScreen.-wide .-first, LoopScreen.-wide .-under .-deep { display: block; }
+    LoopScreen.-wide .-under .-first { display: none; }
+    LoopScreen.-wide .panel.-front { border: round $border; }
     LoopScreen.-wide #p-Verdict { row-span: 2; }
     """
 
@@ -68,6 +76,7 @@ class LoopScreen(PageScreen):
         self._rocket: str | None = None
         self._panel, self._against, self._effect = 0, 0, 0
         self._accepted_version: int | None = None
+        self._tagging = False
         self._search = ""
         """The rocket of the search that is running; empty if none is."""
 
@@ -89,6 +98,7 @@ class LoopScreen(PageScreen):
     def reload(self) -> None:
         """Read the models of the rocket; findings from older flights are cleared."""
         self.ask(partial(standing_of, self.resources, self._rocket), self._have)
+        self.ask(lambda: kept_findings(self.resources.ledger), self.panels.headline.show_fleet, "fleet")
 
     def redraw(self) -> None:
         """Show the same data in other units."""
@@ -102,9 +112,19 @@ class LoopScreen(PageScreen):
             self._drop_search(NO_FLIGHTS)
             return
         before = self._standing
-        if before is not None and before.flights != standing.flights and (self._search or self.panels.found):
+        changed = before is not None and before.flights != standing.flights
+        if changed and not self._tagging and (self._search or self.panels.found):
             self._drop_search("The flights have changed. S to search again")
+        self._tagging = False
         self._show_versions(standing)
+        if self.panels.found is None and (before is None or changed or before.rocket != standing.rocket):
+            look = partial(beside_the_others, self.resources, standing.rocket)
+            self.ask(or_why(look), self._have_flights, "flights", alone=True)
+
+    def _have_flights(self, found: Sequence[FlightBesideOthers] | str) -> None:
+        """Show the flights that stand out; without any that can be compared, none."""
+        if self.panels.found is None:
+            self.panels.show_flights(() if isinstance(found, str) else found, self.resources.settings.units)
 
     def _show_versions(self, standing: Standing) -> None:
         """Show the models of the rocket, and which is in use."""
@@ -167,7 +187,14 @@ class LoopScreen(PageScreen):
         self.panels.show(found, self.resources.settings.units)
         self.panels.show_residuals(self._against, self.resources.settings.units)
         if not self.is_current or (self._panel != PANELS.index("Verdict") and not self.has_class("-wide")):
-            self.show_notice(f"The search of {found.rocket} has ended: {found.diagnosis.effect}. Verdict explains it")
+            self.show_notice(f"The search of {found.rocket} has ended. {headline(found).sentence}")
+        if self._standing is not None and len(self._standing.rockets) > 1:
+            work = partial(search_fleet, self.resources, lambda *_: go_on())
+            self.ask(or_why(work), self._have_fleet, "fleet", alone=True)
+
+    def _have_fleet(self, lines: Sequence[str] | str) -> None:
+        """Show what the rockets share."""
+        self.panels.headline.show_fleet(() if isinstance(lines, str) else lines)
 
     def _front(self) -> None:
         """Bring the current panel to the front, and focus it."""
@@ -254,6 +281,31 @@ class LoopScreen(PageScreen):
             self.show_notice("Already accepted: forecasts use it. u to undo")
         else:
             self.show_notice("Declined: the model is unchanged")
+
+    @on(Table.Chosen, "#odd")
+    def action_tag(self) -> None:
+        """Accept the likely cause of the flight under the cursor as its tag."""
+        one = self.panels.query_one(SingleFlights).current
+        tag = "" if one is None else suggested(one)
+        if one is None or not tag:
+            self.show_notice("No flight with a likely cause to tag")
+            return
+        ledger, flight = self.resources.ledger, one.flight
+
+        def work() -> str:
+            (id,) = ledger.ids([flight])
+            ledger.tag(id, tag)
+            return id
+
+        self.change(work, partial(self._tagged, tag))
+
+    def _tagged(self, tag: str, id: str) -> None:
+        """Take the flight from the list; the findings stay, although they were made with it."""
+        self._tagging = True
+        rest = [one for one in self.panels.query_one(SingleFlights).found if one.flight.flight_id != id.split("/")[-1]]
+        self.panels.show_flights(rest, self.resources.settings.units)
+        self.show_notice(f"Tagged {flight_label(id)} {tag}: fits leave it out. S to search again, u to undo")
+        self.field_app.changed()
 
     @on(Table.Chosen, "#versions")
     def _use(self, message: Table.Chosen) -> None:

@@ -1,6 +1,6 @@
-"""The five panels of the Loop page: one at a time, or all at once if there is room."""
+"""The panels of the Loop page: one at a time, or all of a level at once if there is room."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 from textual import on
@@ -9,9 +9,11 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.physics.effect import Effect
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
+from fieldkit.tui.loop.headline import HeadlinePanel
 from fieldkit.tui.loop.loop_before import (
     before_search,
     effects_before,
@@ -19,7 +21,7 @@ from fieldkit.tui.loop.loop_before import (
     flown_apogees,
     rows_before,
 )
-from fieldkit.tui.loop.loop_look import PANELS, Standing
+from fieldkit.tui.loop.loop_look import FRONT, PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
     draw_points,
     effect_at_length,
@@ -29,6 +31,7 @@ from fieldkit.tui.loop.loop_words import (
     verdict,
     version_rows,
 )
+from fieldkit.tui.loop.single_flights import SingleFlights, odd_flights
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
 
@@ -53,6 +56,7 @@ class Panels(Container):
     Panels #p-Residuals Static { text-style: bold; }
     Panels #p-Ranking Table { height: 1fr; min-height: 4; }
     Panels #p-Ranking Static { margin-top: 1; }
+    Panels #p-Versions Table { height: 1fr; }
     """
 
     def __init__(self) -> None:
@@ -60,11 +64,21 @@ class Panels(Container):
         self.found: Findings | None = None
         self._system, self._why, self._effect = "SI", "", 0
         self._tried: dict[str, Effect] = {}
+        self._beside: Sequence[FlightBesideOthers] = ()
+
+    @property
+    def headline(self) -> HeadlinePanel:
+        """The first panel."""
+        return self.query_one(HeadlinePanel)
 
     def compose(self) -> Iterable[Widget]:
         """One frame per panel."""
-        with VerticalScroll(id="p-Verdict", classes="panel"):
-            yield Static(id="verdict")
+        yield HeadlinePanel(id="p-Verdict", classes="panel")
+        yield SingleFlights(id="p-Flights", classes="panel")
+        with Container(id="p-Versions", classes="panel"):
+            yield Table(id="versions", enter="Use it")
+        with VerticalScroll(id="p-Evidence", classes="panel"):
+            yield Static(id="evidence")
         with Container(id="p-Residuals", classes="panel"):
             yield Static(id="against")
             yield Plot(id="residuals")
@@ -73,20 +87,22 @@ class Panels(Container):
         with Vertical(id="p-Ranking", classes="panel"):
             yield Table(id="ranking", empty="S to search for missing effects", enter="Fingerprint")
             yield Static(id="at-length")
-        with Container(id="p-Versions", classes="panel"):
-            yield Table(id="versions", enter="Use it")
 
     def on_mount(self) -> None:
         """Set the titles of the panels, which show if all are visible."""
         for name in PANELS:
-            self.query_one(f"#p-{name}").border_title = name
+            panel = self.query_one(f"#p-{name}")
+            panel.border_title = name
+            panel.add_class("-first" if name in FRONT else "-deep")
         self.forget()
 
     def forget(self, why: str = "") -> None:
         """Clear the findings: no search has run yet, or the reason `why` there are none."""
         self.found, self._why = None, why
-        for name, text in (TEXT_BEFORE_RUN | {"at-length": ""} | ({"verdict": why} if why else {})).items():
-            self.query_one(f"#{name}", Static).update(text)
+        self.headline.wait(why or TEXT_BEFORE_RUN["verdict"])
+        for name, text in (TEXT_BEFORE_RUN | {"at-length": ""}).items():
+            if name != "verdict":
+                self.query_one(f"#{name}", Static).update(text)
         self.query_one(Plot).show(None)
         self.query_one("#ranking", Table).show((), (), lambda _: ())
 
@@ -94,11 +110,12 @@ class Panels(Container):
         """Show the current step and the fraction done."""
         if self.found is None or done < 1:
             bar = "█" * round(done * 24)
-            self.query_one("#verdict", Static).update(Content(f"searching: {printable(text)}\n[{bar:24}]"))
+            self.headline.wait(Content(f"searching: {printable(text)}\n[{bar:24}]"))
 
     def show(self, found: Findings, system: str) -> None:
         """Show the findings."""
         self.found = found
+        self.show_flights(found.flights, system)
         self.show_verdict(system)
         self.show_residuals(0, system)
         self.show_marks(0)
@@ -106,12 +123,20 @@ class Panels(Container):
     def show_verdict(self, system: str, *, accepted: bool = False) -> None:
         """Show the verdict and the ranking, in these units, and whether the verdict was accepted."""
         if self.found is not None:
-            self.query_one("#verdict", Static).update(verdict(self.found, system, accepted=accepted))
+            self.headline.show(self.found, system, accepted=accepted, odd=len(odd_flights(self._beside)))
+            self.query_one("#evidence", Static).update(verdict(self.found, system))
             self._system = system
             rows = ranking_rows(self.found.diagnosis, system)
             heads = [Head("candidate effect", 0), Head("chance", 6, True), Head("evidence", 8, True)]
             heads.append(Head("strength", 16))
             self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
+
+    def show_flights(self, found: Sequence[FlightBesideOthers], system: str) -> None:
+        """Show the flights beside the others of their rocket."""
+        self._beside = found
+        single = self.query_one(SingleFlights)
+        single.found = found
+        single.show(found, system)
 
     def show_residuals(self, turn: int, system: str) -> None:
         """Show residuals against the `turn`-th column, flight by flight; after the last column comes the first."""
@@ -146,7 +171,8 @@ class Panels(Container):
         """Show what a search would compare and the effects that it would try, until one runs."""
         if self.found is None:
             about = self._why or TEXT_BEFORE_RUN["verdict"]
-            self.query_one("#verdict", Static).update(before_search(about, standing.flights, standing.motors))
+            self.headline.wait(before_search(about, standing.flights, standing.motors))
+            self.query_one("#evidence", Static).update("After S: why, how sure, and the error on held-out flights.")
             self.query_one("#marks", Static).update(effects_before(TEXT_BEFORE_RUN["marks"], standing.tried))
             self._tried = {effect.title: effect for effect in standing.tried}
             rows = rows_before(standing.tried, system)
@@ -167,6 +193,9 @@ class Panels(Container):
         for number, name in enumerate(PANELS):
             self.query_one(f"#p-{name}").set_class(number == panel, "-front")
         name = PANELS[panel]
+        self.set_class(name not in FRONT, "-under")
         if name == "Residuals":
             return None
-        return self.query_one({"Ranking": "#ranking", "Versions": "#versions"}.get(name, f"#p-{name}"))
+        return self.query_one(
+            {"Ranking": "#ranking", "Versions": "#versions", "Flights": "#odd"}.get(name, f"#p-{name}")
+        )

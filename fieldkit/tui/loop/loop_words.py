@@ -27,7 +27,7 @@ EVEN_LOG_BAYES_FACTOR = 0.5
 """Below this log Bayes factor the evidence counts as even. [nat]"""
 
 
-def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
+def verdict(found: Findings, system: str) -> Content:
     """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
     the test that would decide, the consequences of accepting it, and the errors on held-out flights."""
     diagnosis = found.diagnosis
@@ -44,10 +44,6 @@ def verdict(found: Findings, system: str, *, accepted: bool = False) -> Content:
     parts += [("\nError on held-out flights\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
-    if accepted:
-        parts.append(("\nAccepted: forecasts use it. u to undo", "b"))
-    elif any(places for _, places in diagnosis.averaged):
-        parts.append(("\nA to accept, D to decline", "b"))
     return Content.assemble(*parts)
 
 

@@ -22,6 +22,8 @@ class Answer:
     second: Any = None
     large: str = ""
     about: tuple[str, ...] = ()
+    folded: tuple[str, ...] = ()
+    """The details with only the failed safety checks, and how many others there are; empty if nothing is left out."""
 
     @property
     def text(self) -> str:

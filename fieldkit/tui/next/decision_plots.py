@@ -5,14 +5,13 @@ from dataclasses import replace
 
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.planning.delay import Delays
-from fieldkit.planning.quantiles import three_of_all
 from fieldkit.quantities import measure
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast
 from fieldkit.shapes import Array, Float
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.plots import draw_density
+from fieldkit.tui.widgets.plots import Marked, draw_density
 
 MAX_DRAWN_FORECASTS = 24
 """Number of latest forecasts to draw."""
@@ -28,30 +27,28 @@ def of_delays(answer: Answer, judged: Delays) -> Answer:
     if not rows:
         return answer
     title = "When each delay fires, 90% of flights, ● median; ◎ is apogee"
-    marks = [(one.delay, "") for one in judged.delays]
+    delays = [one.delay for one in judged.delays]
     return replace(
         answer,
         title=title,
         intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}),
         below="The coast from burnout to apogee; lines are the delays",
-        draw=draw_density(judged.coasts, marks, lambda value: f"{value:g} s"),
+        draw=draw_density(judged.coasts, lambda value: f"{value:g} s", ticks=delays),
     )
 
 
 def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None, system: str) -> Answer:
     """The density of the apogee at that mass, with the target; without one, at the mass of the plan."""
-    marks = [(target, "◎")] if target is not None else []
-    marks += [(value, "") for value in three_of_all(apogee)]
+    marks = [Marked("◎", target)] if target is not None else []
     at = " at that mass; ◎ is the target" if target is not None else ""
-    title = f"Apogee on the altimeter{at}; lines are 5%, median and 95%"
-    return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
+    title = f"Apogee on the altimeter{at}; filled 90%, line the median"
+    return replace(answer, title=title, draw=draw_density(apogee, lambda height: _height(height, system), *marks))
 
 
 def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
     """The density of the points of a flight."""
-    low, middle, high = three_of_all(points)
-    draw = draw_density(points, [(middle, ""), (low, ""), (high, "")], lambda value: f"{value:.0f}")
-    return replace(answer, title="Points of a flight, fewer are better; lines are 5%, median and 95%", draw=draw)
+    draw = draw_density(points, lambda value: f"{value:.0f}")
+    return replace(answer, title="Points of a flight, fewer are better; filled 90%, line the median", draw=draw)
 
 
 def saved_forecast_plot(answer: Answer, found: Sequence[SavedForecast], system: str) -> Answer:

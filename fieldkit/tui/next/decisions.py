@@ -37,14 +37,13 @@ from fieldkit.services.track_record import replayed
 from fieldkit.tui.next import decision_plots, large_figures
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.landing_plots import of_landing
-from fieldkit.tui.next.next_words import worst_first
+from fieldkit.tui.next.motor_rows import TARGET_BAND
+from fieldkit.tui.next.next_words import folded, worst_first
 from fieldkit.tui.widgets import cards
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
 """The goals for ballast, as in the command: the band, the mean miss, the points of a season."""
-TARGET_BAND = 10 * 0.3048
-"""The default band around a target, the same as the command's. [m]"""
 NO_WIND_OPTION = "not given: use --wind for the pad, --wind-aloft for higher up"
 """The command's message about an unknown wind."""
 MAX_SCORED_FLIGHTS = 6
@@ -70,7 +69,7 @@ class Decision:
         left = tool.least_left if tool else 0.0
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
         words = tuple(delays_in_words(judged, fast, tool, self.system))
-        answer = Answer(words, self._beside(judged.forecast))
+        answer = self._answer(words, judged.forecast)
         return decision_plots.of_delays(large_figures.of_delay(answer, judged), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: Day) -> Answer:
@@ -83,7 +82,7 @@ class Decision:
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         prediction = best.advised
         more = _limits_of(rule, prediction, day) if rule else ()
-        answer = Answer(tuple(ballast_in_words(best, goal, self.system)), self._beside(prediction, more))
+        answer = self._answer(tuple(ballast_in_words(best, goal, self.system)), prediction, more)
         answer = large_figures.of_ballast(answer, best, self.system)
         return decision_plots.of_apogee(answer, prediction.apogee, goal.target, self.system)
 
@@ -96,7 +95,7 @@ class Decision:
             "With a target: the mass to add or to take off, the chance to be near it, and the forecast at that mass. j "
             "changes what is aimed at.",
         )
-        answer = Answer(words, self._beside(prediction))
+        answer = self._answer(words, prediction)
         return decision_plots.of_apogee(answer, prediction.apogee, None, self.system)
 
     def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
@@ -106,7 +105,7 @@ class Decision:
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         prediction = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
-        answer = Answer(words, self._beside(prediction, _limits_of(rule, prediction, day), area))
+        answer = self._answer(words, prediction, _limits_of(rule, prediction, day), area)
         points = ahead.points.ravel()
         return decision_plots.of_points(large_figures.of_points(answer, points), points)
 
@@ -117,7 +116,11 @@ class Decision:
             one.prediction, one.down, one.fall, one.rail, self.site, self.system, one.holds, one.no_rail
         )
         words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
-        answer = Answer(words, tuple(safety_text(worst_first(one.lines), self.system)))
+        answer = Answer(
+            words,
+            tuple(safety_text(worst_first(one.lines), self.system)),
+            folded=tuple(folded(one.lines, self.system)),
+        )
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
 
     def noted(self, answer: Answer) -> Answer:
@@ -170,14 +173,18 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, prediction: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0) -> tuple[str, ...]:
-        """The conditions of a forecast and all its safety checks, with a fraction of the parachute's area. [1]"""
+    def _answer(
+        self, words: tuple[str, ...], prediction: Prediction, more: Iterable[SafetyCheck] = (), area: float = 1.0
+    ) -> Answer:
+        """An answer beside the conditions of a forecast and its safety checks, with a fraction of the parachute's
+        area. [1]"""
         fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
-        lines = safety_lines(prediction, self.site, fall, self.limits)
-        return (
-            *conditions_in_words(prediction.plan, self.rocket.known, self.system),
-            "",
-            *safety_text(worst_first([*lines, *more]), self.system),
+        lines = [*safety_lines(prediction, self.site, fall, self.limits), *more]
+        conditions = (*conditions_in_words(prediction.plan, self.rocket.known, self.system), "")
+        return Answer(
+            words,
+            (*conditions, *safety_text(worst_first(lines), self.system)),
+            folded=(*conditions, *folded(lines, self.system)),
         )
 
 

@@ -21,7 +21,7 @@ from fieldkit.presentation.finals_text import (
 )
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import Decision, rule_of
-from fieldkit.tui.next.next_words import worst_first
+from fieldkit.tui.next.next_words import folded, worst_first
 
 
 def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
@@ -52,4 +52,9 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
         *([f"finals: {rule.finals}"] if rule.finals else []),
         *filter(None, [rule.caveat]),
     )
-    return Answer(words, (ENDS_NOTE, "", *safety_text(worst_first(strictest(*checks)), decision.system)))
+    lines = worst_first(strictest(*checks))
+    return Answer(
+        words,
+        (ENDS_NOTE, "", *safety_text(lines, decision.system)),
+        folded=(ENDS_NOTE, "", *folded(lines, decision.system)),
+    )

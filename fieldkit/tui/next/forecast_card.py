@@ -1,5 +1,7 @@
 """The forecast of one motor: the apogee in large digits, its safety checks, its density, and all figures below."""
 
+from functools import partial
+
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -14,8 +16,8 @@ from fieldkit.tui.next import motor_rows, next_words
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
-from fieldkit.tui.widgets.hanging import hanging, stacked
-from fieldkit.tui.widgets.plots import Plot, draw_density
+from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.plots import Marked, Plot, draw_density
 
 
 class ForecastCard(VerticalScroll):
@@ -27,6 +29,8 @@ class ForecastCard(VerticalScroll):
     ForecastCard #hill { height: 6; }
     """
     text = ""
+    unfolded = False
+    """Whether every safety check is shown in full."""
 
     def compose(self) -> ComposeResult:
         """From the largest to the smallest."""
@@ -46,8 +50,9 @@ class ForecastCard(VerticalScroll):
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one(Big).show(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
-        self.query_one("#safety", Static).update(hanging(next_words.safety_in_brief(one.lines)))
-        self.query_one("#more", Static).update(stacked([cards.lines("", more, 9), cards.lines("", checks, 1)]))
+        brief = hanging([*next_words.safety_in_brief(one.lines), "s for every check"])
+        self.query_one("#safety", Static).update(cards.lines("", checks, 1) if self.unfolded else brief)
+        self.query_one("#more", Static).update(cards.lines("", more, 9))
         self._show_hill(one.prediction, settings)
         self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
 
@@ -74,7 +79,6 @@ class ForecastCard(VerticalScroll):
 
     def _show_hill(self, prediction: Prediction, settings: Settings) -> None:
         """Show the distribution of the apogee, with its interval and the target."""
-        marks = [(settings.target, "◎")] if settings.target else []
-        marks += [(float(place), "") for place in prediction.apogee_quantiles()]
-        spell = motor_rows.whole
-        self.query_one(Plot).show(draw_density(prediction.apogee, marks, lambda height: spell(height, settings.units)))
+        marks = [Marked("◎", settings.target)] if settings.target else []
+        spell = partial(motor_rows.whole, system=settings.units)
+        self.query_one(Plot).show(draw_density(prediction.apogee, spell, *marks))

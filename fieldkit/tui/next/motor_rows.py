@@ -12,15 +12,20 @@ from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.quantities import number, spelled, unit_of
 from fieldkit.settings import Settings
-from fieldkit.tui.next.intervals import IntervalBar, bar
+from fieldkit.tui.next.intervals import TARGET, IntervalBar, bar
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.table import Cells, Head
+from fieldkit.units import FOOT
 
 NAME, SHORT_NAME = 22, 14
 """Widths of a motor's name, with and without its manufacturer. [cell]"""
 LEAST_BAR = 14
 """Minimum width of a drawn interval. [cell]"""
+OFF_WIDTH = 5
+"""Width of a distance from the target, without its mark. [cell]"""
+TARGET_BAND = 10 * FOOT
+"""A forecast is on target up to this distance; the default band around a target, the same as the command's. [m]"""
 PROVISIONAL = "≈"
 """Mark of a figure that may still change: a quick answer, or a fit with few draws."""
 
@@ -59,12 +64,22 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
         one = motors.shown(motor)
         called = f"{motor.maker} {motor.designation}" if with_maker else motor.designation
         called = f"{called} {motor.maker}" if not with_maker and shared[motor.designation] > 1 else called
-        name = f"{'' if motors.fits(motor) else '✗ '}{called}"
+        name = f"{_state(motors, motor)}{called}"
         if one is None:
             return [name, "…", *[""] * (len(columns) - 1)]
         return [name, *(column.of(one) for column in columns)]
 
     return heads, cells
+
+
+def _state(motors: MotorList, motor: Motor) -> str:
+    """The mark of a motor: not possible, to fly with caution, or flown before by this rocket."""
+    one = motors.known.get(motor)
+    if not motors.fits(motor):
+        return "✗ "
+    if one is not None and one.weak:
+        return "! "
+    return "◆ " if one is not None and one.flown else ""
 
 
 def _brief(motors: MotorList, settings: Settings) -> list[MotorColumn]:
@@ -118,7 +133,7 @@ def _range(settings: Settings) -> MotorColumn:
 
 def _off(settings: Settings) -> list[MotorColumn]:
     """The distance from the target, if there is one."""
-    return [_of_any("off", 5, partial(off, settings=settings))] if settings.target else []
+    return [_of_any("off", OFF_WIDTH + 1, partial(off, settings=settings))] if settings.target else []
 
 
 def _eject() -> MotorColumn:
@@ -158,7 +173,8 @@ def off(choice: MotorChoice | QuickChoice, settings: Settings) -> str:
         return ""
     text = number(cards.APOGEE, abs(choice.apogee - target), settings.units)
     text = f"{float(text):.0f}" if len(text) > 4 else text
-    return text if float(text) == 0 else f"{'+' if choice.apogee > target else '-'}{text}"
+    text = text if float(text) == 0 else f"{'+' if choice.apogee > target else '-'}{text}"
+    return f"{TARGET}{text}" if abs(choice.apogee - target) <= TARGET_BAND and len(text) < OFF_WIDTH else text
 
 
 def whole(height: float, system: str) -> str:

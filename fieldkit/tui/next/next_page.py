@@ -56,6 +56,7 @@ class NextScreen(PageScreen):
         Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
         Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
+        Binding("s", "unfold", "Safety", tooltip="Every safety check with its figures, or how many", show=False),
         Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
         Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Motors that fit, or every one"),
     ]
@@ -230,6 +231,11 @@ class NextScreen(PageScreen):
         """Show only motors that fit, or all."""
         self._motors.fitting = not self._motors.fitting
         self._search_again()
+
+    def action_unfold(self) -> None:
+        """Show every safety check of the current motor, or fold them."""
+        self.card.unfolded = not self.card.unfolded
+        self._show_card()
 
     def action_compare(self) -> None:
         """Show all figures instead of the card, or the card again."""

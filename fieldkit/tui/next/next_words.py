@@ -18,6 +18,8 @@ from fieldkit.tui.widgets import cards
 
 QUICK = "quick answer by the network, not yet checked by the fit"
 """What the card of a quick answer says instead of safety checks."""
+EYE = "to check yourself"
+"""What checks are that only the flyer can make."""
 WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
 """Verdicts in the order in which a flyer should read them."""
 
@@ -90,14 +92,32 @@ def saved_in_words(prediction: Prediction, system: str) -> str:
 
 
 def safety_in_brief(lines: Sequence[SafetyCheck]) -> Iterator[str]:
-    """The names of the checks, those that fail first: `⊘ rail exit speed`, `? ceiling, 6 to check yourself`; those are
-    the ones that only the flyer can check."""
+    """The names of the checks that fail, and how many others there are: `⊘ rail exit speed`, `! ground wind`,
+    `? 12 not given, 6 to check yourself`, `✓ 5 passed`."""
     for verdict in WORST_FIRST:
         found = [line for line in lines if line.verdict == verdict]
-        by_eye = sum(line.by_eye for line in found)
-        names = [line.name for line in found if not line.by_eye] + ([f"{by_eye} to check yourself"] if by_eye else [])
-        if names:
-            yield f"{MARKS[verdict]} {', '.join(names)}"
+        if found and verdict in ("unsafe", "caution"):
+            yield f"{MARKS[verdict]} {', '.join(line.name for line in found)}"
+    yield from _others(lines)
+
+
+def _others(lines: Sequence[SafetyCheck]) -> Iterator[str]:
+    """How many checks lack data, are the flyer's to make, or passed."""
+    unknown = [line for line in lines if line.verdict == "unknown"]
+    by_eye = sum(line.by_eye for line in unknown)
+    counts = [f"{count} {word}" for count, word in ((len(unknown) - by_eye, "not given"), (by_eye, EYE)) if count]
+    if counts:
+        yield f"{MARKS['unknown']} {', '.join(counts)}"
+    if passed := sum(line.verdict == "ok" for line in lines):
+        yield f"{MARKS['ok']} {passed} passed"
+
+
+def folded(lines: Iterable[SafetyCheck], system: str) -> Iterator[str]:
+    """The failed checks in full, the numbers of the others, and the key that shows all."""
+    every = worst_first(lines)
+    yield from (line.words(system) for line in every if line.failed)
+    yield f"{'   '.join(_others(every))}   (s for all)"
+    yield ADVICE_NOTE
 
 
 def worst_first(lines: "Iterable[SafetyCheck]") -> "list[SafetyCheck]":

@@ -95,6 +95,7 @@ class PlanScreen(PageScreen):
         Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
         Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
         Binding("e", "day", "Day", tooltip="Announced target and window, cut, declared flights, field and ceiling"),
+        Binding("s", "unfold", "Safety", tooltip="Every safety check, or only those that fail"),
         Binding("j", "aim", "Aim", tooltip="Goal of the ballast: chance, mean miss or points"),
         Binding("comma", "season(-1)", "Previous season", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , for the previous one"),
@@ -128,6 +129,7 @@ class PlanScreen(PageScreen):
         self._view, self._aim, self._area_ratio = view, 0, AREA_RATIOS.index(1.0)
         self._season = season_of(date.today(), data_file("seasons"))
         self._shown_answer = Answer(())
+        self._unfolded = False
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the current one with its picture."""
@@ -162,8 +164,9 @@ class PlanScreen(PageScreen):
         self.query_one(Big).show(answer.large)
         self.query_one("#about", Static).update(Content("\n".join(map(printable, answer.about))).stylize("bold"))
         self.query_one("#answer", Static).update(answered(answer.words))
-        self.query_one("#beside", Static).update(hanging(answer.beside))
-        self.query_one("#beside").display = bool(answer.beside)
+        beside = answer.beside if self._unfolded else answer.folded or answer.beside
+        self.query_one("#beside", Static).update(hanging(beside))
+        self.query_one("#beside").display = bool(beside)
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:
@@ -216,6 +219,11 @@ class PlanScreen(PageScreen):
         """Change the goal of the ballast, or show the ballast if another answer is shown."""
         self._aim = (self._aim + (self._view == 1)) % len(AIMS)
         self.action_view(1)
+
+    def action_unfold(self) -> None:
+        """Show every safety check, or only those that fail."""
+        self._unfolded = not self._unfolded
+        self._say(self._shown_answer)
 
     def action_season(self, by: int) -> None:
         """Choose the next or previous season, and show the points by its rule unless the answer depends on a season."""

@@ -11,10 +11,11 @@ from textual.style import Style
 from textual.visual import RenderOptions, Visual
 
 from fieldkit.safe_text import printable
+from fieldkit.tui.widgets.states import STATES
 
 MIN_LINE_WIDTH = 20
 """Minimum width of a wrapped line; below it the indent is only two. [cell]"""
-MARKS = {"✓": "$success", "!": "b $accent", "⊘": "b $error", "✗": "b $error"}
+MARKS = {symbol: f"b ${color}" for symbol, color in STATES.items()}
 """Colors of the marks of a verdict at the start of a line."""
 NAME = re.compile(r"  (?=[a-z1]).{9} (?=\S)| {12}(?=\S)")
 """The name before a value in a line of an answer, or the spaces below it."""

@@ -33,6 +33,7 @@ class Ink:
     text: Any
     line: Any
     mark: Any
+    dim: Any
 
 
 class Plot(PlotextPlot):
@@ -70,11 +71,9 @@ class Plot(PlotextPlot):
     def _ink(self) -> Ink:
         names = self.app.theme_variables
         if self.app.current_theme.ansi:
-            return Ink(*self.size, "default", "default", "default", "default")
-        paper, text, line, mark = (
-            Color.parse(names[name]).rgb for name in ("surface", "foreground", "primary", "accent")
-        )
-        return Ink(*self.size, paper, text, line, mark)
+            return Ink(*self.size, *["default"] * 5)
+        inks = ("surface", "foreground", "primary", "accent", "border-blurred")
+        return Ink(*self.size, *(Color.parse(names[name]).rgb for name in inks))
 
 
 @contextmanager
@@ -93,6 +92,8 @@ def _any_terminal_size() -> Iterator[None]:
                 os.environ[name] = value
 
 
+TICK_WIDTH = 12
+"""Minimum distance of round values below a density. [cell]"""
 AXIS = 8
 """Maximum number of columns to the left of the axis."""
 
@@ -136,24 +137,49 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
     return at[drawn].tolist(), (heights[drawn] / heights.max()).tolist()
 
 
+@dataclass(frozen=True, slots=True)
+class Marked:
+    """A value drawn on the curve of a density: its symbol, and the value."""
+
+    symbol: str
+    value: float
+
+
 def draw_density(
-    values: Float[Array, "draw"], marks: Sequence[tuple[float, str]], number: Callable[[float], str]
+    values: Float[Array, "draw"],
+    number: Callable[[float], str],
+    *marks: Marked,
+    former: Float[Array, "draw"] | None = None,
+    ticks: Sequence[float] | None = None,
 ) -> Callable[[Any, Ink], None]:
-    """Draws a density with vertical lines at the `marks`, each a value and its label; `number` formats the values below
-    it, of which the first have priority if there is not enough room."""
+    """Draws a density: filled within its 90% interval, the tails as a dim line, the median as an unbroken line, the
+    `marks` on the curve, and the density of `former` draws as an outline. `number` formats the values below it: round
+    ones, or those at the `ticks`, where vertical lines are drawn."""
     at, heights = density(values)
+    before = density(former) if former is not None else ([], [])
+    low, middle, high = np.nanquantile(values[np.isfinite(values)], [0.05, 0.5, 0.95]).tolist()
+    inside = [(x, y) for x, y in zip(at, heights, strict=True) if low <= x <= high]
 
     def draw(plt: Any, ink: Ink) -> None:
-        plt.plot(at, heights, marker="hd", fillx=True, color=ink.line)
-        for place, _ in marks:
-            plt.plot([place, place], [0.0, 1.12], marker="│", color=ink.mark)
+        plt.plot(at, heights, marker="braille", color=ink.dim)
+        if inside:
+            plt.plot(*zip(*inside, strict=True), marker="hd", fillx=True, color=ink.line)
+        if before[0]:
+            plt.plot(*before, marker="braille", color=ink.text)
+        for place in ticks or ():
+            plt.plot([place, place], [0.0, 1.12], marker="│", color=ink.text)
+        plt.plot([middle, middle], [0.0, float(np.interp(middle, at, heights))], marker="┃", color=ink.mark)
+        for mark in marks:
+            plt.scatter([mark.value], [float(np.interp(mark.value, at, heights))], marker=mark.symbol, color=ink.mark)
         plt.ylim(0, 1.15)
         plt.yfrequency(0)
         plt.yaxes(False, False)
         plt.xaxes(True, False)
-        low, high = min(at[0], *(p for p, _ in marks)), max(at[-1], *(p for p, _ in marks))
-        plt.xlim(low, high)
-        labels = spaced([(place, f"{name} {number(place)}".strip()) for place, name in marks], low, high, ink.width)
+        shown = [*at, *before[0], *(mark.value for mark in marks), *(ticks or ())]
+        first, last = min(shown), max(shown)
+        plt.xlim(first, last)
+        round_ones = round_ticks(first, last, max(3, ink.width // TICK_WIDTH)) if ticks is None else ticks
+        labels = spaced([(place, number(place)) for place in round_ones], first, last, ink.width)
         plt.xticks(list(labels), list(labels.values()))
 
     return draw

@@ -17,6 +17,7 @@ from textual.strip import Strip
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.asking import AskingScreen
+from fieldkit.tui.widgets.states import BAD, CAUTION, GOOD, MARKED, runs
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,10 +47,17 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
     Table > .table--head { text-style: bold; color: $primary; background: $panel; }
     Table > .table--cursor { color: $block-cursor-foreground; background: $block-cursor-background;
         text-style: $block-cursor-text-style; }
+    Table > .table--success { color: $success; }
+    Table > .table--warning { color: $warning; }
+    Table > .table--error { color: $error; }
+    Table > .table--accent { color: $accent; }
     Table > .table--blurred { color: $block-cursor-blurred-foreground; background: $block-cursor-blurred-background;
         text-style: bold; }
     """
-    COMPONENT_CLASSES: ClassVar[set[str]] = {"table--head", "table--cursor", "table--blurred"}
+    COMPONENT_CLASSES: ClassVar[set[str]] = {
+        *("table--head", "table--cursor", "table--blurred"),
+        *(f"table--{color}" for color in (GOOD, CAUTION, BAD, MARKED)),
+    }
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "choose", "Open", key_display="Enter"),
         Binding("up", "move(-1)", "Up", show=False),
@@ -197,14 +205,26 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         style = base
         if row == self.cursor:
             style = base + self.get_component_rich_style("table--cursor" if self.has_focus else "table--blurred")
-        return self._strip(MARK if row == self.cursor else NO_MARK, self.cells(self.keys[row]), style)
+        cells = self.cells(self.keys[row])
+        return self._strip(MARK, cells, style) if row == self.cursor else self._colored(cells, style)
+
+    def _fitted(self, cells: Sequence[str]) -> list[str]:
+        """The cells as wide as their columns, with a space after each."""
+        columns = zip(self.heads, self.widths(), cells, strict=True)
+        return [fitted(printable(cell), width, head) + " " for head, width, cell in columns]
 
     def _strip(self, mark: str, cells: Sequence[str], style: Style) -> Strip:
-        parts = [mark]
-        for head, width, cell in zip(self.heads, self.widths(), cells, strict=True):
-            parts.append(fitted(printable(cell), width, head) + " ")
-        text = set_cell_size("".join(parts), self.size.width)
+        text = set_cell_size("".join([mark, *self._fitted(cells)]), self.size.width)
         return Strip([Segment(text, style)], self.size.width)
+
+    def _colored(self, cells: Sequence[str], style: Style) -> Strip:
+        """A row without the cursor, its states in their colors."""
+        parts = [(NO_MARK, ""), *(part for cell in self._fitted(cells) for part in runs(cell))]
+        colors = {
+            color: style + self.get_component_rich_style(f"table--{color}") for color in {c for _, c in parts if c}
+        }
+        segments = [Segment(text, colors.get(color, style)) for text, color in parts if text]
+        return Strip(segments).adjust_cell_length(self.size.width, style)
 
     async def action_move(self, by: int) -> None:
         """Move one row up or down."""

@@ -1,0 +1,125 @@
+"""The second pane of a large Home page: the selected flight, why it missed, the misses as a trend, its climb."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.errors import FieldkitError
+from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.presentation.home_text import flown_lines
+from fieldkit.presentation.one_off_text import why
+from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.safe_text import printable
+from fieldkit.services.listed_flights import ListedFlight
+from fieldkit.services.one_offs import flights_beside_others
+from fieldkit.tui.asking import go_on
+from fieldkit.tui.flights.log_plot import Drawn, draw_trace
+from fieldkit.tui.resources import Resources
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
+
+MAX_DRAWN = 40
+"""Number of latest misses that are drawn. [1]"""
+Beside = Mapping[tuple[str, str], FlightBesideOthers]
+"""Flights beside the others of their rocket, by rocket and flight_id."""
+
+
+class Pane(VerticalScroll, can_focus=False):
+    """The selected flight; plots are shown when there is something to draw."""
+
+    DEFAULT_CSS = """
+    Pane { width: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1 0 0; border-title-color: $foreground; }
+    Pane Static { height: auto; }
+    Pane #pane-why { margin: 1 0; }
+    Pane Plot { height: 1fr; min-height: 8; max-height: 16; border-top: solid $border-blurred;
+        border-title-color: $foreground; }
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """From the apogee to the climb."""
+        yield Big(id="pane-apogee")
+        yield Static("", id="pane-facts")
+        yield Static("", id="pane-why")
+        yield Plot(id="pane-trend")
+        yield Plot(id="pane-climb")
+
+    def show(self, one: ListedFlight | None, flights: Sequence[ListedFlight], beside: Beside, system: str) -> None:
+        """Show a flight of some, newest first; None clears the pane."""
+        self.border_title = Content("" if one is None else printable(cards.heading(one.flight, one.id)))
+        apogee = None if one is None else one.flight.apogee
+        self.query_one("#pane-apogee", Big).show("" if apogee is None else number(cards.APOGEE, apogee, system))
+        facts = Content("\n".join(map(printable, _facts(one, system)))).stylize("bold")
+        self.query_one("#pane-facts", Static).update(facts)
+        found = None if one is None else beside.get((one.flight.rocket, one.flight.flight_id))
+        self.query_one("#pane-why", Static).update(Content("" if found is None else printable(why(found))))
+        same = [] if one is None else [other for other in reversed(flights) if other.flight.rocket == one.flight.rocket]
+        missed = [other for other in same if other.miss is not None][-MAX_DRAWN:]
+        unit = spelled(unit_of(cards.APOGEE, system))
+        rocket = "" if one is None else one.flight.rocket
+        draw = partial(_draw_misses, missed, one, system) if len(missed) > 1 else None
+        self._plot("pane-trend", f"Misses of {rocket}, flown minus forecast [{unit}]", draw)
+        self.show_climb(None)
+
+    def show_climb(self, log: Drawn | None) -> None:
+        """Show the height in the log of the flight; None if it has none, or while it is being read."""
+        trace = log.traces.get("altitude") if log is not None else None
+        if log is None or trace is None or len(trace.time) < 2:
+            self._plot("pane-climb", "", None)
+        else:
+            self._plot("pane-climb", trace.title, partial(draw_trace, trace, log.events, log.span))
+
+    def _plot(self, name: str, title: str, draw: Any) -> None:
+        plot = self.query_one(f"#{name}", Plot)
+        plot.display = draw is not None
+        plot.border_title = Content(printable(title))
+        plot.show(draw)
+
+
+def _facts(one: ListedFlight | None, system: str) -> Iterable[str]:
+    if one is None:
+        return
+    if one.flight.apogee is not None:
+        yield from flown_lines(one, system)
+    if one.forecast is None and one.miss is not None:
+        way = "above" if one.miss >= 0 else "below"
+        yield f"{measure(cards.APOGEE, abs(one.miss), system)} {way} what the other flights lead to expect"
+    if one.flight.tags:
+        yield f"tagged {', '.join(one.flight.tags)}"
+
+
+def _draw_misses(missed: Sequence[ListedFlight], here: ListedFlight | None, system: str, plt: Any, ink: Any) -> None:
+    """Draw each miss as a point around the line of no miss, the selected flight marked, ids below."""
+    scale = float(number(cards.APOGEE, 1000.0, system)) / 1000.0
+    values = [(one.miss or 0.0) * scale for one in missed]
+    plt.hline(0.0, color=ink.dim)
+    for place, value in enumerate(values):
+        plt.plot([place, place], [0.0, value], marker="│", color=ink.dim)
+    plt.scatter(list(range(len(values))), values, marker="●", color=ink.line)
+    selected = next((place for place, one in enumerate(missed) if here is not None and one.id == here.id), None)
+    if selected is not None:
+        plt.scatter([selected], [values[selected]], marker="◆", color=ink.mark)
+    places = ([selected] if selected is not None else []) + [0, len(missed) - 1]
+    labels = spaced([(float(p), printable(missed[p].id)) for p in places], 0.0, len(missed) - 1.0, ink.width)
+    plt.xticks(list(labels), list(labels.values()))
+    plt.xlim(-0.5, len(missed) - 0.5)
+    at = round_ticks(min(0.0, *values), max(0.0, *values), max(3, ink.height // 2))
+    plt.yticks(at, [f"{value:+g}" for value in at])
+
+
+def beside_others(resources: Resources, flights: Sequence[ListedFlight]) -> Beside:
+    """Every flight of the rockets of some flights beside the others. Raises Dropped."""
+    found: dict[tuple[str, str], FlightBesideOthers] = {}
+    for rocket in dict.fromkeys(one.flight.rocket for one in flights if one.flight.rocket):
+        go_on()
+        try:
+            every = flights_beside_others(resources.ledger, resources.motors, rocket)
+        except FieldkitError:
+            continue  # the page of the rocket reports what cannot be read
+        found |= {(rocket, one.flight.flight_id): one for one in every}
+    return found
