@@ -15,13 +15,14 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.event_names import event_title
 from fieldkit.quantities import in_system, measure, number
 from fieldkit.safe_text import printable
+from fieldkit.services.coast_drag import CoastDrag, coast_drag
 from fieldkit.services.flight_facts import ForecastFacts, forecast_facts
 from fieldkit.services.plausible_flights import exclusion, used_except
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
 from fieldkit.tui.flights.hills import Hills, hills
-from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
+from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_drag, draw_trace, drawn
 from fieldkit.tui.flights.log_view import LogLook, LogView, look_at_flight
 from fieldkit.tui.flights.removal import REMOVE, close, leave, remove
 from fieldkit.tui.flights.tag_screen import TagScreen
@@ -111,7 +112,7 @@ class FlightScreen(PageScreen):
     def turn_to(self, id: str) -> None:
         """Show another flight: the old contents are cleared, and the new ones appear as they are read."""
         self._flight_id, self._flight, self._text = id, None, []
-        for question in ("ask", "hills", "forecast", "log", "rocket", "look"):
+        for question in ("ask", "hills", "forecast", "log", "coast", "rocket", "look"):
             self.workers.cancel_group(self, question)
         self.reload_on_resume()
         for place in self.query(Static):
@@ -138,7 +139,7 @@ class FlightScreen(PageScreen):
                 yield Static(id="doubts", classes="-none")
                 with Vertical(id="log"):
                     yield Static(id="log-title")
-                    for name in TRACES:
+                    for name in (*TRACES, "drag"):
                         yield Plot(id=f"log-{name}")
         yield RocketStrip()
 
@@ -197,6 +198,7 @@ class FlightScreen(PageScreen):
 
     def _have_log(self, log: Drawn | str) -> None:
         title = self.query_one("#log-title", Static)
+        self._have_coast(None)
         self.set_class(isinstance(log, str), "-unlogged")
         for name in TRACES:
             trace = log.traces.get(name) if isinstance(log, Drawn) else None
@@ -215,6 +217,15 @@ class FlightScreen(PageScreen):
         marks = printable(", ".join(f"{event_title(name)} T{time:+.2f} s" for name, time in events))
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}  l for a cursor\n{marks}"))
         self._text.append(f"Log  {marks}")
+        self.ask(or_why(partial(coast_drag, self.resources.ledger, self._flight_id)), self._have_coast, "coast")
+
+    def _have_coast(self, found: CoastDrag | str | None) -> None:
+        """Show drag against time in the coast, if the log shows it."""
+        plot = self.query_one("#log-drag", Plot)
+        plot.display = isinstance(found, CoastDrag)
+        if isinstance(found, CoastDrag):
+            plot.border_title = Content("drag in the coast over its mean, by the log; dim: 90%")
+            plot.show(partial(draw_drag, found))
 
     def _show_hills(self, hills: "Hills | str") -> None:
         for plot in self.query("#hills Plot"):

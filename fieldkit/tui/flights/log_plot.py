@@ -10,6 +10,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.flight.event_names import event_title
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled, unit_of
+from fieldkit.services.coast_drag import CoastDrag
 from fieldkit.services.replay import recording_of
 from fieldkit.tui.widgets.plots import round_ticks, spaced
 
@@ -62,6 +63,8 @@ DRAWN_MARGIN = 1.0
 """Time to draw before lift-off and after landing. [s]"""
 TRACES = ("altitude", "speed", "acceleration")
 """Channels to draw, from top to bottom."""
+MAX_DRAG = 4.0
+"""Largest drag over its mean that is drawn: what the log does not show is open. [1]"""
 POINTS = 400
 """Largest number of samples of a channel that are drawn, more than the widest screen has dots. [1]"""
 
@@ -113,3 +116,18 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     plt.xlim(first, last)
     at = round_ticks(low, high, max(3, ink.height // 2))
     plt.yticks(at, [f"{value:7g}" for value in at])  # equal widths, so that times are aligned
+
+
+def draw_drag(found: CoastDrag, plt: Any, ink: Any) -> None:
+    """Draw drag over the mean of the coast against time from lift-off, with its 90% interval and a line at one."""
+    time = found.time.tolist()
+    plt.hline(1.0, color=ink.text)
+    for edge in (found.low, found.high):
+        plt.plot(time, edge.tolist(), marker="braille", color=ink.dim)
+    plt.plot(time, found.mean.tolist(), marker="braille", color=ink.line)
+    low, high = max(0.0, min(found.low.min(), 0.5)), min(max(found.high.max(), 1.5), MAX_DRAG)
+    plt.ylim(low, high)
+    at = round_ticks(low, high, max(3, ink.height // 2))
+    plt.yticks(at, [f"{value:7g}" for value in at])
+    seconds = round_ticks(time[0], time[-1], max(2, ink.width // 12))
+    plt.xticks(seconds, [f"{value:g} s" for value in seconds])

@@ -127,6 +127,7 @@ class LogView(HelpedModal[None]):
     LogView Plot { height: 1fr; min-height: 4; border-top: solid $border-blurred; border-title-color: $foreground; }
     LogView VerticalScroll { height: 7; padding: 0 1; border-top: solid $border-blurred; }
     LogView.-low VerticalScroll { display: none; }
+    LogView.-low Plot.-other { display: none; }
     LogView.-facts Plot { display: none; }
     LogView.-facts VerticalScroll { height: 1fr; display: block; }
     """
@@ -138,6 +139,7 @@ class LogView(HelpedModal[None]):
         Binding("shift+right,ctrl+right", "step(10)", "Much later", show=False),
         Binding("home", "event(-1)", "Previous event", show=False),
         Binding("end", "event(1)", "Next event", key_display="Home End"),
+        Binding("p", "channel", "Plot", tooltip="Height, speed or acceleration, on a low screen"),
         Binding("tab", "facts", "Plot/facts", key_display="Tab", priority=True),
         Binding("up", "scroll_by(-1)", "Up", show=False),
         Binding("down", "scroll_by(1)", "Facts", key_display="↑↓"),
@@ -150,7 +152,7 @@ class LogView(HelpedModal[None]):
     def __init__(self, looks: Sequence[LogLook], system: str) -> None:
         super().__init__()
         self._looks, self._system = looks, system
-        self._place, self._moment = 0, 0.0
+        self._place, self._moment, self._channel = 0, 0.0, 0
 
     def compose(self) -> ComposeResult:
         """The cursor's values, the plots, the facts."""
@@ -191,6 +193,8 @@ class LogView(HelpedModal[None]):
         if curve is None:
             self.query_one("#cursor", Static).update("no samples in this file")
             return
+        for number, name in enumerate(CHANNELS):
+            self.query_one(f"#look-{name}").set_class(number != self._channel, "-other")
         span = float(curve.time[0]), float(curve.time[-1])
         parts = [f"T{self._moment:+.2f} s" + ("" if curve.from_liftoff else " on the log's clock")]
         for name, here in zip(CHANNELS, curve.at(self._moment), strict=True):
@@ -213,6 +217,11 @@ class LogView(HelpedModal[None]):
             first, last = float(curve.time[0]), float(curve.time[-1])
             self._moment = min(max(self._moment + by * (last - first) / STEPS, first), last)
             self._draw()
+
+    def action_channel(self) -> None:
+        """Show the next plot; a high screen shows all."""
+        self._channel = (self._channel + 1) % len(CHANNELS)
+        self._draw()
 
     def action_event(self, by: int) -> None:
         """Move the cursor to the previous or next event."""
