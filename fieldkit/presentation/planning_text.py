@@ -87,9 +87,11 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
 
 def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[str]:
     """The mass to fly, its result compared with the current mass, and the reachable range if the target cannot be met;
-    in the units of a system, except the points and feet of a contest."""
-    prediction, shown = best.forecast, ShownUnits(system)
-    p05, p50, p95 = best.apogee
+    in the units of a system, except the points and feet of a contest. If no change is advised, only the current mass
+    and its result."""
+    prediction, shown = best.advised, ShownUnits(system)
+    p05, p50, p95 = three_of_all(prediction.apogee)
+    result = best.there if best.clear else best.today
     yield f"{build_in_words(prediction)}, target {shown.length(goal.target)}"
     if best.too_heavy and goal.rule is not None and goal.rule.mass is not None:
         yield f"  too heavy: the season allows at most {shown.mass(goal.rule.mass)} on the pad"
@@ -100,18 +102,20 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
             else (shown.length(best.gain * FOOT).split()[0], shown.length(best.gain_error * FOOT))
         )
         yield f"  no change advised: a gain of {gain} ± {error} per flight is not significant"
-        yield "            one more flight at the current mass would help; the change would do this:"
-    change = f"{'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}"
-    yield f"  {'dry mass' if best.clear else 'change to':9} {shown.mass(best.mass)}: {change}"
+        yield "            one more flight at the current mass would help"
+    change = f"{'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}" if best.clear else "no change"
+    yield f"  dry mass  {shown.mass(best.mass if best.clear else best.mass - best.add)}: {change}"
     yield f"  apogee    {shown.length(p50)} as the altimeter will show it"
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  true      {shown.length(three_of_all(prediction.true_apogee)[1])} above the pad"
-    chances = [percent(one.chance) for one in (best.there, best.today)]
-    yield f"  within    {shown.length(goal.within)}: {chances[0]} ({chances[1]} without change)"
-    errors = [shown.length(one.error) for one in (best.there, best.today)]
-    yield f"  mean miss {errors[0]} ({errors[1]} without change)"
-    if best.there.points is not None and best.today.points is not None:
-        yield f"  points    {best.there.points:.0f} per flight, with duration ({best.today.points:.0f} without change)"
+
+    def without(value: str) -> str:
+        return f" ({value} without change)" if best.clear else ""
+
+    yield f"  within    {shown.length(goal.within)}: {percent(result.chance)}{without(percent(best.today.chance))}"
+    yield f"  mean miss {shown.length(result.error)}{without(shown.length(best.today.error))}"
+    if result.points is not None and best.today.points is not None:
+        yield f"  points    {result.points:.0f} per flight, with duration{without(f'{best.today.points:.0f}')}"
     step = "1 g" if shown.mass(0.0).endswith(" g") else "1 oz"
     yield f"  {f'{step} more':9} {shown.difference(best.slope * parse(step, 'mass', 'g'))}"
     yield f"  based on  {rests_in_words(prediction)}"

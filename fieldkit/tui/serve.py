@@ -34,6 +34,12 @@ PHONE_LETTERS = "10"
 """Font size on a phone: 65 columns fit a width of 390 points. [px]"""
 VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
 """Without this tag a phone lays the page out for a desktop and shrinks it until it is unreadable."""
+FOCUS = (
+    "<script>new MutationObserver((_, seen) => { const keys = document.querySelector('.xterm-helper-textarea');"
+    "if (keys) { keys.focus(); seen.disconnect(); } })"
+    ".observe(document, { childList: true, subtree: true });</script>"
+)
+"""Gives the terminal of the page the keys as soon as it is there, without a click."""
 NOTHING_ELSE = (
     "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"
@@ -269,7 +275,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             raise web.HTTPServiceUnavailable(text=f"{MAX_APPS} apps are open already; close one")
         response = await handler(request)
         if isinstance(response, web.Response) and response.content_type == "text/html":
-            response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}", 1)
+            response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}{FOCUS}", 1)
         if self.token and not response.prepared:
             response.set_cookie(self.cookie, self.token, httponly=True, samesite="Strict")
         return response

@@ -1,6 +1,6 @@
-"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS REST LEDGER` prints a
-line of JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors. It rests for REST
-seconds once its pages are ready, and again after the last key."""
+"""The app under random keys in a separate process: `python -m tests.tui.random_keys SEED KEYS REST LEDGER COLUMNS
+LINES` prints a line of JSON with the memory at the start, at its peak and at rest [MB], and unexpected errors. It rests
+for REST seconds once its pages are ready, and again after the last key."""
 
 import asyncio
 import json
@@ -29,7 +29,19 @@ NAMED = (
     "pageup",
     "pagedown",
 )
-OTHER = ("home", "end", "ctrl+p", "ctrl+s", "ctrl+n", "ctrl+z", "ctrl+c", "f1", "ctrl+end", "question_mark")
+OTHER = (
+    "home",
+    "end",
+    "ctrl+p",
+    "ctrl+s",
+    "ctrl+n",
+    "ctrl+z",
+    "ctrl+c",
+    "f1",
+    "ctrl+end",
+    "question_mark",
+    "exclamation_mark",
+)
 KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
 """The keys; those that change the page are more frequent, and none leaves the app."""
 
@@ -45,10 +57,10 @@ async def ready(app: FieldkitApp) -> None:
         await asyncio.sleep(0.05)
 
 
-async def pressed(seed: int, keys: int, pause: float, ledger: Path) -> dict[str, object]:
+async def pressed(seed: int, keys: int, pause: float, ledger: Path, size: tuple[int, int]) -> dict[str, object]:
     """The result of this number of keys."""
     rng, app = random.Random(seed), FieldkitApp(ledger, ledger.with_name("settings.json"), stays=True)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with app.run_test(size=size) as pilot:
         await ready(app)
         await asyncio.sleep(pause)
         start = most = resident()
@@ -66,8 +78,15 @@ async def pressed(seed: int, keys: int, pause: float, ledger: Path) -> dict[str,
     return {"start": round(start), "most": round(most), "rest": round(rest), "errors": errors}
 
 
+def _size(words: list[str]) -> tuple[int, int]:
+    columns, lines = map(int, words)
+    return columns, lines
+
+
 if __name__ == "__main__":
-    found = asyncio.run(pressed(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), Path(sys.argv[4])))
+    found = asyncio.run(
+        pressed(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), Path(sys.argv[4]), _size(sys.argv[5:7]))
+    )
     sys.stdout.write(json.dumps(found) + "\n")
     sys.stdout.flush()
     os._exit(0)

@@ -16,8 +16,10 @@ from tools.strings import texts as texts_of
 
 pytestmark = pytest.mark.fast
 
-KINDS = ("b", "e", "r", "x")
-"""Keys with one label for different kinds of objects: select the next, edit, reload, or remove what the page shows."""
+KINDS = ("b", "r", "x")
+"""Keys with one label for different kinds of objects: select the next, reload, or remove what the page shows."""
+FORM = "e"
+"""The key that opens a form, named after what is entered there."""
 
 
 def bindings() -> list[Binding]:
@@ -42,9 +44,10 @@ def test_a_key_has_one_meaning() -> None:
     for binding in bindings():
         if binding.key == "space" or (len(binding.key) == 1 and binding.key.isalpha()):
             meanings[binding.key].add((binding.description, binding.action.split("(")[0]))
-    several = {key: actions for key, actions in meanings.items() if len(actions) > 1 and key not in KINDS}
+    several = {key: actions for key, actions in meanings.items() if len(actions) > 1 and key not in (*KINDS, FORM)}
     assert several == {}
     assert all(len({word for word, _ in meanings[key]}) == 1 for key in KINDS)
+    assert len({word for word, _ in meanings[FORM]}) == len({action for _, action in meanings[FORM]})
     assert len(meanings) > 20
 
 

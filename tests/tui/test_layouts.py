@@ -77,7 +77,7 @@ async def test_without_a_target_motors_show_their_interval_instead_of_a_distance
         await press(pilot, "4", "_")
         assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "eject", "s"]
         await press(pilot, "g", *typed("800ft"), "enter", "_")
-        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "off", "eject", "s"]
+        assert shown(pilot).splitlines()[3].split("│")[0].split() == ["motor", "apogee", "90%", "off"]
 
 
 @pytest.mark.thorough

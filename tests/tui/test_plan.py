@@ -217,7 +217,7 @@ async def test_safety_is_shown_on_the_next_page_at_any_size(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "slash", *typed("f24"), "enter")
         assert "not given" in words(pilot)
-        await press(pilot, "s")
+        await press(pilot, "exclamation_mark")
         for name in ("rail exit speed", "ejection speed", "ground wind", "ceiling", "thrust to weight", "class"):
             assert name in text_of(pilot, "#safety")
         await press(pilot, "p", *["down"] * 12, *typed("warm"), "ctrl+s")

@@ -19,7 +19,11 @@ MAX_MEMORY = 250
 numpy. The peak during the keys depends on the load of the machine."""
 
 
-def pressed(seed: int, keys: int, rest: float, folder: Path) -> dict[str, object]:
+SIZES = ((80, 24), (120, 36), (40, 15))
+"""Terminals: the smallest that is designed for, a usual one, and one that is too small. [cell]"""
+
+
+def pressed(seed: int, keys: int, rest: float, folder: Path, size: tuple[int, int]) -> dict[str, object]:
     """The result of this number of keys on a season, in a separate process."""
     season(folder / "ledger.db")
     command = [
@@ -30,6 +34,7 @@ def pressed(seed: int, keys: int, rest: float, folder: Path) -> dict[str, object
         str(keys),
         str(rest),
         str(folder / "ledger.db"),
+        *map(str, size),
     ]
     environment = os.environ | {"FIELDKIT_HOME": str(folder / "home"), "PYTHONPATH": str(ROOT)}
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
@@ -39,13 +44,14 @@ def pressed(seed: int, keys: int, rest: float, folder: Path) -> dict[str, object
 
 
 @pytest.mark.thorough
-def test_some_random_keys_cause_no_error(tmp_path: Path) -> None:
-    assert pressed(1, 150 if THOROUGH else 50, 1.0, tmp_path)["errors"] == []
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
+def test_some_random_keys_cause_no_error(size: tuple[int, int], tmp_path: Path) -> None:
+    assert pressed(1, 150 if THOROUGH else 50, 1.0, tmp_path, size)["errors"] == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", SEEDS)
-def test_random_keys_cause_no_error_and_no_memory_leak(seed: int, tmp_path: Path) -> None:
-    found = pressed(seed, 10_000, 5.0, tmp_path)
+@pytest.mark.parametrize(("seed", "size"), zip(SEEDS, SIZES, strict=True))
+def test_random_keys_cause_no_error_and_no_memory_leak(seed: int, size: tuple[int, int], tmp_path: Path) -> None:
+    found = pressed(seed, 10_000, 5.0, tmp_path, size)
     assert found["errors"] == []
     assert int(str(found["rest"])) <= MAX_MEMORY, found

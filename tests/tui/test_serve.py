@@ -31,7 +31,7 @@ from aiohttp import (
 )
 
 from fieldkit.tui import listening, serve
-from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, in_a_shell, is_loopback
+from fieldkit.tui.serve import FOCUS, VIEWPORT, GuardedServer, address, in_a_shell, is_loopback
 from tests.pressing import ROOT, season
 
 PATIENCE = 300.0
@@ -460,6 +460,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
     async with asyncio.timeout(PATIENCE), ClientSession() as http:
         page = await listening_(http, served)
         assert VIEWPORT in page
+        assert FOCUS in page
         async with browsing(http, tmp_path / "chromium") as browser:
             await browser.phone()
             await browser.call("Page.navigate", url=served)

@@ -14,7 +14,6 @@ from fieldkit.services.manual_entry import usual
 from fieldkit.settings import change_settings
 from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.intervals import HeightScale, IntervalBar, Intervals, bar
-from fieldkit.tui.widgets.bars import NoticeBar
 from fieldkit.tui.widgets.big import GLYPHS
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 
@@ -211,20 +210,6 @@ def test_two_spellings_of_a_motor_are_one_motor(file: Path) -> None:
         assert usual(ledger, catalogue(), Flight(rocket="Astra", motor="AeroTech F24W-7")) == flown
 
 
-async def test_no_two_keys_of_the_main_pages_named_edit_do_different_things(file: Path) -> None:
-    from fieldkit.tui.page import pages
-
-    named = {
-        binding.description
-        for page in pages().values()
-        for binding in page.screen.BINDINGS
-        if getattr(binding, "key", "") == "e"
-    }
-    assert len(named) == len(
-        [1 for page in pages().values() for b in page.screen.BINDINGS if getattr(b, "key", "") == "e"]
-    )
-
-
 async def test_the_palette_opens_a_decision(file: Path) -> None:
     async with opened(file, (120, 36), page="home") as pilot:
         await press(pilot, "ctrl+p", "_")
@@ -240,11 +225,6 @@ def test_an_interval_that_is_not_finite_is_blank_and_ends_no_app() -> None:
     assert "weak" in str(Intervals((nothing, IntervalBar("good", 1.0, 2.0, 3.0)), lambda x: f"{x:g}", {}))
     scale = HeightScale.of([((math.nan, math.nan, math.nan), 100.0), (None, 200.0)], None)
     assert (scale.low, scale.high) == (100.0, 200.0)
-
-
-async def test_notices_name_no_option_of_the_command_line(file: Path) -> None:
-    async with opened(file, page="home") as pilot:
-        assert "--" not in str(pilot.app.screen.query_one(NoticeBar).content)
 
 
 async def test_a_flight_that_stands_out_is_tagged_with_its_likely_cause_by_one_key(file: Path) -> None:
@@ -264,3 +244,41 @@ async def test_what_rockets_share_is_shown_on_the_loop_page_after_a_fleet_search
         ledger.keep_draft(FLEET_DRAFT, {"lines": [line]})
     async with opened(file, page="loop") as pilot:
         assert line in words(pilot)
+
+
+async def test_home_lists_tags_and_the_miss_of_every_flight_and_explains_the_selected_one(file: Path) -> None:
+    async with opened(file, (160, 50), page="home") as pilot:
+        rows = [line for line in shown(pilot).splitlines() if "Astra" in line and "04-18" in line]
+        assert sum("~" in row for row in rows) == 11, "all but the one with a saved forecast"
+        assert any("weak_launch" in row for row in rows)
+        await press(pilot, "end", "_")
+        assert "what the other flights lead to expect" in text_of(pilot, "#pane-facts")
+        assert "Flight 1 flew" in text_of(pilot, "#pane-why")
+        assert "Misses of Astra" in shown(pilot)
+    async with opened(file, (120, 36), page="home") as pilot:
+        assert not pilot.app.screen.query("Pane")
+
+
+async def test_what_rockets_share_is_on_home(file: Path) -> None:
+    from fieldkit.tui.loop.fleet import FLEET_DRAFT
+
+    with Ledger.open(file) as ledger:
+        ledger.keep_draft(FLEET_DRAFT, {"lines": ["AeroTech F24W: 24% less thrust and impulse than expected"]})
+    async with opened(file, page="home") as pilot:
+        assert "! AeroTech F24W: 24% less thrust" in shown(pilot)
+
+
+async def test_safety_is_folded_to_what_fails_and_unfolded_by_a_key(file: Path) -> None:
+    async with opened(file, (120, 36), page="next_flight") as pilot:
+        await press(pilot, "d", "_")
+        folded = text_of(pilot, "#beside")
+        assert "not given" in folded
+        assert "passed" in folded
+        await press(pilot, "exclamation_mark")
+        assert len(text_of(pilot, "#beside")) > len(folded)
+
+
+async def test_the_button_that_saves_is_in_sight_on_a_large_screen(file: Path) -> None:
+    async with opened(file, (160, 50), page="add") as pilot:
+        assert pilot.app.screen.query_one("#save").region.bottom <= 48
+        assert "Save this flight" in shown(pilot)

@@ -58,6 +58,7 @@ class AddScreen(PageScreen):
         Binding("N", "next_units", "Units", tooltip="Next units: SI, US, mixed"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys work as commands", priority=True),
     ]
+    VERTICAL_BREAKPOINTS = [*PageScreen.VERTICAL_BREAKPOINTS, (58, "-lofty")]  # noqa: RUF012  # room for frames
     DEFAULT_CSS = FORM_CSS
 
     def __init__(self) -> None:

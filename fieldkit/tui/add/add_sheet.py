@@ -27,20 +27,20 @@ FORM_CSS = """
     AddScreen.-wide Hand { width: 1fr; }
     AddScreen.-wide EstimateLine { width: 1fr; height: 5; padding: 0 1; color: $foreground;
         border: round $border-blurred; border-title-color: $foreground; }
-    AddScreen.-wide.-tall #current { margin: 1 0; }
+    AddScreen.-wide.-lofty #current { margin: 1 0; }
     AddScreen #fields { padding: 0 1; height: 1fr; }
     AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
     AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
-    AddScreen.-tall #save { margin: 1 0; }
+    AddScreen.-lofty #save { margin: 1 0; }
     AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
     AddScreen.-wide #readouts Field > Input { width: 15; }
     AddScreen.-wide #fields { layout: horizontal; }
     AddScreen.-wide #readouts { margin-right: 3; }
-    AddScreen.-tall.-normal Hand, AddScreen.-tall.-narrow Hand { margin: 1 0; }
-    AddScreen.-tall Field { height: 3; }
-    AddScreen.-tall Field > Label, AddScreen.-tall Field > .note { margin-top: 1; }
-    AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
-    AddScreen.-tall Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
+    AddScreen.-lofty.-normal Hand, AddScreen.-lofty.-narrow Hand { margin: 1 0; }
+    AddScreen.-lofty Field { height: 3; }
+    AddScreen.-lofty Field > Label, AddScreen.-lofty Field > .note { margin-top: 1; }
+    AddScreen.-lofty Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
+    AddScreen.-lofty Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
 """
 """Layout of the form on the page, by its width and height."""
 

@@ -67,6 +67,7 @@ class AfterCard(VerticalScroll, can_focus=True):
         border-top: solid $border-blurred; border-title-color: $foreground; }
     AfterCard > .earlier { margin-top: 1; display: none; }
     .-tall AfterCard > .hill, .-tall AfterCard > .earlier { display: block; }
+    .-lofty AfterCard > .hill, .-lofty AfterCard > .earlier { display: block; }
     """
     enter = "Add another"
     """What Enter does, for the key bar."""

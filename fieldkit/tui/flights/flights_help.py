@@ -35,8 +35,8 @@ FLIGHTS_HELP = Help(
 LOG_HELP = Help(
     "The log from lift-off (T+0) to landing: height above the pad, speed and acceleration against time. The line at "
     "the top has the values at the cursor. The left and right arrows move it; Home and End move it from event to "
-    "event. Below the plots, or on a small screen after Tab, are the readouts measured in the log, its events and its "
-    "columns.",
+    "event; on a small screen v shows the next plot. Below the plots, or on a small screen after Tab, are the readouts "
+    "measured in the log, its events and its columns.",
     (
         ("T+2.10 s", "Seconds from lift-off. In a log without a lift-off, seconds of its own clock."),
         ("Readouts", "Each with its standard deviation and sensor, and the device's own value if it states one."),

@@ -139,7 +139,7 @@ class LogView(HelpedModal[None]):
         Binding("shift+right,ctrl+right", "step(10)", "Much later", show=False),
         Binding("home", "event(-1)", "Previous event", show=False),
         Binding("end", "event(1)", "Next event", key_display="Home End"),
-        Binding("p", "channel", "Plot", tooltip="Height, speed or acceleration, on a low screen"),
+        Binding("v", "channel", "Plot", tooltip="Height, speed or acceleration, on a low screen"),
         Binding("tab", "facts", "Plot/facts", key_display="Tab", priority=True),
         Binding("up", "scroll_by(-1)", "Up", show=False),
         Binding("down", "scroll_by(1)", "Facts", key_display="↑↓"),

@@ -10,8 +10,18 @@ LOOP_HELP = Help(
     (
         (
             "Verdict",
-            "What is missing, what it changes on the next flight, misses before and after as bars, the odds, the "
-            "flight that would decide, what accepting changes, and the error on held-out flights.",
+            "What is missing in one sentence, the mean miss of flights that were forecast from the others, before and "
+            "after accepting it, and what to do next. Below: what several rockets share, searched after this one.",
+        ),
+        (
+            "Flights",
+            "Flights that differ from the others of the rocket, with the likely cause. Enter or t tags one with it, "
+            "which leaves it out of every fit.",
+        ),
+        (
+            "Evidence",
+            "A level down: why, what it changes on the next flight, misses flight by flight, the odds, the flight that "
+            "would decide, what accepting changes, and the error on held-out flights.",
         ),
         (
             "Residuals",
@@ -39,6 +49,7 @@ LOOP_HELP = Help(
     ),
     (
         "fieldkit loop [--rocket R] [--dry-run] [--report FILE]",
+        "fieldkit loop --fleet",
         "fieldkit model --use N",
         "fieldkit report ROCKET --out r.pdf",
     ),

@@ -50,7 +50,7 @@ class ForecastCard(VerticalScroll):
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one(Big).show(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
-        brief = hanging([*next_words.safety_in_brief(one.lines), "s for every check"])
+        brief = hanging([*next_words.safety_in_brief(one.lines), next_words.UNFOLD])
         self.query_one("#safety", Static).update(cards.lines("", checks, 1) if self.unfolded else brief)
         self.query_one("#more", Static).update(cards.lines("", more, 9))
         self._show_hill(one.prediction, settings)

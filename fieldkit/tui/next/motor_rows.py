@@ -22,6 +22,8 @@ NAME, SHORT_NAME = 22, 14
 """Widths of a motor's name, with and without its manufacturer. [cell]"""
 LEAST_BAR = 14
 """Minimum width of a drawn interval. [cell]"""
+LEAST_WITH_BAR = 56
+"""Width from which a table beside a card draws intervals. [cell]"""
 OFF_WIDTH = 5
 """Width of a distance from the target, without its mark. [cell]"""
 TARGET_BAND = 10 * FOOT
@@ -46,7 +48,7 @@ class MotorColumn:
 
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
     """Headings and cells in a width: a `brief` choice next to a card, or else all that fit."""
-    columns = _brief(motors, settings) if brief else _narrow(motors, settings)
+    columns = _brief(motors, settings, width) if brief else _narrow(motors, settings)
     if not brief and width >= 76:
         columns = _every(motors, settings, width >= 100)
     left = width - 2 - sum(column.width + 1 for column in columns)
@@ -82,8 +84,11 @@ def _state(motors: MotorList, motor: Motor) -> str:
     return "◆ " if one is not None and one.flown else ""
 
 
-def _brief(motors: MotorList, settings: Settings) -> list[MotorColumn]:
-    """Apogee, the distance from the target, or without a target the interval, and ejection."""
+def _brief(motors: MotorList, settings: Settings, width: int) -> list[MotorColumn]:
+    """Apogee, the distance from the target, or without a target the interval, and ejection; with little room for a
+    bar, the interval instead of ejection."""
+    if settings.target and width < LEAST_WITH_BAR:
+        return [_apogee(motors, settings), _range(settings), *_off(settings)]
     return [_apogee(motors, settings), *(_off(settings) or [_range(settings)]), _eject()]
 
 

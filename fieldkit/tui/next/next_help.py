@@ -11,6 +11,7 @@ NEXT_HELP = Help(
     "the two are compared. Forecasts are advice: the range safety officer decides.",
     (
         ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
+        ("◆ ! ✗", "Before a motor: flown before, weak for this weight, not possible."),
         (
             "≈ apogee",
             "Not final: the network's answer, then a fit with few draws. The selected one is forecast in full.",

@@ -56,7 +56,14 @@ class NextScreen(PageScreen):
         Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
         Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; saved forecasts"),
-        Binding("s", "unfold", "Safety", tooltip="Every safety check with its figures, or how many", show=False),
+        Binding(
+            "exclamation_mark",
+            "unfold",
+            "Safety",
+            key_display="!",
+            tooltip="Every safety check with its figures, or how many",
+            show=False,
+        ),
         Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
         Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Motors that fit, or every one"),
     ]

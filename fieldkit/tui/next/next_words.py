@@ -18,6 +18,8 @@ from fieldkit.tui.widgets import cards
 
 QUICK = "quick answer by the network, not yet checked by the fit"
 """What the card of a quick answer says instead of safety checks."""
+UNFOLD = "Press ! for every check"
+"""How to see the checks that are folded."""
 EYE = "to check yourself"
 """What checks are that only the flyer can make."""
 WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
@@ -116,7 +118,8 @@ def folded(lines: Iterable[SafetyCheck], system: str) -> Iterator[str]:
     """The failed checks in full, the numbers of the others, and the key that shows all."""
     every = worst_first(lines)
     yield from (line.words(system) for line in every if line.failed)
-    yield f"{'   '.join(_others(every))}   (s for all)"
+    yield from _others(every)
+    yield UNFOLD
     yield ADVICE_NOTE
 
 

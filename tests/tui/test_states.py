@@ -1,0 +1,85 @@
+"""States of figures: a symbol tells them, and a color of the theme repeats it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.color import Color
+
+from fieldkit.tui.themes import THEMES
+from fieldkit.tui.widgets.plots import Ink, Marked, draw_density
+from fieldkit.tui.widgets.states import BAD, CAUTION, GOOD, MARKED, STATES, runs
+from fieldkit.tui.widgets.table import Table
+from tests.pressing import at_home, opened, press, shown, typed
+
+
+@pytest.mark.parametrize(
+    ("cell", "states"),
+    [
+        ("   ≈251", [CAUTION]),
+        ("✗ Estes C6", [BAD]),
+        ("◎-1.8", [GOOD]),
+        ("+11.7", []),
+        (" ├──●─◆┤ ", [GOOD]),
+        (" ├──●──┤ ◆ ", [BAD]),
+        ("   ◆  ◎ ", [MARKED, MARKED]),
+        ("◎──●──┤", [MARKED]),
+        ("", []),
+    ],
+)
+def test_a_cell_has_the_color_of_the_state_that_its_symbol_tells(cell: str, states: list[str]) -> None:
+    parts = list(runs(cell))
+    assert "".join(text for text, _ in parts) == cell
+    assert [color for text, color in parts if color and text.strip()] == states
+
+
+@pytest.mark.parametrize("theme", list(THEMES))
+def test_every_theme_has_the_colors_of_states(theme: str) -> None:
+    named = THEMES[theme].to_color_system().generate()
+    for color in {*STATES.values(), MARKED}:
+        assert named[color]
+    if theme in ("field", "terminal"):
+        assert len({named[color] for color in (GOOD, CAUTION, BAD)}) == 3
+
+
+async def test_states_are_colored_in_a_table_and_not_under_its_cursor(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = at_home(tmp_path, monkeypatch)
+    async with opened(file, (120, 36), page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("e"), "enter", "_")
+        table = pilot.app.screen.query_one(Table)
+        strips = [table.render_line(y) for y in range(1, 20)]
+        caution = Color.parse(pilot.app.theme_variables["warning"])
+        inks = [{segment.style.color for segment in strip if segment.style} for strip in strips]
+        assert "≈" in shown(pilot)
+        assert any(caution in ink for ink in inks)
+        cursor = table.cursor + 1 - round(table.scroll_y)
+        assert len({segment.style.color for segment in table.render_line(cursor) if segment.style}) == 1
+
+
+class Sheet:
+    """Records what a drawing function draws."""
+
+    def __init__(self) -> None:
+        self.drawn: list[tuple[str, tuple[object, ...], dict[str, object]]] = []
+
+    def __getattr__(self, name: str) -> object:
+        return lambda *args, **named: self.drawn.append((name, args, named))
+
+
+def test_a_density_is_filled_within_its_90_percent_and_marked_on_the_curve() -> None:
+    draws = np.random.default_rng(1).normal(250.0, 20.0, 4000)
+    sheet, ink = Sheet(), Ink(80, 12, *"ptlmd")
+    draw_density(draws, lambda x: f"{x:g}", Marked("◎", 244.0), former=draws + 30)(sheet, ink)
+    (filled,) = [args for name, args, named in sheet.drawn if named.get("fillx")]
+    low, high = np.quantile(draws, [0.05, 0.95])
+    assert min(filled[0]) >= low  # type: ignore[type-var]
+    assert max(filled[0]) <= high  # type: ignore[type-var]
+    (mark,) = [args for name, args, _ in sheet.drawn if name == "scatter"]
+    assert mark[0] == [244.0]
+    assert 0.8 < mark[1][0] < 1.0, "on the curve"  # type: ignore[index]
+    outlines = [args for name, args, named in sheet.drawn if name == "plot" and named.get("marker") == "braille"]
+    assert len(outlines) == 2, "tails, and the former forecast"
+    (ticks,) = [args[0] for name, args, _ in sheet.drawn if name == "xticks"]
+    assert all(float(tick) % 5 == 0 for tick in ticks)  # type: ignore[attr-defined]
