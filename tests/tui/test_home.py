@@ -142,7 +142,7 @@ async def test_the_demo_rocket_is_loaded_and_removed_again(empty: Path) -> None:
         await press(pilot, "down", "enter", "_")
         assert "Loaded 12 flights of the demo rocket. u to undo" in words(pilot)
         assert "▸12" in shown(pilot)
-        await press(pilot, "u", "_")
+        await press(pilot, "u", "_", "y", "_")
         assert "Load the demo rocket" in words(pilot)
 
 

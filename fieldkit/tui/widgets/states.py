@@ -16,19 +16,19 @@ STATES: Mapping[str, str] = {
     "◆": MARKED,
 }
 """Symbols with their color: on target or passed, caution or provisional, not possible, flown."""
-BAR = re.compile(r"[├←][─●◉◎◆]*[┤→]|[◎◆]")
-"""An interval drawn as a bar, or a mark outside of it."""
+DRAWN = frozenset(" ◆◎├┤←→─●◉")
+"""The signs of which a drawn interval consists."""
+BAR = re.compile(r"[├←][─●◉◎◆]*[┤→]")
+"""An interval drawn as a bar."""
 
 
 def runs(cell: str) -> Iterator[tuple[str, str]]:
-    """A cell in parts, each with the color of its state, empty for none: all of it after a symbol, or the marks of an
-    interval. A flight is good inside its interval and bad outside."""
-    first = cell.lstrip()[:1]
-    if first in STATES and not set("├┤←→─") & set(cell) and cell.strip() not in ("◎", "◆"):
-        yield cell, STATES[first]
-        return
-    inside = any("◆" in found[0] for found in BAR.finditer(cell) if len(found[0]) > 1)
-    drawn = any(len(found[0]) > 1 for found in BAR.finditer(cell))
-    for part in re.split("([◎◆])", cell):
-        flown = (GOOD if inside else BAD) if drawn else MARKED
-        yield part, {"◎": MARKED, "◆": flown}.get(part, "")
+    """A cell in parts, each with the color of its state, empty for none: all of a text after a symbol, or the marks of
+    an interval. A flight is good inside its interval and bad outside."""
+    if DRAWN.issuperset(cell):
+        found = BAR.search(cell)
+        flown = MARKED if found is None else GOOD if "◆" in found[0] else BAD
+        for part in re.split("([◎◆])", cell):
+            yield part, {"◎": MARKED, "◆": flown}.get(part, "")
+    else:
+        yield cell, STATES.get(cell.lstrip()[:1], "")
