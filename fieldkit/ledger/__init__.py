@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fieldkit.importing.incoming import IncomingFlight
-    from fieldkit.ledger.journal import Change
+    from fieldkit.ledger.journal import Change, UndoStep
     from fieldkit.ledger.ledger import Ledger
     from fieldkit.ledger.records import (
         Added,
@@ -34,11 +34,13 @@ __all__ = [
     "Past",
     "Renewal",
     "StoredPrediction",
+    "UndoStep",
     "Version",
 ]
 OWNERS = {
     "IncomingFlight": "fieldkit.importing.incoming",
     "Change": "fieldkit.ledger.journal",
+    "UndoStep": "fieldkit.ledger.journal",
     "Ledger": "fieldkit.ledger.ledger",
 }
 """The modules of names that are not records."""

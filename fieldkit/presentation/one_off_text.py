@@ -96,6 +96,14 @@ def _signs(one: FlightBesideOthers) -> Iterator[str]:
             yield f"{title} {abs(expm1(miss)):.0%} {word}"
 
 
+def likely_cause(one: FlightBesideOthers) -> tuple[str, str]:
+    """The most probable cause of a flight in words, and the tag for it; empty if nothing is known of it."""
+    if not one.causes:
+        return "", ""
+    cause = CAUSES[one.causes[0].cause]
+    return cause.title, cause.tag
+
+
 def one_off_lines(found: Sequence[FlightBesideOthers]) -> Iterator[str]:
     """A line for every flight that is singled out, with the command that tags it."""
     for one in found:

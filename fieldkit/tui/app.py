@@ -27,7 +27,7 @@ from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
 
 if TYPE_CHECKING:
-    from fieldkit.ledger.journal import Change, UndoStep
+    from fieldkit.ledger import Change, UndoStep
     from fieldkit.tui.flights.flights_page import FlightsScreen
 
 PAUSE = 0.05

@@ -78,8 +78,13 @@ async def test_a_figure_that_is_not_final_says_so_and_the_saved_one_is_the_one_s
         await press(pilot, "4", "_")
         card = pilot.app.screen.query_one(ForecastCard)
         table = pilot.app.screen.resting_place()  # type: ignore[attr-defined]
-        rows = {motor: table.cells(motor)[1] for motor in table.keys}
         exact = pilot.app.screen._motors.exact  # type: ignore[attr-defined]
+        for _ in range(400):
+            if exact:
+                break
+            await pilot.pause(0.05)  # until the cursor has rested
+        await press(pilot)
+        rows = {motor: table.cells(motor)[1] for motor in table.keys}
         assert exact == {table.current}
         assert all(text.startswith("≈") != (motor in exact) for motor, text in rows.items())
         assert "≈" not in card.text

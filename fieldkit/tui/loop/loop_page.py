@@ -16,6 +16,7 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.presentation.loop_headline import headline
 from fieldkit.presentation.loop_text import report
+from fieldkit.presentation.one_off_text import likely_cause
 from fieldkit.safe_text import printable
 from fieldkit.services.close_loop import adopt
 from fieldkit.services.findings import Findings
@@ -26,7 +27,7 @@ from fieldkit.tui.loop.fleet import kept_findings, search_fleet
 from fieldkit.tui.loop.loop_help import LOOP_HELP
 from fieldkit.tui.loop.loop_look import PANELS, Standing, beside_the_others, look, standing_of
 from fieldkit.tui.loop.loop_panels import Panels
-from fieldkit.tui.loop.single_flights import SingleFlights, suggested
+from fieldkit.tui.loop.single_flights import SingleFlights
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
@@ -286,7 +287,7 @@ class LoopScreen(PageScreen):
     def action_tag(self) -> None:
         """Accept the likely cause of the flight under the cursor as its tag."""
         one = self.panels.query_one(SingleFlights).current
-        tag = "" if one is None else suggested(one)
+        tag = "" if one is None else likely_cause(one)[1]
         if one is None or not tag:
             self.show_notice("No flight with a likely cause to tag")
             return

@@ -9,8 +9,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.forecast.one_offs import FlightBesideOthers
-from fieldkit.model.causes import CAUSES
-from fieldkit.presentation.one_off_text import WORTH_SAYING, why
+from fieldkit.presentation.one_off_text import WORTH_SAYING, likely_cause, why
 from fieldkit.quantities import percent
 from fieldkit.safe_text import printable
 from fieldkit.tui.home.home_rows import signed
@@ -39,9 +38,8 @@ class SingleFlights(Vertical):
 
         def cells(id: str) -> tuple[str, ...]:
             one = rows[id]
-            first = one.causes[0]
             miss = signed(one.miss, system) if one.miss == one.miss else ""
-            return (id, miss, percent(one.probability), CAUSES[first.cause].title, suggested(one))
+            return (id, miss, percent(one.probability), *likely_cause(one))
 
         heads = [Head("id", 5, tail=True), Head("miss", 7, True), Head("odd", 6, True), Head("likely", 0)]
         self.query_one(Table).show([*heads, Head("tag", 14)], list(rows), cells)
@@ -52,7 +50,7 @@ class SingleFlights(Vertical):
         """Explain the flight under the cursor."""
         one = self.current
         text = "" if one is None else why(one)
-        tag = "" if one is None else suggested(one)
+        tag = "" if one is None else likely_cause(one)[1]
         hint = f"\nEnter to tag it {tag}: fits then leave it out" if tag else ""
         self.query_one("#why", Static).update(Content.assemble(printable(text), (hint, "b")))
 
@@ -69,8 +67,3 @@ def odd_flights(found: Sequence[FlightBesideOthers]) -> list[FlightBesideOthers]
     """The clean flights that may be one-offs, the most certain first."""
     odd = [one for one in found if one.flight.clean and one.causes and one.probability >= WORTH_SAYING]
     return sorted(odd, key=lambda one: -one.probability)
-
-
-def suggested(one: FlightBesideOthers) -> str:
-    """The tag for the most probable cause of a flight; empty if its cause has none."""
-    return CAUSES[one.causes[0].cause].tag if one.causes else ""
