@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.flight import Flight
-from fieldkit.flight.recovery import DIRECTIONS, stability
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.recovery import DIRECTIONS, measured_sd, stability
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.physics.descent import DescentResult
@@ -35,6 +35,8 @@ CLIMB_SD, CLIMB_SD_OF_UNKNOWN_STABILITY = 0.08, 0.16
 """Standard deviation of the log of the drift during the climb relative to its forecast, with and without a known static
 margin: root mean square over 51 RocketPy flights with 1 to 6 calibers, `tests/planning/test_landing_interval.py`. [1]
 """
+MAX_WIND_SD = 20.0
+"""A stated standard deviation of the wind from here on is not used. [m/s]"""
 ELLIPSE_LEVEL = 0.9
 """Fraction of the landings inside the ellipse. [1]"""
 ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)
@@ -154,7 +156,7 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
     )[:, 0]
     down_in = partial(descents, prediction, fall, speed)
     down = down_in()
-    stronger = np.exp(WIND_SPEED_SD * rng.normal(size=count))
+    stronger = np.exp(log_wind_sd(prediction.plan) * rng.normal(size=count))
     turned = WIND_DIRECTION_SD * rng.normal(size=count)
     climb = np.exp((CLIMB_SD if stability(prediction.plan) else CLIMB_SD_OF_UNKNOWN_STABILITY) * rng.normal(size=count))
     along = climb * np.nan_to_num(prediction.drift) + stronger * (
@@ -166,6 +168,15 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
         drift, (ahead, aside) = _drift(down_in), _within_calm(rng, count)
         along, across = along + ahead * drift, across + aside * drift
     return Landing(along, across, prediction.rise_time + down.time, down, down_in, prediction.plan.wind)
+
+
+def log_wind_sd(plan: Flight) -> float:
+    """Standard deviation of the log of the actual wind speed relative to the declared one: the usual one, or that of a
+    log-normal speed with the standard deviation that saved weather states (column `wind_sd_mps`) if it is more. [1]"""
+    sd = measured_sd(plan, BY_NAME["wind"])
+    if not plan.wind or sd is None or not 0 < sd < MAX_WIND_SD:
+        return WIND_SPEED_SD
+    return max(WIND_SPEED_SD, math.sqrt(math.log1p((sd / max(plan.wind, CALM_WIND)) ** 2)))
 
 
 def _drift(down_in: Callable[[WindProfile], DescentResult]) -> Float[Array, "draw"]:

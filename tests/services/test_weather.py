@@ -112,3 +112,14 @@ def test_an_unknown_zone_is_refused(text: str) -> None:
 @pytest.mark.parametrize("name", ["metar.txt", "meteostat.csv", "open_meteo.json"])
 def test_an_import_of_weather_names_the_command_for_it(name: str, run: Run) -> None:
     assert "it is saved weather, which `fieldkit weather FILE` fills in" in run("import", SAVED / name, status=1).err
+
+
+def test_a_wind_that_is_known_poorly_widens_the_landing_of_a_plan(run: Run, tmp_path: Path) -> None:
+    columns = "flight_id,rocket,motor,dry_mass_g,diameter_mm,wind_mps,wind_sd_mps\n"
+    spreads = []
+    for sd in ("", "0.1", "3"):
+        (tmp_path / "plans.csv").write_text(f"{columns}9,Astra,F24-4W,400,66,3,{sd}\n")
+        (made,) = run("predict", "--flights", tmp_path / "plans.csv", "--json").document["predictions"]
+        away = made["landing"]["away_m"]
+        spreads.append(away["p95"] - away["p05"])
+    assert spreads[0] == spreads[1] < 0.7 * spreads[2]
