@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
 from fieldkit.model.hyperprior import START, Hyperprior
-from fieldkit.model.scale import Scale
+from fieldkit.model.scale import HALF_CAUCHY, Scale
 
 CERTIFIED_SCALE = 0.1
 """The scale at which documents are exact: the thrust of motor types varies by 0.7% instead of 5%. [1]"""
@@ -40,7 +40,7 @@ def power(quantity: str, level: str) -> float:
 
 def with_documents(hyperprior: Hyperprior) -> Hyperprior:
     """A hyperprior of forecasts with the scale of documents unknown, at 1 until the fit has converged."""
-    return replace(hyperprior, documents=Scale((1.0,), 1.0, 1.0, half_cauchy=True))
+    return replace(hyperprior, documents=Scale((1.0,), 1.0, 1.0, spread=HALF_CAUCHY))
 
 
 def _search_prior() -> Hyperprior:
@@ -56,7 +56,7 @@ def _search_prior() -> Hyperprior:
         sds=MappingProxyType(sds),
         scatter=replace(START.scatter, grid=tuple(np.geomspace(0.15, 3.0, 5).tolist())),
         reading=replace(START.reading, grid=tuple(np.geomspace(0.25, 2.0, 3).tolist())),
-        documents=Scale(SEARCH_GRID, 1.0, 1.0, half_cauchy=True),
+        documents=Scale(SEARCH_GRID, 1.0, 1.0, spread=HALF_CAUCHY),
     )
 
 

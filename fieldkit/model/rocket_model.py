@@ -166,7 +166,10 @@ def base_model(
 
 def with_shared(model: Model, shared: SharedPrior | None) -> Model:
     """The model with the information from other rockets about the terms that it shares with them."""
-    own = shared.only(model.names) if shared else None
+    own, scatter = shared.only(model.names) if shared else None, model.hyperprior.scatter
+    if shared and shared.scatter and scatter.spread:
+        scatter = scatter.pooled(shared.scatter)
+        model = replace(model, hyperprior=replace(model.hyperprior, scatter=scatter))
     if own is None or not own.names:
         return replace(model, shared=None)
     means = dict(zip(own.names, own.mean.tolist(), strict=True))

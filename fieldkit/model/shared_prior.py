@@ -14,18 +14,21 @@ from fieldkit.shapes import Array, Float
 class SharedPrior:
     """A normal distribution of named terms that replaces their independent priors in a model.
 
-    Mean and covariance are in the units of the terms. `period` is that of the fleet.
+    Mean and covariance are in the units of the terms. `period` is that of the fleet. `scatter` is the log likelihood of
+    the flyer's scale of scatter at its `nodes`; empty if nothing is known of it. [nat]
     """
 
     names: tuple[TermName, ...]
     mean: Float[Array, "term"]
     covariance: Float[Array, "term term"]
     period: Period | None = None
+    scatter: tuple[float, ...] = ()
 
     def same_as(self, other: "SharedPrior") -> bool:
         """Whether both are the same distribution."""
         arrays = ((self.mean, other.mean), (self.covariance, other.covariance))
-        return self.names == other.names and all(np.array_equal(one, another) for one, another in arrays)
+        same = self.names == other.names and self.scatter == other.scatter
+        return same and all(np.array_equal(one, another) for one, another in arrays)
 
     def only(self, names: Iterable[TermName]) -> "SharedPrior":
         """The marginal distribution of the terms among these names."""

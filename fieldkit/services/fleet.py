@@ -7,7 +7,7 @@ the hyperprior or the version of fieldkit change.
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -70,7 +70,9 @@ def fleet_priors(
     """
 
     own = learned()
-    made_with = json.dumps([__version__, TermName._fields, own.json()], sort_keys=True)
+    made_with = json.dumps(
+        [__version__, TermName._fields, [one.name for one in fields(RocketFit)], own.json()], sort_keys=True
+    )
     fleet = _fleet(ledger, motors, made_with)
     flown = {name: one for name, one in fleet.flown.items() if [name] != list(rockets)}
     period = period_of(flight for one in fleet.flown.values() for flight, _ in one)
@@ -134,6 +136,7 @@ def _written(made: RocketFit) -> dict[str, Any]:
         "shift": rounded(message.shift),
         "prior_mean": rounded(prior.mean),
         "prior_variance": rounded(prior.covariance.diagonal()),
+        "scatter": rounded(made.scatter),
     }
 
 
@@ -142,4 +145,4 @@ def _read(kept: Mapping[str, Any]) -> RocketFit:
     names = tuple(TermName(*name) for name in kept["names"])
     message = Message(names, np.array(kept["precision"]), np.array(kept["shift"]))
     prior = SharedPrior(names, np.array(kept["prior_mean"]), np.diag(kept["prior_variance"]))
-    return RocketFit(kept["log_evidence"], message, prior)
+    return RocketFit(kept["log_evidence"], message, prior, tuple(kept["scatter"]))

@@ -47,7 +47,7 @@ def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
 
     def few(scale: Scale, nodes: Sequence[float]) -> Scale:
         grid = tuple(scale.median * np.exp(scale.log_sd * np.array(nodes)))
-        return replace(scale, grid=grid, half_cauchy=False)
+        return replace(scale, grid=grid, spread=0.0)
 
     return replace(
         hyperprior,

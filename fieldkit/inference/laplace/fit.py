@@ -263,15 +263,15 @@ def fit_robustly(model: Model, data: Data, *, causes: bool = False) -> Fit:
     mixture = np.zeros(len(data.seen))
     if causes:
         result, mixture = _without_one_offs(result)
-    fine = _finely(result)
+    fine = _finely(result, documents=True)
     return _bounded(replace(fine, log_weight=fine.log_weight + mixture.sum()))
 
 
-def _finely(result: Fit) -> Fit:
-    """The fit with finer grids of scales."""
+def _finely(result: Fit, *, documents: bool) -> Fit:
+    """The fit with finer grids of scales, that of documents only if `documents`."""
     model = result.model
     if model.hyperprior.motors:
-        return around_mode(result)
+        return around_mode(result, documents=documents)
     return solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
 
 
@@ -279,7 +279,7 @@ def _without_one_offs(result: Fit) -> tuple[Fit, Float[Array, "flight"]]:
     """The fit with flights weighted by their probability of being usual ones, and what each adds to the log evidence.
     [nat]"""
     for _ in range(ONE_OFF_FITS):
-        result = _finely(result)  # how much flights scatter decides which of them are unusual
+        result = _finely(result, documents=False)  # how much flights scatter decides which of them are unusual
         known = signatures(result.model, result.tangent.at, result.tangent.values, result.data.seen)
         for _ in range(ONE_OFF_ROUNDS):
             found = one_offs(result, known=known)

@@ -15,6 +15,7 @@ import numpy as np
 
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.inference.laplace.scale_grids import flyer_scatter
 from fieldkit.model.fleet_drift import Period
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import observe
@@ -27,11 +28,13 @@ from fieldkit.shapes import Array
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RocketFit:
-    """The separate fit of one rocket: its log evidence [nat] and its message to the rest of the fleet."""
+    """The separate fit of one rocket: its log evidence [nat] and its message to the rest of the fleet. `scatter` is the
+    log likelihood of the flyer's scale of scatter at its `nodes`. [nat]"""
 
     log_evidence: float
     message: Message
     prior: SharedPrior
+    scatter: tuple[float, ...] = ()
 
 
 def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | None = None) -> RocketFit:
@@ -43,7 +46,8 @@ def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior, period: Period | Non
     history = flown_and_planned(flown)
     model = replace(base_model(history, hyperprior, period=period), coarse=True)
     result = fit_robustly(model, observe(history, hyperprior), causes=True)
-    return RocketFit(result.log_evidence, message_of(result), independent_prior([model]))
+    scatter = tuple(flyer_scatter(result).tolist())
+    return RocketFit(result.log_evidence, message_of(result), independent_prior([model]), scatter)
 
 
 def message_of(result: Fit, further: Sequence[TermName] = ()) -> Message:
@@ -99,7 +103,10 @@ def shared_prior(others: Sequence[RocketFit], period: Period | None = None) -> S
     if not others:
         return None
     known = combined(merged([one.prior for one in others]), [one.message for one in others])
-    return replace(known, period=period)
+    scatter = (
+        tuple(np.sum([one.scatter for one in others], axis=0).tolist()) if all(one.scatter for one in others) else ()
+    )
+    return replace(known, period=period, scatter=scatter)
 
 
 def joint_evidence(rockets: Sequence[RocketFit], prior: SharedPrior | None = None) -> float:

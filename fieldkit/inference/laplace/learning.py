@@ -84,10 +84,10 @@ def learn_hyperprior(
 ) -> Hyperprior:
     """The hyperprior with the highest marginal likelihood of some flyers' flights, near a start.
 
-    Random effects that the start lacks are not added. The standard deviation of the reading scale is not learned,
-    because one device does not determine it. `begin` is the initial value of the iteration, by default the start. The
-    result includes the uncertainty of each mean. Raises ImpossibleFlight for a flight without a dry mass and BadValue
-    for a recovery figure or rail direction that cannot be read.
+    Random effects that the start lacks are not added. The priors of scales are not learned, because few flyers do not
+    determine them. `begin` is the initial value of the iteration, by default the start. The result includes the
+    uncertainty of each mean. Raises ImpossibleFlight for a flight without a dry mass and BadValue for a recovery figure
+    or rail direction that cannot be read.
     """
     start, found = replace(start, mean_sds={}), replace(begin or start, mean_sds={})
     for round_ in range(rounds):
@@ -206,8 +206,6 @@ def _count_rocket(result: Fit, sums: _Sums) -> None:
     for column, readout in enumerate(READOUTS):
         seen = result.data.seen[:, column]
         sums.add(f"residual.{readout}", float(left[seen, column].sum()), float(seen.sum()))
-    if result.data.seen[:, 0].any():
-        sums.add("scale.scatter", float(weights @ np.log(scatter) ** 2), 1.0)
 
 
 def _scatter_squares(result: Fit) -> Mapping[str, float]:
@@ -267,11 +265,9 @@ def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) ->
         value * _factor(sums, f"residual.{readout}", value, start.fixed[i]) if not now.ratio[i] else value
         for i, (readout, value) in enumerate(zip(READOUTS, now.fixed, strict=True))
     )
-    log_sd = float(np.sqrt(sums.variance("scale.scatter", start.scatter.log_sd**2)))
     centers = {name: _center(means, name, now, start) for name in now.means}
     area = now.unknown_area * sds["drag.rocket"] / now.sds["drag.rocket"]
-    found = replace(now, means=centers, sds=sds, ratio=ratio, fixed=fixed, unknown_area=area)
-    return replace(found, scatter=replace(now.scatter, log_sd=log_sd))
+    return replace(now, means=centers, sds=sds, ratio=ratio, fixed=fixed, unknown_area=area)
 
 
 def _factor(sums: _Sums, name: str, now: float, start: float) -> float:

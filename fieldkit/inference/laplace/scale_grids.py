@@ -28,8 +28,9 @@ Known = dict[float, float]
 """Values of a scale [1] with their log posterior density [nat]."""
 
 
-def around_mode(result: Fit) -> Fit:
-    """A fit with all scales integrated on grids around their mode, at the same point of linearization."""
+def around_mode(result: Fit, *, documents: bool = True) -> Fit:
+    """A fit with all scales integrated on grids around their mode, at the same point of linearization; that of
+    documents only if `documents`."""
     known: list[Known] = [{} for _ in result.model.hyperprior.unknown_scales]
     for number in range(MAX_ROUNDS):
         scales, alone = result.model.hyperprior.unknown_scales, _marginals(result)
@@ -42,7 +43,7 @@ def around_mode(result: Fit) -> Fit:
         moved = result.model.hyperprior.with_scales(*grids)
         outliers = None if result.flight_weight is None else flight_weights(result)
         result = solve(replace(result.model, hyperprior=moved), result.data, result.tangent, outliers)
-    if result.model.hyperprior.documents is None:
+    if result.model.hyperprior.documents is None or not documents:
         return result
     hyperprior = result.model.hyperprior.with_refined_documents()
     outliers = None if result.flight_weight is None else flight_weights(result)
@@ -58,6 +59,18 @@ def with_probable_motors(result: Fit) -> Fit:
     best = float(fine.model.hyperprior.motor_scales()[np.argmax(fine.log_weight)])
     moved = replace(hyperprior, motors=replace(hyperprior.motors, grid=(best,)))
     return solve(replace(result.model, hyperprior=moved), result.data, result.tangent, result.flight_weight)
+
+
+def flyer_scatter(result: Fit) -> Float[Array, "node"]:
+    """The log likelihood of the flyer's scale of scatter at its `nodes` from one rocket's flights: its posterior over
+    its prior, linear between the values of the grid and beyond them; empty if rockets do not share it. [nat]"""
+    scale = result.model.hyperprior.scatter
+    if not scale.within or not scale.spread or len(scale.grid) < 2:
+        return np.zeros(0)
+    known = np.array(list(_log_density(scale, _marginals(result)[0]).values())) - scale.log_density
+    x, slope = np.log(scale.values), np.diff(known) / np.diff(np.log(scale.values))
+    segment = np.clip(np.searchsorted(x, scale.nodes) - 1, 0, len(slope) - 1)
+    return scale.of_flyer((known - known.max())[segment] + slope[segment] * (scale.nodes - x[segment]))
 
 
 def _marginals(result: Fit) -> list[Float[Array, "value"]]:

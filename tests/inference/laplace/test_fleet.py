@@ -19,8 +19,8 @@ from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
-from fieldkit.model.rocket_model import Model, Term, scatter_of, with_shared
-from fieldkit.model.scale import Scale
+from fieldkit.model.rocket_model import Model, Term, base_model, scatter_of, with_shared
+from fieldkit.model.scale import NODES, Scale
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Found, catalogue
@@ -134,6 +134,35 @@ def test_marginals_of_a_shared_prior_are_its_rows() -> None:
 
 def lower(flown: list[tuple[Flight, Found]], factor: float) -> list[tuple[Flight, Found]]:
     return [(one.with_changes(apogee=one.apogee * factor), motor) for one, motor in flown if one.apogee]
+
+
+def scattered(flown: list[tuple[Flight, Found]], sd: float) -> list[tuple[Flight, Found]]:
+    """Flights whose apogees alternate around their expectation."""
+    return [lower([one], 1 + sd * (-1) ** turn)[0] for turn, one in enumerate(flown)]
+
+
+def test_the_scatter_of_a_flyers_rockets_says_what_to_expect_of_the_next_one() -> None:
+    plain = season(np.random.default_rng(1), ("apogee",), 8)
+    calm, wild = (shared_prior([rocket_fit(scattered(plain, sd), learned())] * 3) for sd in (0.01, 0.25))
+    model = base_model(history_of([Flight(motor="F24", dry_mass=0.3)], [catalogue().resolve("F24")]), learned())
+    grids = {name: with_shared(model, prior).hyperprior.scatter for name, prior in (("calm", calm), ("wild", wild))}
+    mean = {
+        name: float(np.exp(one.log_density) @ one.values / np.exp(one.log_density).sum()) for name, one in grids.items()
+    }
+    alone = model.hyperprior.scatter
+    usual = float(np.exp(alone.log_density) @ alone.values / np.exp(alone.log_density).sum())
+    assert mean["calm"] < 0.7 * usual
+    assert mean["wild"] > 1.4 * usual
+
+
+def test_a_fleet_that_says_nothing_leaves_the_prior_of_scatter() -> None:
+    alone = learned().scatter
+    ends = alone.range
+    quantiles = []
+    for scale in (alone, alone.pooled([0.0] * NODES)):
+        fine = replace(scale, points=400).between(*ends)
+        quantiles.append(np.interp((0.05, 0.5, 0.95), np.cumsum(np.exp(fine.log_prior)), fine.values))
+    np.testing.assert_allclose(quantiles[1], quantiles[0], rtol=0.08)
 
 
 def test_a_fleet_that_flies_low_lowers_the_forecast_of_a_new_rocket() -> None:

@@ -47,7 +47,7 @@ def forecasts() -> dict[str, Array]:
 
 def _log_normal(hyperprior: Hyperprior) -> Hyperprior:
     scales = {name: getattr(hyperprior, name) for name in ("scatter", "reading", "motors")}
-    return replace(hyperprior, **{name: one and replace(one, half_cauchy=False) for name, one in scales.items()})
+    return replace(hyperprior, **{name: one and replace(one, spread=0.0) for name, one in scales.items()})
 
 
 def gaps(one: ReferencePosterior, forecasts: dict[str, Array]) -> Array:
