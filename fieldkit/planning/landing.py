@@ -172,7 +172,10 @@ def landing(prediction: Prediction, fall: Fall, seed: int = 5) -> Landing:
 
 def log_wind_sd(plan: Flight) -> float:
     """Standard deviation of the log of the actual wind speed relative to the declared one: the usual one, or that of a
-    log-normal speed with the standard deviation that saved weather states (column `wind_sd_mps`) if it is more. [1]"""
+    log-normal speed with the standard deviation that saved weather states (column `wind_sd_mps`) if it is more. [1]
+
+    Derivation: a log-normal variable with the relative standard deviation c has the log variance ln(1 + c^2).
+    """
     sd = measured_sd(plan, BY_NAME["wind"])
     if not plan.wind or sd is None or not 0 < sd < MAX_WIND_SD:
         return WIND_SPEED_SD
