@@ -26,7 +26,8 @@ _FILLED_SCALE, _MISSED = 0.03, 300.0
 """Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must
 be known well, because a missed peak and a scale error produce nearly the same climb."""
 _MAX_MISFIT = 3.0
-"""Largest misfit of a climb with its saturated samples filled in, in standard deviations of the heights. [1]"""
+"""Largest misfit of a climb with its saturated samples filled in, or of one with another scale, in standard deviations
+of the heights. [1]"""
 MAX_DELAY, MAX_LEAD = 0.22, 0.5
 """Largest delay and lead of a trusted accelerometer relative to the heights. Vents and filters delay pressure; nothing
 delays what a mass feels. [s]"""
@@ -64,9 +65,9 @@ class Agreement:
     """Ratio of the climb from heights to the climb from the accelerometer [1], and the accelerometer's delay [s].
 
     `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2]; `misfit` is what
-    remains after that [1]. `derived` if the channel was computed rather than measured by a sensor. `boost` is the
-    duration of the boost according to the heights, `onset` the time constant with which the channel rises at lift-off
-    [s].
+    remains after both, in standard deviations of the heights [1]. `derived` if the channel was computed rather than
+    measured by a sensor. `boost` is the duration of the boost according to the heights, `onset` the time constant with
+    which the channel rises at lift-off [s].
     """
 
     scale: float
@@ -83,7 +84,13 @@ class Agreement:
     def is_consistent(self) -> bool:
         """Whether both recorded the same flight. Widely spaced samples constrain the clock less."""
         same_scale = SCALES[0] <= self.scale <= SCALES[1] and not self.is_off and not self.is_smoothed
-        return same_scale and self.missed >= 0 and self.misfit < _MAX_MISFIT
+        return same_scale and self.missed >= 0 and (not self.missed_sd or self.misfit < _MAX_MISFIT)
+
+    @property
+    def keeps_time(self) -> bool:
+        """Whether only the scale differs: the climb has the right shape at the right time, so that its clock shows
+        lift-off and burnout."""
+        return self.scale > 0 and self.misfit < _MAX_MISFIT and not self.is_off and not self.derived
 
     @property
     def is_off(self) -> bool:
@@ -146,7 +153,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     found = [_fit(when + shift, height, time, climb, speed, beyond, track.noise) for shift in shifts]
     cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
     scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
-    misfit = float(np.sqrt(cost / when.size)) if full is not None else 0.0
+    misfit = float(np.sqrt(cost / when.size))
     step = median_step(track.time[inside])
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
     derived, boost = _is_derived(push, seen), seen.fastest - lift.time

@@ -122,8 +122,8 @@ def all_heights(clocks: Sequence[Series]) -> Iterator[Heights]:
                 yield found
 
 
-def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
-    """The best acceleration along the axis from one time to another [s], or None."""
+def pushes(clocks: Sequence[Series], begin: float, end: float) -> Iterator[Push]:
+    """The accelerations along the axis from one time to another [s], best first."""
     for name in ("felt", "acceleration", "inertial_speed"):
         for series in clocks:
             values = getattr(series, name)
@@ -141,8 +141,7 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
                 continue
             weighs = name == "felt"
             felt = values if weighs else values + GRAVITY
-            return Push(time, felt, name == "inertial_speed", CHANNEL_TITLES[name], weighs)
-    return None
+            yield Push(time, felt, name == "inertial_speed", CHANNEL_TITLES[name], weighs)
 
 
 def sensor(source: str) -> str:

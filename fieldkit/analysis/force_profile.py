@@ -205,7 +205,7 @@ def _window(clocks: Sequence[Series], recorded: Recorded) -> tuple[float, float,
     top = events["apogee"].time if "apogee" in events else float(climb.time[-1])
     out = [events[name].time for name in ("ejection",) if name in events]
     end = min([top, *out]) - _END_MARGIN
-    push = pushes(clocks, lift - 15, end)
+    push = next(pushes(clocks, lift - 15, end), None)
     if push is not None and (push.vertical or not _felt_thrust(push, lift, end)):
         push = None
     burnout = events.get("burnout")

@@ -22,7 +22,7 @@ from fieldkit.analysis.boost_length import burn_time, mean_acceleration
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
-from fieldkit.analysis.possible import known_well
+from fieldkit.analysis.possible import known_well, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
@@ -95,8 +95,9 @@ def averaged(every: Sequence[Recorded], weights: Sequence[float], time: Float[Ar
         figures["burn_time"] = burn_time(figures["burn_time"], events["liftoff"], events["burnout"], time)
     if {"avg_accel", "top_speed", "burn_time"} <= figures.keys():
         figures["avg_accel"] = mean_acceleration(figures["top_speed"], figures["burn_time"])
-    known, unknown = known_well(figures)
-    return replace(best, figures=known, events=events, notes=(*best.notes, *unknown))
+    known, impossible = possible(figures)
+    known, unknown = known_well(known)
+    return replace(best, figures=known, events=events, notes=(*best.notes, *impossible, *unknown))
 
 
 def _mean(every: Sequence[Figure | None], weights: Sequence[float]) -> Figure:

@@ -71,12 +71,12 @@ def _is_under_way(push: Push, moment: float) -> bool:
 def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     """Start of the acceleration that lasts until the fastest climb: between the samples where it crosses a fifth of its
     median, with equal probability, because thrust rises faster than most loggers sample."""
-    about = seen.lift if seen.lift is not None else seen.fastest - 1.5
+    about = _about(push, seen)
     near = (push.time > about - 3) & (push.time <= seen.fastest + 0.05)
     time, felt = push.time[near], push.felt[near] - GRAVITY
     if time.size < 8:
         return None
-    quiet = felt[: max(3, int(np.searchsorted(time, about - 0.3)))]
+    quiet = felt[: max(3, min(int(np.searchsorted(time, about - 0.3)), _pushed(time, felt).start))]
     level, noise = float(np.median(quiet)), mad_sd(quiet)
     pushed = _pushed(time, felt - level)
     step, strong = median_step(time), float(np.median(felt[pushed]))
@@ -94,6 +94,15 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     blind = hole if hole > 1.5 * step else step
     sd = float(np.hypot(blind / np.sqrt(12), _IGNITION / np.sqrt(3)))
     return Event(float(time[first] + time[first + 1]) / 2, sd, "acceleration")
+
+
+def _about(push: Push, seen: Outline) -> float:
+    """Roughly when a rocket lifted off: when its heights began to rise or, in a log with so little of the pad that they
+    rise from the first sample on, when the accelerometer began to feel the boost. [s]"""
+    if seen.lift is not None:
+        return seen.lift
+    felt = felt_boost(push, seen)
+    return felt.lift if felt is not None and felt.lift is not None else seen.fastest - 1.5
 
 
 def _pushed(time: Float[Array, "_"], net: Float[Array, "_"]) -> slice:

@@ -3,7 +3,7 @@
 Derivation: a readout that is a time is the difference between two events.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,7 +27,9 @@ from fieldkit.analysis.notes import (
     FILLED_NOTE,
     NO_FLIGHT,
     NO_HEIGHT,
+    ONLY_CLOCK_NOTE,
     OTHER_FLIGHT,
+    OTHER_SENSOR_NOTE,
     REJECTED_NOTE,
     SLANTED_NOTE,
     UNCHECKED_NOTE,
@@ -130,9 +132,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     if later is not None:
         track, seen = _before(later - _NEXT_MARGIN, track, seen)
     start = seen.lift if seen.lift is not None else seen.fastest
-    push = pushes(clocks, start - 15, seen.top + 20)
-    full = at_its_end(push, start, seen.fastest) if push is not None else None
-    trust, seen = _trusted(push, full, track, seen)
+    trust, seen = _best_trusted(pushes(clocks, start - 15, seen.top + 20), track, seen, start)
     felt = trust.push or trust.clock_only
     slanted = trust.slanted
     track, seen = _sooner(trust.lag, track, seen)
@@ -203,14 +203,26 @@ class _Trust:
     compared: bool = True
 
 
-def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outline) -> tuple[_Trust, Outline]:
+def _best_trusted(every: Iterable[Push], track: Heights, seen: Outline, start: float) -> tuple[_Trust, Outline]:
+    """The first accelerometer of a log that agrees with the heights, and the outline that it shows; if none does, what
+    the check of the first one found. `start` is about when the climb begins [s]."""
+    found: list[tuple[_Trust, Outline]] = []
+    for push in every:
+        found.append(_trusted(push, at_its_end(push, start, seen.fastest), track, seen))
+        trust, shown = found[-1]
+        if trust.push is not None:
+            others = tuple(note for one, _ in found[:-1] for note in one.notes)
+            instead = (OTHER_SENSOR_NOTE.format(push.source),) if others else ()
+            return replace(trust, notes=(*trust.notes, *instead)), shown
+    return found[0] if found else (_Trust(None), seen)
+
+
+def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> tuple[_Trust, Outline]:
     """Compare an accelerometer with the heights: whether it recorded the same climb, straight or tilted, or why not.
 
     A saturated accelerometer is used except for the samples in `full`. If only the boost that it felt itself, rather
     than that of the heights, makes both agree, the outline has that one.
     """
-    if push is None:
-        return _Trust(None), seen
     if _ends_in_boost(push, seen):
         return _Trust(None, notes=(ENDS_IN_BOOST,), clock_only=push), seen
     rise = liftoff(track, None, seen)
@@ -232,6 +244,8 @@ def _trusted(push: Push | None, full: Flags | None, track: Heights, seen: Outlin
     if found.is_consistent:
         lag = -found.late if found.late < -_MIN_LAG - found.step / 2 else 0.0
         return _Trust(replace(push, scale=found.scale, blur=found.blur), lag=lag), seen
+    if found.keeps_time:
+        return _Trust(None, notes=(ONLY_CLOCK_NOTE.format(found.why),), clock_only=push), seen
     return _Trust(None, notes=(REJECTED_NOTE.format(found.why),)), seen
 
 

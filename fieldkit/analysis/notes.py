@@ -24,6 +24,8 @@ FILLED_NOTE = (
     "the missing {:.1f} g on average are filled in from the heights"
 )
 ENDS_IN_BOOST = "the accelerometer's samples end in the boost: it is measured from heights only"
+ONLY_CLOCK_NOTE = "the acceleration {}: only its clock is used, for lift-off and burnout"
+OTHER_SENSOR_NOTE = "another acceleration of the log does not agree with the heights: the {} is used instead"
 REJECTED_NOTE = "the acceleration {}: it is not used; the boost is measured from heights only"
 UNCHECKED_NOTE = (
     "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"

@@ -87,16 +87,24 @@ def by_energy(
         return _without_boost(figures, speed, f"at least {least:.0f} m/s")
     if short < -_CONTRADICTION_SDS:
         return dict(figures), ()
-    chance = erfc(short / sqrt(2)) / 2
-    pull = exp(-(short**2) / 2) / sqrt(2 * pi) / chance
-    own = speed.sd / spread
-    value = speed.value + speed.sd * own * pull
-    sd = speed.sd * sqrt(max(1 - own**2 * pull * (pull - short), _LEAST_VARIANCE))
-    kept = {**figures, "top_speed": Figure(value, sd, speed.source)}
+    bounded = _beyond_bound(speed, short, spread)
+    kept = {**figures, "top_speed": bounded}
     if mean := figures.get("avg_accel"):
-        factor = value / speed.value
+        factor = bounded.value / speed.value
         kept["avg_accel"] = Figure(mean.value * factor, mean.sd * factor, mean.source)
     return kept, ((ENERGY_NOTE.format(least),) if short > 0 else ())
+
+
+def _beyond_bound(figure: Figure, short: float, spread: float, up: float = 1.0) -> Figure:
+    """A figure given that a difference with this standard deviation, to which it contributes its own, is above zero, of
+    which it is measured to be short by so many of these: the mean and the standard deviation of a truncated normal
+    distribution. With `up` = -1 it contributes by being lower.
+    """
+    chance = erfc(short / sqrt(2)) / 2
+    pull = exp(-(short**2) / 2) / sqrt(2 * pi) / chance
+    own = figure.sd / spread
+    sd = figure.sd * sqrt(max(1 - own**2 * pull * (pull - short), _LEAST_VARIANCE))
+    return replace(figure, value=figure.value + up * figure.sd * own * pull, sd=sd)
 
 
 def speed_of_coast(rise: float, coast: Figure) -> Figure | None:
@@ -132,10 +140,18 @@ def _without_boost(figures: Mapping[str, Figure], speed: Figure, needed: str) ->
 
 
 def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
-    """The figures that a rocket can have, and a phrase for each removed one."""
+    """The figures that a rocket can have, and a phrase for each removed one.
+
+    An average above the peak by no more than their errors is known to be below it.
+    """
     mean, peak = figures.get("avg_accel"), figures.get("peak_accel")
     why = ""
-    if mean and peak and mean.value - peak.value > _CONTRADICTION_SDS * (mean.sd**2 + peak.sd**2) ** 0.5:
+    short = (mean.value - peak.value) / hypot(mean.sd, peak.sd) if mean and peak else 0.0
+    if mean and peak and 0 < short <= _CONTRADICTION_SDS:
+        spread = hypot(mean.sd, peak.sd)
+        mean, peak = _beyond_bound(mean, short, spread, up=-1.0), _beyond_bound(peak, short, spread)
+        figures = {**figures, "avg_accel": mean, "peak_accel": peak}
+    if mean and peak and short > _CONTRADICTION_SDS:
         why = f"the average of {mean.value / GRAVITY:.3g} g would be above the peak of {peak.value / GRAVITY:.3g} g"
     strongest = max((one.value for one in (mean, peak) if one), default=0.0)
     if strongest > MAX_BOOST:

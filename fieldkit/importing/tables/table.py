@@ -15,6 +15,9 @@ from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
+_UNIQUE, _LONGEST_STEP, _MIXED = 0.99, 5.0, 0.2
+"""Rows that were shuffled have this fraction of unique times, and no longer gap between them, in long steps of the log;
+if each was shuffled by itself, at least this fraction of steps runs backward. [1]"""
 MOST_FLIGHTS = 100
 """Largest number of flights in one log. [1]"""
 
@@ -66,14 +69,20 @@ class LogTable:
 
     def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Parsed]]:
         """Split the table where its clock restarts. Returns the parts, without rows out of order, and everything found.
+        A recording whose pieces were written in another order is put in order.
 
         A part that equals an earlier one is a duplicate and is dropped. Raises DamagedLog without the clock, and for
-        one that restarts `MOST_FLIGHTS` times or more: shuffled rows are not flights.
+        one that restarts `MOST_FLIGHTS` times or more: those are not flights.
         """
         found = list(self.found)
         parts: dict[bytes, LogTable] = {}
         repeated: list[int] = []
         restarted = restarts(self._clock(clock)).tolist()
+        if restarted and (order := _shuffled(self.values[clock])) is not None:
+            found.append(Note("has rows out of order, sorted by its clock", int(self.rows[restarted[0]])))
+            whole, restarted = self.pick(order), []
+        else:
+            whole = self
         if len(restarted) >= MOST_FLIGHTS:
             expected = f"expected at most {MOST_FLIGHTS} flights in a log"
             raise DamagedLog(
@@ -81,7 +90,7 @@ class LogTable:
             )
         starts = [0, *restarted, len(self)]
         for start, stop in pairwise(starts):
-            part = self.pick(slice(start, stop))
+            part = whole.pick(slice(start, stop))
             content = _digest(part)
             if content in parts:
                 repeated.append(int(part.rows[0]))
@@ -93,6 +102,22 @@ class LogTable:
             times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
             found.append(Note(f"repeats an earlier flight of this file{times}, imported once", repeated[0]))
         return list(parts.values()), found
+
+
+def _shuffled(clock: Float[Array, "row"]) -> Int[Integers, "row"] | None:
+    """The order of rows by their clock if that is one recording written in pieces, which share no time and together
+    have no gap; None for flights one after the other, whose clocks begin again."""
+    order = np.argsort(clock, kind="stable")
+    steps = np.diff(clock[order])
+    longest = _LONGEST_STEP * float(np.quantile(steps, 0.95))
+    if steps.max() > longest or (steps > 0).mean() < _UNIQUE:
+        return None
+    jumps = np.diff(clock)
+    if (jumps < 0).mean() > _MIXED:
+        return order
+    pieces = np.split(clock, np.flatnonzero((jumps < 0) | (jumps > longest)) + 1)
+    ends = sorted((float(piece[0]), float(piece[-1])) for piece in pieces)
+    return order if all(before[1] <= after[0] for before, after in pairwise(ends)) else None
 
 
 def _digest(table: LogTable) -> bytes:

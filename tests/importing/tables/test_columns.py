@@ -175,6 +175,26 @@ def test_a_clock_that_restarts_begins_another_flight() -> None:
     assert found == [Note("repeats an earlier flight of this file, imported once", 17)]
 
 
+@pytest.mark.parametrize("pieces", [2, 10, 400])
+def test_a_recording_written_in_mixed_pieces_is_put_in_order(pieces: int) -> None:
+    """A ring buffer that wrapped, blocks of a flash memory, and rows each by itself."""
+    rng = np.random.default_rng(2)
+    blocks = np.array_split(np.arange(400), pieces)
+    order = np.concatenate(blocks[::-1] if pieces == 2 else [blocks[place] for place in rng.permutation(pieces)])
+    log = b"".join(b"%d,%d\n" % (place, 2 * place) for place in order)
+    (part,), found = read_columns(log, CHANNELS, after=0).flights()
+    assert part.values["time"].tolist() == list(range(400))
+    assert part.rows.tolist() == (np.argsort(order) + 1).tolist()
+    assert [note.text for note in found if isinstance(note, Note)] == ["has rows out of order, sorted by its clock"]
+
+
+def test_two_flights_whose_clocks_begin_again_are_not_mixed() -> None:
+    first, second = (b"".join(b"%.2f,%d\n" % (0.1 * t + late, t) for t in range(60)) for late in (0.0, 0.04))
+    parts, found = read_columns(first + second, CHANNELS, after=0).flights()
+    assert [len(part) for part in parts] == [60, 60]
+    assert not found
+
+
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
 def test_a_monotonic_selection_never_runs_backwards_and_could_not_be_longer(clock: list[int]) -> None:
     kept = onward(np.array(clock, float))
