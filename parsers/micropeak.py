@@ -12,7 +12,8 @@ import struct
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
+from itertools import compress, islice, pairwise
+from operator import not_
 
 import numpy as np
 
@@ -29,6 +30,8 @@ from fieldkit.shapes import Array, Float
 SEPARATOR_BYTES = b" \t\r\n\v\f\0"
 START = re.compile(rb"MP(?=(?:[\s\0]*[0-9a-fA-F]){20})")
 DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
+LINE, AT_REST = 16, 20.0
+"""Size of a line of a transmission [bytes], and the largest change of pressure in a line on the ground [Pa]."""
 MAX_LOG_SIZE = 4 << 20
 """Largest file size: more than the digits and separators of a day of flight. [bytes]"""
 MOST_FLIGHTS = 100
@@ -96,10 +99,12 @@ def _flight(digits: bytes, row: int) -> list[Parsed]:
     if number == 2:
         count, begin = count | struct.unpack("<H", data[10:12])[0] << 12, 12
     end = begin + 2 * count
-    if len(data) >= end + 2:
+    once, repeated = _without_repeats(data)
+    if repeated and (len(once) < end + 2 or not _is_whole(data, end)):
+        data = once
+    if len(data) >= end + 2 and not _is_whole(data, end):
         expected, got = crc_x25(data[:end]), int.from_bytes(data[end : end + 2], "big")
-        if got != expected:
-            return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it again", row=row)]
+        return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it again", row=row)]
     samples = np.frombuffer(data[begin : min(end, begin + (len(data) - begin) // 2 * 2)], "<u2").astype(float)
     if not (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and 0 < least <= ground + 1000):
         return [
@@ -112,7 +117,28 @@ def _flight(digits: bytes, row: int) -> list[Parsed]:
     found: list[Parsed] = [_reading(MODELS[number], ground, least, samples)]
     if len(data) < end + 2:
         found.append(Note(f"is cut off: {len(samples)} of {counted(count, 'sample')}, without a checksum", row))
+    if data is once and repeated:
+        found.append(Note(f"has {counted(repeated, 'line')} twice, read once", row))
     return found
+
+
+def _is_whole(data: bytes, end: int) -> bool:
+    """Whether the checksum after the samples is theirs."""
+    return crc_x25(data[:end]) == int.from_bytes(data[end : end + 2], "big")
+
+
+def _without_repeats(data: bytes) -> tuple[bytes, int]:
+    """The bytes without the lines that equal the one before, as a terminal may save them, and how many these are; two
+    lines on the ground may be equal."""
+    lines = [data[begin : begin + LINE] for begin in range(0, len(data), LINE)]
+    again = [line == before and _moves(line) for before, line in pairwise(lines)]
+    return b"".join([*lines[:1], *compress(lines[1:], map(not_, again))]), sum(again)
+
+
+def _moves(line: bytes) -> bool:
+    """Whether the pressures of a line differ by more than they do on the ground."""
+    samples = np.frombuffer(line[: len(line) // 2 * 2], "<u2").astype(float)
+    return samples.size > 0 and bool(np.ptp(_whole(int(samples[0]), samples)) > AT_REST)
 
 
 def _reading(model: DeviceModel, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:

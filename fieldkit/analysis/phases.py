@@ -33,6 +33,8 @@ LONGEST_CLIMB = 120.0
 _LANDED_FRACTION, _LEAST_NEXT, _MIN_NEXT = 0.25, 0.3, 20
 """Below this fraction of its climb a rocket is down; the next flight of a log climbs at least by this fraction of the
 climb and of its speed, and has at least so many samples. [1]"""
+_LOW_FLIGHT, _OTHER_CHANGES = 50.0, 5.0
+"""A climb below this height [m] is this many times as high as what is usual in the rest of its log [1]."""
 
 _BETWEEN_FLIGHTS = 5.0
 """Shortest rest between two flights; shocks make a rocket appear to fall for less. [s]"""
@@ -81,6 +83,8 @@ def outline(track: Heights) -> Outline | None:
     gain = calm[top] - (pad if lift is not None or track.zeroed else height[from_])
     if gain < max(LEAST_GAIN, 8 * track.noise) or speed[fastest] < LEAST_SPEED:
         return None
+    if gain < _LOW_FLIGHT and not _stands_out(time, calm, (start, top), gain):
+        return None
     fall = calm[top] - calm[top:].min()
     down = bool(fall > max(1.5, 4 * track.noise) and time[-1] - time[top] > 2 * median_step(time))
     return Outline(
@@ -95,6 +99,22 @@ def outline(track: Heights) -> Outline | None:
         transonic,
         float(speed[fastest]),
     )
+
+
+def _stands_out(time: Float[Array, "_"], calm: Float[Array, "_"], climb: tuple[int, int], gain: float) -> bool:
+    """Whether a climb is much more than what heights of the same log change before and after it in as long a time, or
+    some seconds: wind and doors move them by meters on the pad. Too few other samples count as quiet."""
+    first, top = climb
+    low = np.flatnonzero(calm[top:] < calm[top] - (1 - _LANDED_FRACTION) * gain)
+    rest = [slice(0, first), slice(top + int(low[0]) if low.size else time.size, time.size)]
+    lasts = max(float(time[top] - time[first]), _BETWEEN_FLIGHTS)
+    changes = [
+        np.abs(np.interp(part[part < part[-1] - lasts] + lasts, part, height) - height[part < part[-1] - lasts])
+        for part, height in ((time[one], calm[one]) for one in rest)
+        if part.size
+    ]
+    every = np.concatenate(changes) if changes else np.empty(0)
+    return every.size < _MIN_NEXT or gain > _OTHER_CHANGES * float(np.median(every))
 
 
 def next_flight(track: Heights, seen: Outline) -> float | None:

@@ -3,6 +3,7 @@
 import tracemalloc
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -588,3 +589,29 @@ def test_the_drag_of_a_fast_coast_is_not_taken_for_a_charge() -> None:
     found = shock(push, 4.0, 11.0)
     assert found is not None
     assert found.time == pytest.approx(11.8, abs=0.06)
+
+
+@pytest.mark.parametrize("rate", [10, 50])
+@pytest.mark.parametrize(
+    "moved",
+    [
+        lambda time, rng: np.repeat(rng.normal(0, 2.0, 50), time.size // 50)[: time.size],
+        lambda time, rng: 8 * np.sin(time / 3),
+        lambda time, rng: np.cumsum(rng.normal(0, 0.4, time.size)),
+    ],
+    ids=["doors", "gusts", "weather"],
+)
+def test_heights_that_move_on_the_pad_are_not_a_flight(rate: int, moved: Any) -> None:
+    """Pressures that differ by 48 counts, among others, are 6 m."""
+    rng = np.random.default_rng(5)
+    time = np.arange(0, 100, 1 / rate)
+    height = moved(time, rng) + rng.normal(0, 0.3, time.size)
+    assert measure((Series(time=time, altitude=height),)).notes == (NO_FLIGHT,)
+
+
+def test_a_low_flight_on_a_windy_day_is_a_flight() -> None:
+    rng = np.random.default_rng(6)
+    time = np.arange(0, 60, 0.05)
+    flown = np.clip(np.where(time < 33.4, 16 - 4.9 * (time - 31.8) ** 2, 3.5 - 2 * (time - 33.4)), 0, None)
+    recorded = measure((Series(time=time, altitude=flown + 0.7 * np.sin(time / 4) + rng.normal(0, 0.2, time.size)),))
+    assert recorded.figures["apogee"].value == pytest.approx(16.0, abs=3 * recorded.figures["apogee"].sd)

@@ -1,10 +1,13 @@
 """MicroPeak: the transmission and its checksum."""
 
+import struct
+
 import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import Note, Reading
 from fieldkit.importing.recognize import parsers
+from fieldkit.importing.tables.checksums import crc_x25
 
 pytestmark = pytest.mark.fast
 
@@ -46,6 +49,21 @@ def test_the_samples_of_a_truncated_transmission_are_kept() -> None:
     assert isinstance(reading, Reading)
     assert len(reading.clocks[0].time) == 2
     assert isinstance(note, Note)
+
+
+@pytest.mark.parametrize("complete", [True, False])
+def test_a_line_that_a_terminal_saved_twice_is_read_once(complete: bool) -> None:
+    """The checksum proves it; without one, a pressure that changes cannot repeat to the last digit."""
+    samples = [*[100_000 % 65536] * 21, *(int(99_990 - 9 * step) % 65536 for step in range(100))]
+    payload = struct.pack("<IIH", 100_000, 99_000, len(samples)) + struct.pack(f"<{len(samples)}H", *samples)
+    lines = [payload[begin : begin + 16].hex() for begin in range(0, len(payload), 16)]
+    lines = [*lines, f"{crc_x25(payload):04x}"] if complete else lines[:-2]
+    right, twice = ("\r\n".join(["MP", *some]).encode() for some in (lines, [*lines[:9], *lines[8:]]))
+    (usual, *_), (reading, *notes) = parsers()["micropeak"].read(right), parsers()["micropeak"].read(twice)
+    assert isinstance(usual, Reading)
+    assert isinstance(reading, Reading)
+    assert reading.clocks[0].pressure == pytest.approx(usual.clocks[0].pressure)
+    assert any(isinstance(note, Note) and note.text == "has 1 line twice, read once" for note in notes)
 
 
 def test_erased_memory_is_neither_a_flight_nor_an_error() -> None:

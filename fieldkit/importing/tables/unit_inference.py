@@ -214,6 +214,37 @@ def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str
     return bool(rise > 0 and 0.8 < summed / rise < 1.25)
 
 
+def _coast_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether the middle of the coast decelerates at one g or more: drag only adds to it, and so does an early charge,
+    which is later."""
+    return _coast(raw, way) > _LEAST_SLOWING
+
+
+def _coast(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> float:
+    """The deceleration in the middle of a coast; nan if too few samples show it. [g]"""
+    if "altitude" not in raw:
+        return float("nan")
+    time, height = _ascent(_with_heights(raw), way)
+    if time is None or height is None:
+        return float("nan")
+    width = max(1, int(np.searchsorted(time, time[0] + _SPEED_WINDOW)))
+    if len(time) <= width:
+        return float("nan")
+    climbs = (height[width:] - height[:-width]) / np.maximum(time[width:] - time[:-width], 1e-9)
+    fastest = float(time[int(np.nanargmax(climbs))] + time[int(np.nanargmax(climbs)) + width]) / 2
+    lasts = float(time[-1]) - fastest
+    middle = (time > fastest + _MIDDLE[0] * lasts) & (time < fastest + _MIDDLE[1] * lasts) & np.isfinite(height)
+    if middle.sum() < 6:
+        return float("nan")
+    curve = np.linalg.lstsq(np.vander(time[middle] - fastest, 3), height[middle], rcond=None)[0]
+    return -2 * float(curve[0]) / STANDARD_GRAVITY
+
+
+_SPEED_WINDOW, _MIDDLE, _LEAST_SLOWING = 0.3, (0.3, 0.75), 0.75
+"""Time over which a climb rate is taken [s], the middle of a coast as fractions of it, and its least deceleration with
+errors of heights. [1], [g]"""
+
+
 def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
     """Whether the end of the climb decelerates at one g plus a little drag, and the duration of the climb fits."""
     slowing, fall_rate = _gravities(raw, way)
@@ -221,14 +252,17 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
 
 
 def height_unit_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: str) -> str:
-    """The unit of heights in which a climb slows down like a coast, if in the stated one neither its end nor its whole
-    duration can be a coast's; "" otherwise. A charge before apogee stops a rocket faster, but does not shorten its
-    climb before."""
-    slowing, fall_rate = _gravities(raw, {"altitude": stated, "time": "s"})
+    """The unit of heights in which a climb slows down like a coast, if in the stated one neither its end or middle nor
+    its whole duration can be a coast's; "" otherwise. A charge before apogee stops a rocket faster, but does not shorten
+    its climb before."""
     other = "ft" if stated == "m" else "m"
-    fast = slowing > _TOO_FAST[0] and fall_rate > _TOO_FAST[1]
-    slow = slowing < 1 / _TOO_FAST[0] and fall_rate < 0.4
-    return other if (fast or slow) and _free_fall_agrees(raw, {"altitude": other, "time": "s"}) else ""
+    ways = [{"altitude": unit, "time": "s"} for unit in (stated, other)]
+    (slowing, fall_rate), (_, fall_rate_of_other) = (_gravities(raw, way) for way in ways)
+    coast, coast_of_other = (_coast(raw, way) for way in ways)
+    fast = fall_rate > _TOO_FAST[1] and max(slowing, coast) > _TOO_FAST[0]
+    slow = fall_rate < _TOO_SLOW and coast < _LEAST_SLOWING
+    fits = fall_rate_of_other > _TOO_SLOW and coast_of_other > _LEAST_SLOWING
+    return other if (fast or slow) and fits else ""
 
 
 def _gravities(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> tuple[float, float]:
@@ -258,6 +292,8 @@ def _gravities(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) 
 _TOO_FAST = (2.4, 2.2)
 """Deceleration at the end of a climb, and that of a free rise of its height and duration, that no coast has: with drag
 of ten weights at its start the second is 1.5. [g]"""
+_TOO_SLOW = 0.8
+"""Less than this is no free rise of the height and duration of a climb, in which a boost and drag only add to it. [g]"""
 
 
 def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:
@@ -298,6 +334,7 @@ def last_of_climb(time: Float[Array, "time"], height: Float[Array, "time"], valu
 _TESTS = (
     ("the pressure", _pressure_agrees),
     ("speed and height", _speed_agrees),
+    ("the coast", _coast_agrees),
     ("free fall", _free_fall_agrees),
 )
 """Tests of units, in the order in which they are applied, each with the reason that is reported."""
