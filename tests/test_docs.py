@@ -44,7 +44,9 @@ CHECK_SHAPES = False
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
-RUN = ("start", "predictions", "installing")
+ALTIMETERS = ("altimetertwo", "perfectflite", "altos", "eggtimer", "rrc3", "blue-raven")
+"""Pages of loggers, with what the import of a file answers."""
+RUN = ("start", "predictions", "installing", *ALTIMETERS[1:])
 """Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
 those with real flights, which are not shipped."""
 OWN_UNITS = {"inspect", "docs", "contest", "finals"}
@@ -88,6 +90,18 @@ def lines_of(name: str) -> list[str]:
     return [line for line in text.splitlines() if line and not line.startswith("#")]
 
 
+@pytest.mark.usefixtures("at_the_root")
+@pytest.mark.parametrize("name", ALTIMETERS)
+def test_an_import_answers_as_the_page_of_its_altimeter_says(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    session = re.findall(r"^```sh\n(.*?)^```(?:\n\n```\n(.*?)^```)?", PAGES[name], flags=re.MULTILINE | re.DOTALL)
+    assert any(answer for _, answer in session)
+    for command, answer in session:
+        assert main(shlex.split(command)[1:]) == 0
+        shown = capsys.readouterr()
+        said = " ".join((shown.err + shown.out).split())
+        assert [line for line in answer.splitlines() if line not in said] == []
+
+
 @pytest.fixture
 def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A shell in the checkout with an empty ledger."""
@@ -121,7 +135,7 @@ def test_the_long_examples_are_valid(line: str) -> None:
     assert main([*shlex.split(line)[1:], "--help"]) == 0
 
 
-@pytest.mark.parametrize("name", sorted(set(PAGES) - {*RUN, "commands", "journal", "real-histories"}))
+@pytest.mark.parametrize("name", sorted(set(PAGES) - {*RUN, *ALTIMETERS, "commands", "journal", "real-histories"}))
 def test_commands_on_other_pages_are_in_a_session(name: str) -> None:
     shown = {*lines_of("examples.sh"), *lines_of("examples-long.sh")}
     assert {line for line in lines_of(name) if line.startswith("fieldkit ")} <= shown
@@ -131,7 +145,8 @@ def test_commands_on_other_pages_are_in_a_session(name: str) -> None:
 def test_every_block_of_code_is_of_a_kind_that_a_test_runs(page: str) -> None:
     """Blocks of `sh` and `python` are run; those of `console` are usages in `docs/commands.md` and the installation."""
     fences = re.findall(r"^```(\w*)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
-    assert {language for language, _ in fences} <= {"sh", "python", "console", "math", "toml"}
+    printed = {""} if page in [PAGES[name] for name in ALTIMETERS] else set()  # what a command prints
+    assert {language for language, _ in fences} <= {"sh", "python", "console", "math", "toml"} | printed
     shown = [line for language, block in fences if language == "console" for line in block.splitlines()]
     assert [line for line in shown if not line.startswith("$ fieldkit ") and line != "pipx install ."] == []
     assert not blocks("python", page) or page == PAGES["extending"]

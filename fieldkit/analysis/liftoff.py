@@ -97,7 +97,7 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
 
 
 def _about(push: Push, seen: Outline) -> float:
-    """Roughly when a rocket lifted off: when its heights began to rise or, in a log with so little of the pad that they
+    """A first estimate of lift-off: when its heights began to rise or, in a log with so little of the pad that they
     rise from the first sample on, when the accelerometer began to feel the boost. [s]"""
     if seen.lift is not None:
         return seen.lift

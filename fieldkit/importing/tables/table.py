@@ -15,7 +15,7 @@ from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
-_UNIQUE, _LONGEST_STEP, _MIXED = 0.99, 5.0, 0.2
+_UNIQUE, _LONGEST_STEP, _MIXED_STEPS = 0.99, 5.0, 0.2
 """Rows that were shuffled have this fraction of unique times, and no longer gap between them, in long steps of the log;
 if each was shuffled by itself, at least this fraction of steps runs backward. [1]"""
 MOST_FLIGHTS = 100
@@ -113,7 +113,7 @@ def _shuffled(clock: Float[Array, "row"]) -> Int[Integers, "row"] | None:
     if steps.max() > longest or (steps > 0).mean() < _UNIQUE:
         return None
     jumps = np.diff(clock)
-    if (jumps < 0).mean() > _MIXED:
+    if (jumps < 0).mean() > _MIXED_STEPS:
         return order
     pieces = np.split(clock, np.flatnonzero((jumps < 0) | (jumps > longest)) + 1)
     ends = sorted((float(piece[0]), float(piece[-1])) for piece in pieces)

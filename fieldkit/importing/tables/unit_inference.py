@@ -253,8 +253,8 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
 
 def height_unit_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: str) -> str:
     """The unit of heights in which a climb slows down like a coast, if in the stated one neither its end or middle nor
-    its whole duration can be a coast's; "" otherwise. A charge before apogee stops a rocket faster, but does not shorten
-    its climb before."""
+    its whole duration can be a coast's; "" otherwise. A charge before apogee stops a rocket faster, but does not
+    shorten its climb before."""
     other = "ft" if stated == "m" else "m"
     ways = [{"altitude": unit, "time": "s"} for unit in (stated, other)]
     (slowing, fall_rate), (_, fall_rate_of_other) = (_gravities(raw, way) for way in ways)
@@ -293,7 +293,7 @@ _TOO_FAST = (2.4, 2.2)
 """Deceleration at the end of a climb, and that of a free rise of its height and duration, that no coast has: with drag
 of ten weights at its start the second is 1.5. [g]"""
 _TOO_SLOW = 0.8
-"""Less than this is no free rise of the height and duration of a climb, in which a boost and drag only add to it. [g]"""
+"""Less than this is no free rise of the height and duration of a climb: a boost and drag only add to it. [g]"""
 
 
 def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:
