@@ -15,7 +15,7 @@ from fieldkit.services.findings import Findings
 OF_MASS = "fraction of the dry mass"
 """The unit of strengths that a flyer reads as a mass."""
 WORTH_NAMING = 0.5
-"""Probability that something is missing from which a verdict without a name says so. [1]"""
+"""Probability that something is missing from which a verdict without a name states it. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def _without_name(found: Findings, system: str) -> str:
         first = (
             f", most likely {likely.best.candidate.place.in_words} ({percent(likely.probability)})" if likely else ""
         )
-        return f"Something may be missing ({percent(missing)}){first}, but these flights do not tell what."
+        return f"Something may be missing ({percent(missing)}){first}, but these flights do not show what."
     return f"{found.rocket} flies as its model says: nothing is missing."
 
 

@@ -1,6 +1,6 @@
 """Color schemes of the app: for a room, for bright sun, for the dark, and the terminal's.
 
-Colors repeat states that symbols tell (`fieldkit.tui.widgets.states`), so a scheme may have few.
+Colors repeat states that symbols show (`fieldkit.tui.widgets.states`), so a scheme may have few.
 """
 
 from collections.abc import Mapping

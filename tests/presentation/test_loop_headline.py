@@ -38,7 +38,7 @@ def found(*accepted: Any, confidence: float = 0.9, after: float = 10.0) -> Any:
     )
 
 
-def test_a_wrong_mass_is_said_in_grams_or_ounces_with_what_to_do() -> None:
+def test_a_wrong_mass_is_in_grams_or_ounces_with_what_to_do() -> None:
     lighter = trial(Place("mass_offset", "C"), -0.15)
     one = headline(found(lighter))
     assert one.sentence == "Astra C is about 66 g lighter than entered."

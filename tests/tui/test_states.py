@@ -1,4 +1,4 @@
-"""States of figures: a symbol tells them, and a color of the theme repeats it."""
+"""States of figures: a symbol shows them, and a color of the theme repeats it."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from rich.color import Color
 
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.plots import Ink, Marked, draw_density
-from fieldkit.tui.widgets.states import BAD, CAUTION, GOOD, MARKED, STATES, runs
+from fieldkit.tui.widgets.states import BAD_COLOR, CAUTION_COLOR, GOOD_COLOR, MARK_COLOR, STATES, runs
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, opened, press, shown, typed
 
@@ -16,18 +16,18 @@ from tests.pressing import at_home, opened, press, shown, typed
 @pytest.mark.parametrize(
     ("cell", "states"),
     [
-        ("   ≈251", [CAUTION]),
-        ("✗ Estes C6", [BAD]),
-        ("◎-1.8", [GOOD]),
+        ("   ≈251", [CAUTION_COLOR]),
+        ("✗ Estes C6", [BAD_COLOR]),
+        ("◎-1.8", [GOOD_COLOR]),
         ("+11.7", []),
-        (" ├──●─◆┤ ", [GOOD]),
-        (" ├──●──┤ ◆ ", [BAD]),
-        ("   ◆  ◎ ", [MARKED, MARKED]),
-        ("◎──●──┤", [MARKED]),
+        (" ├──●─◆┤ ", [GOOD_COLOR]),
+        (" ├──●──┤ ◆ ", [BAD_COLOR]),
+        ("   ◆  ◎ ", [MARK_COLOR, MARK_COLOR]),
+        ("◎──●──┤", [MARK_COLOR]),
         ("", []),
     ],
 )
-def test_a_cell_has_the_color_of_the_state_that_its_symbol_tells(cell: str, states: list[str]) -> None:
+def test_a_cell_has_the_color_of_the_state_that_its_symbol_shows(cell: str, states: list[str]) -> None:
     parts = list(runs(cell))
     assert "".join(text for text, _ in parts) == cell
     assert [color for text, color in parts if color and text.strip()] == states
@@ -36,10 +36,10 @@ def test_a_cell_has_the_color_of_the_state_that_its_symbol_tells(cell: str, stat
 @pytest.mark.parametrize("theme", list(THEMES))
 def test_every_theme_has_the_colors_of_states(theme: str) -> None:
     named = THEMES[theme].to_color_system().generate()
-    for color in {*STATES.values(), MARKED}:
+    for color in {*STATES.values(), MARK_COLOR}:
         assert named[color]
     if theme in ("field", "terminal"):
-        assert len({named[color] for color in (GOOD, CAUTION, BAD)}) == 3
+        assert len({named[color] for color in (GOOD_COLOR, CAUTION_COLOR, BAD_COLOR)}) == 3
 
 
 async def test_states_are_colored_in_a_table_and_not_under_its_cursor(

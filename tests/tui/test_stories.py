@@ -73,7 +73,7 @@ async def test_an_unfinished_flight_of_another_build_names_the_open_forecast_and
         assert pilot.app.screen.query_one("#in-config", Input).value == "B"
 
 
-async def test_a_figure_that_is_not_final_says_so_and_the_saved_one_is_the_one_shown(file: Path) -> None:
+async def test_a_figure_that_is_not_final_is_marked_and_the_saved_one_is_the_one_shown(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "_")
         card = pilot.app.screen.query_one(ForecastCard)
@@ -176,7 +176,7 @@ async def test_with_us_units_the_month_of_a_date_comes_first(file: Path) -> None
         assert "expected a date" in shown(pilot)
 
 
-async def test_undo_asks_before_it_takes_back_an_import_and_says_so(file: Path) -> None:
+async def test_undo_asks_before_it_takes_back_an_import(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "u", "_")
         assert "12 flights" in words(pilot)
@@ -242,7 +242,7 @@ async def test_a_flight_that_stands_out_is_tagged_with_its_likely_cause_by_one_k
 
 
 async def test_what_rockets_share_is_shown_on_the_loop_page_after_a_fleet_search(file: Path) -> None:
-    from fieldkit.tui.loop.fleet import FLEET_DRAFT
+    from fieldkit.services.fleet_findings import FLEET_DRAFT
 
     line = "AeroTech F24W since 2025-09-01: 24% less thrust and impulse than expected"
     with Ledger.open(file) as ledger:
@@ -265,7 +265,7 @@ async def test_home_lists_tags_and_the_miss_of_every_flight_and_explains_the_sel
 
 
 async def test_what_rockets_share_is_on_home(file: Path) -> None:
-    from fieldkit.tui.loop.fleet import FLEET_DRAFT
+    from fieldkit.services.fleet_findings import FLEET_DRAFT
 
     with Ledger.open(file) as ledger:
         ledger.keep_draft(FLEET_DRAFT, {"lines": ["AeroTech F24W: 24% less thrust and impulse than expected"]})

@@ -21,6 +21,7 @@ from textual.widgets import Static
 
 from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
+from fieldkit.services.fleet_findings import saved_findings
 from fieldkit.services.listed_flights import ListedFlight, listed_at_once
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.help import Help
@@ -179,9 +180,7 @@ class HomeScreen(PageScreen):
             self._show()
 
     def _read_shared(self) -> Sequence[str]:
-        from fieldkit.tui.loop.fleet import kept_findings
-
-        return kept_findings(self.resources.ledger)
+        return saved_findings(self.resources.ledger)
 
     def _show_shared(self, lines: Sequence[str]) -> None:
         """Show what several rockets share, as found on the Loop page."""

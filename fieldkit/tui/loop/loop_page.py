@@ -20,10 +20,11 @@ from fieldkit.presentation.one_off_text import likely_cause
 from fieldkit.safe_text import printable
 from fieldkit.services.close_loop import adopt
 from fieldkit.services.findings import Findings
+from fieldkit.services.fleet_findings import saved_findings
 from fieldkit.services.forecasts import used_version
 from fieldkit.tui.asking import go_on, or_why
 from fieldkit.tui.help import NO_FLIGHTS
-from fieldkit.tui.loop.fleet import kept_findings, search_fleet
+from fieldkit.tui.loop.fleet import search_fleet
 from fieldkit.tui.loop.loop_help import LOOP_HELP
 from fieldkit.tui.loop.loop_look import PANELS, Standing, beside_the_others, look, standing_of
 from fieldkit.tui.loop.loop_panels import Panels
@@ -99,7 +100,7 @@ class LoopScreen(PageScreen):
     def reload(self) -> None:
         """Read the models of the rocket; findings from older flights are cleared."""
         self.ask(partial(standing_of, self.resources, self._rocket), self._have)
-        self.ask(lambda: kept_findings(self.resources.ledger), self.panels.headline.show_fleet, "fleet")
+        self.ask(lambda: saved_findings(self.resources.ledger), self.panels.headline.show_fleet, "fleet")
 
     def redraw(self) -> None:
         """Show the same data in other units."""

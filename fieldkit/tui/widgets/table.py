@@ -17,7 +17,7 @@ from textual.strip import Strip
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.asking import AskingScreen
-from fieldkit.tui.widgets.states import BAD, CAUTION, GOOD, MARKED, runs
+from fieldkit.tui.widgets.states import BAD_COLOR, CAUTION_COLOR, GOOD_COLOR, MARK_COLOR, runs
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
     """
     COMPONENT_CLASSES: ClassVar[set[str]] = {
         *("table--head", "table--cursor", "table--blurred"),
-        *(f"table--{color}" for color in (GOOD, CAUTION, BAD, MARKED)),
+        *(f"table--{color}" for color in (GOOD_COLOR, CAUTION_COLOR, BAD_COLOR, MARK_COLOR)),
     }
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "choose", "Open", key_display="Enter"),
