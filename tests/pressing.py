@@ -183,7 +183,7 @@ async def opened(
         patch("textual.pilot.wait_for_idle", _no_wait),
         patch("textual._compositor.Compositor.render_update", _unpainted),
         patch("fieldkit.tui.add.estimate_line.PAUSE", 0.03),  # one estimate for a typed text, not for each letter
-        patch("fieldkit.tui.choosing.EXPIRY", 600.0),  # whatever the load of the machine
+        patch("fieldkit.tui.app.EXPIRY", 600.0),  # whatever the load of the machine
     ):
         app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
         async with app.run_test(size=size) as pilot:

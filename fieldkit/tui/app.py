@@ -1,12 +1,16 @@
-"""The app: its pages, its colors, its notices, and undo from anywhere."""
+"""The app: its pages, its colors, its notices, undo from anywhere, and what it does after an unexpected error."""
 
 import asyncio
+import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from rich.console import Console
+from textual import events
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.command import CommandPalette, Provider
@@ -15,16 +19,19 @@ from textual.widget import AwaitMount
 from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
-from fieldkit.quantities import counted
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import counted, measure, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.settings import UNITS
-from fieldkit.tui.hangup import CHECK_INTERVAL, gone, terminal
+from fieldkit.tui.crash import Crash, place_of, record
+from fieldkit.tui.hangup import CHECK_INTERVAL, gone, nobody_looks, terminal
+from fieldkit.tui.in_order import InOrder
 from fieldkit.tui.keys import in_capitals
 from fieldkit.tui.memory import START_TIME, freeze_permanent, limit_malloc, resume_collection
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.resources import Resources
-from fieldkit.tui.surviving import Surviving, Whereabouts
 from fieldkit.tui.themes import THEMES
+from fieldkit.tui.widgets.bars import Notice, NoticeBar
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Change, UndoStep
@@ -32,6 +39,10 @@ if TYPE_CHECKING:
 
 PAUSE = 0.05
 """Pause between opening two pages off screen, so that keys are handled. [s]"""
+EXPIRY = 15.0
+"""How long a notice of success is shown. [s]"""
+LOOKS = {"units", "theme", "target"}
+"""Settings that only change the display."""
 LOOK_INTERVAL = 3.0
 """Interval of checking for changes by other programs: terminals side by side report no change of focus. [s]"""
 
@@ -43,10 +54,19 @@ def finder() -> type[Provider]:
     return Finder
 
 
-class FieldkitApp(Surviving):
-    """The pages of one ledger. `revision` counts changes of the ledger, `look` changes of the display. If it `stays`,
-    it has its own process, and prepares in the background what keys would otherwise wait for; `back` is the state to
-    return to after an error."""
+@dataclass(frozen=True, slots=True)
+class Whereabouts:
+    """The state before an error: the page, the row of its first table, and the error."""
+
+    page: str
+    row: Any
+    crash: Crash
+
+
+class FieldkitApp(InOrder):
+    """The pages of one ledger, with notices and settings; it continues after a failing key. `revision` counts changes
+    of the ledger, `look` changes of the display. If it `stays`, it has its own process, and prepares in the background
+    what keys would otherwise wait for; `back` is the state to return to after an error."""
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
@@ -77,7 +97,18 @@ class FieldkitApp(Surviving):
         stays: bool = False,
         back: Whereabouts | None = None,
     ) -> None:
-        super().__init__(Resources(where, settings_file))
+        super().__init__()
+        self.resources = Resources(where, settings_file)
+        self.notices: list[Notice] = []
+        self.revision = self.look = 0
+        self.changing = asyncio.Lock()
+        """Held while the ledger is changed."""
+        self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
+        self.place: Whereabouts | None = None
+        """The state when an error ended the app."""
+        self.errors: list[Exception] = []
+        """Unexpected errors after which the app continued."""
+        self._crashes: dict[str, Crash] = {}
         self._back = back
         self._stays = stays
         if stays:
@@ -89,7 +120,9 @@ class FieldkitApp(Surviving):
         self._hides = True
         self.unseen = self._readied = False
         self.animation_level = "none"
-        self.start_in(self.resources.settings.theme)
+        for theme in THEMES.values():
+            self.register_theme(theme)
+        self.theme = self.resources.settings.theme
         for name in pages():
             self.add_mode(name, partial(self._page, name))
 
@@ -321,3 +354,134 @@ class FieldkitApp(Surviving):
             if active.enabled and label not in seen and (binding.tooltip or (binding.description and binding.show)):
                 seen.add(label)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
+
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event; an error in it is reported, and the app continues."""
+        try:
+            await super().on_event(event)
+        except Exception as error:
+            self.survive(error)
+
+    def survive(self, error: Exception) -> None:
+        """Log an unexpected error, once for each place that it comes from, and show a notice."""
+        if nobody_looks(error):
+            self.exit()
+            return
+        self.errors.append(error)
+        self.show_notice(self._crash(error).line(), error=True)
+
+    def _crash(self, error: BaseException) -> Crash:
+        crash = record(error) if (known := self._crashes.get(place_of(error))) is None else known
+        return self._crashes.setdefault(crash.where, crash)
+
+    def bell(self) -> None:
+        """Save the state before an error ends the app: Textual rings the bell only then."""
+        error = sys.exception()
+        if error is not None and self.place is None and not nobody_looks(error):
+            self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))
+        super().bell()
+
+    def _row(self) -> Any:
+        try:
+            return page.row() if isinstance(page := self.screen_stack[0], PageScreen) else None
+        except Exception:  # an app that is failing may have no screen left
+            return None
+
+    def show_notice(self, text: str, *, error: bool = False) -> None:
+        """Show a notice over earlier ones; errors stay until they are dismissed, successes for a while, but not longer
+        than until the next notice or page."""
+        notice = Notice(text, error)
+        if not error:
+            self.set_timer(EXPIRY, partial(self._expire, notice))
+        self.notices = [notice, *(one for one in self.notices if one.error and one != notice)]
+        self._show_notices()
+
+    def _expire(self, notice: Notice) -> None:
+        """Remove this notice, but not a later one with the same text."""
+        if any(one is notice for one in self.notices):
+            self.withdraw(notice.text)
+
+    def withdraw(self, text: str) -> None:
+        """Remove a notice that no longer holds."""
+        self.notices = [notice for notice in self.notices if notice.text != text]
+        self._show_notices()
+
+    def drop_success(self) -> None:
+        """Remove a notice of success: the flyer has gone on."""
+        self.notices = [notice for notice in self.notices if notice.error]
+        self._show_notices()
+
+    def action_read(self) -> None:
+        """Dismiss the current notice."""
+        self.notices = self.notices[1:]
+        self._show_notices()
+
+    def action_whole_notice(self) -> None:
+        """Show the full current notice, with full file paths."""
+        self._show_notices(whole=True)
+
+    def action_help_quit(self) -> None:
+        """The action of ^C if nothing can be copied: show how to quit."""
+        self.show_notice("q quits; so does ^Q, even in a field")
+
+    def _show_notices(self, whole: bool = False) -> None:
+        for bar in self.screen.query(NoticeBar):
+            bar.show_notice(self.notices, whole)
+
+    def _refresh_page(self) -> None:
+        if isinstance(self.screen, PageScreen):
+            self.screen.refresh_if_changed()
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """The background under an open dialog, in themes without one."""
+        return {"backdrop": "black 60%"}
+
+    def action_next_theme(self) -> None:
+        """Switch to the next colors."""
+        names = list(THEMES)
+        self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
+
+    def action_next_units(self) -> None:
+        """Switch to the next system of units."""
+        self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
+
+    def choose(self, done: str = "", **changes: Any) -> None:
+        """Change settings, apply them, and save them; if they cannot be saved, they still apply. `done` is the notice,
+        by default the names and values of the changes."""
+        before = self.resources.settings
+        try:
+            self.resources.choose(**changes)
+        except FieldkitError as error:
+            self.show_notice(str(error), error=True)
+        else:
+            self.show_notice(done or "; ".join(f"{name} {value}" for name, value in changes.items()))
+        now = self.resources.settings
+        self.theme = now.theme
+        if {name for name in asdict(now) if getattr(now, name) != getattr(before, name)} <= LOOKS:
+            self.look += 1
+        else:
+            self.revision += 1
+        self._refresh_page()
+
+    def ask_target(self) -> None:
+        """Ask for the target apogee for comparing motors."""
+        now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
+        about = "Target apogee, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
+        from fieldkit.tui.widgets.dialogs import AskText  # takes 6 ms to import
+
+        self.push_screen(AskText("Target", now, about, check=self._read_target), partial(self._targeted, now))
+
+    def action_ask_target(self) -> None:
+        """Ask for the target apogee."""
+        self.ask_target()
+
+    def _targeted(self, now: str, text: str | None) -> None:
+        if text is None or text == now:  # what was shown is rounded
+            return
+        target, system = self._read_target(text), self.resources.settings.units
+        self.choose(f"Target {measure(BY_NAME['apogee'], target, system)}" if target else "No target", target=target)
+
+    def _read_target(self, text: str) -> float | None:
+        """A typed target; None if it is empty. Raises BadValue. [m]"""
+        apogee = BY_NAME["apogee"]
+        return apogee.parse(text, unit_of(apogee, self.resources.settings.units)) if text.strip() else None

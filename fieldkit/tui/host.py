@@ -8,7 +8,7 @@ from fieldkit.tui.widgets.bars import Notice
 
 
 class Host(Protocol):
-    """The interface of the app for its pages: `revision` and `look` count changes, as in `Choosing`; `unseen` means
+    """The interface of the app for its pages: `revision` and `look` count changes, as in `FieldkitApp`; `unseen` means
     that a page is being prepared behind the visible one; `changing` is held while the ledger is changed."""
 
     resources: Resources

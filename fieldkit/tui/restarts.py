@@ -3,9 +3,8 @@
 import time
 
 from fieldkit.errors import FieldkitError
-from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.app import FieldkitApp, Whereabouts
 from fieldkit.tui.hangup import gone, terminal
-from fieldkit.tui.surviving import Whereabouts
 
 MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """Maximum number of restarts after errors [1] within a time [s]."""

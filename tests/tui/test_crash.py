@@ -81,7 +81,7 @@ async def test_failing_background_work_changes_nothing_on_the_screen(
 ) -> None:
     async with opened(file) as pilot:
         monkeypatch.setattr(pilot.app.resources.ledger.__class__, "undo", fails)
-        await press(pilot, "ctrl+z")
+        await press(pilot, "ctrl+z", "y")
         assert "an error in fieldkit itself" in words(pilot)
         await press(pilot, "escape", "2")
         assert "Save this flight" in shown(pilot)

@@ -10,7 +10,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from textual.css.stylesheet import Stylesheet
 from textual.widgets import Static
 
 from fieldkit.ledger import Ledger, models
@@ -18,7 +17,6 @@ from fieldkit.services.imports import bring_in
 from fieldkit.settings import change_settings
 from fieldkit.tui.memory import pause_collection
 from fieldkit.tui.next.intervals import HeightScale, heading
-from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.bars import NoticeBar
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import answered, marked
@@ -207,14 +205,6 @@ def test_first_rows_are_listed_before_other_pages_and_libraries_are_imported(fil
     assert not {"numpy", "pandas", "sqlalchemy", "typer", "scipy", "fieldkit.importing"}.intersection(modules)
     assert [name for name in modules if name.endswith("_page")] == ["fieldkit.tui.home.home_page"]
     assert not {"tomllib", *(f"fieldkit.tui.{name}" for name in LATER)}.intersection(modules)
-
-
-async def test_styles_are_read_once_before_the_first_page_is_shown(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    again: list[int] = []
-    monkeypatch.setattr(Stylesheet, "reparse", lambda _: again.append(1))
-    async with opened(file, page="home") as pilot:
-        assert isinstance(pilot.app.screen, PageScreen)
-        assert not again
 
 
 async def test_garbage_is_collected_again_once_the_app_has_started(

@@ -133,7 +133,7 @@ async def test_escape_leaves_a_field_even_while_a_success_is_shown(file: Path) -
 async def test_a_notice_of_success_expires_and_an_error_does_not(file: Path) -> None:
     async with opened(file) as pilot:
         with pytest.MonkeyPatch.context() as patched:
-            patched.setattr("fieldkit.tui.choosing.EXPIRY", 0.05)
+            patched.setattr("fieldkit.tui.app.EXPIRY", 0.05)
             pilot.app.show_notice("Gone wrong", error=True)  # type: ignore[attr-defined]
             pilot.app.show_notice("Done")  # type: ignore[attr-defined]
             await pilot.pause(0.3)
