@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ import pytest
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Note, Parsed, Reading
+from fieldkit.importing.read import read as read_log
 from fieldkit.importing.read import read_together
 from fieldkit.importing.recognize import claims, parsers
-from fieldkit.importing.tables.altos import Coefficients, entered, ms5607
+from fieldkit.importing.tables.altos import STATES, Coefficients, entered, ms5607
 from fieldkit.importing.tables.altos_flash import LAYOUTS
 from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
 from tests.parsers.recorded import LOGS as RECORDINGS
@@ -363,3 +365,42 @@ def test_the_layout_of_old_records_is_that_of_most_if_no_format_is_stated(form: 
     log = form + "\n".join(["X 0001 02 03 04 05", *rest, ""])
     old, _ = read("altos_eeprom__", log.encode())
     assert len(old.clocks[0].time) == len(whole.clocks[0].time)
+
+
+def as_csv(reading: Reading) -> bytes:
+    """The export of a flash log by AltOS, with its columns and decimals: heights above the pad's pressure."""
+    series = reading.clocks[0]
+    assert series.pressure is not None
+    above = pressure_height(series.pressure)
+    height = series.altitude if series.altitude is not None else above - np.median(above[:10])
+    entered_at = sorted((when, STATES[name][0]) for name, when in reading.events.items() if name in STATES)
+    state = [max([2, *(number for when, number in entered_at if when <= one)]) for one in series.time.tolist()]
+    columns: dict[str, Any] = {
+        "version": "5",
+        "serial": "1",
+        "flight": "1",
+        "time": series.time,
+        "state": np.array(state, float),
+    }
+    columns |= {} if series.acceleration is None else {"acceleration": series.acceleration}
+    columns |= {"pressure": series.pressure, "altitude": above, "height": height}
+    cells = [
+        [one] * series.time.size if isinstance(one, str) else [f"{value:.2f}" for value in one.tolist()]
+        for one in columns.values()
+    ]
+    lines = [f"#{','.join(columns)}", *(",".join(row) for row in zip(*cells, strict=True))]
+    return ("\n".join(lines) + "\n").encode()
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in LOGS.glob("*.eeprom")))
+def test_a_flash_log_and_its_export_give_the_same_figures(name: str) -> None:
+    log = (LOGS / name).read_bytes()
+    reading = next(item for item in parsers()["altos_eeprom"].read(log) if isinstance(item, Reading))
+    both = [(name, log), ("export.csv", as_csv(reading))]
+    flash_flight, export = (
+        next(one for one in read_log(log, file, any_motor).recorded if one is not None) for file, log in both
+    )
+    assert export.figures.keys() == flash_flight.figures.keys()
+    for readout, figure in flash_flight.figures.items():
+        other = export.figures[readout]
+        assert other.value == pytest.approx(figure.value, abs=max(0.5 * figure.sd, 0.01)), readout
