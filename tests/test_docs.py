@@ -245,8 +245,8 @@ def test_the_manual_can_be_read_in_the_terminal(page: str, capsys: pytest.Captur
 
 
 def test_for_a_missing_page_the_existing_ones_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["docs", "balloons"]) == 1
-    assert "no page 'balloons', expected one of: index, start, predictions" in capsys.readouterr().err
+    assert main(["docs", "xyzzy"]) == 1
+    assert "no page 'xyzzy', expected one of: index, start, predictions" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])

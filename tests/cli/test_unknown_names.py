@@ -53,6 +53,7 @@ REST = {
     "predict": ON,
     "tag": "windy",
     "track": "--out {folder}/track.kml",
+    "weather": "{table}",
     "untag": "windy",
     "add": f"{ON} --apogee 200m --rocket Astra --again",
 }
