@@ -14,8 +14,9 @@ from fieldkit.services.findings import Findings
 
 OF_MASS = "fraction of the dry mass"
 """The unit of strengths that a flyer reads as a mass."""
-WORTH_NAMING = 0.5
-"""Probability that something is missing from which a verdict without a name states it. [1]"""
+WORTH_NAMING = 0.2
+"""Probability that something is missing from which a verdict without a name states it: one chance in five is too much
+for "nothing is missing". [1]"""
 
 
 @dataclass(frozen=True, slots=True)

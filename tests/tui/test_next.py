@@ -393,7 +393,7 @@ async def test_the_loop_is_shown_and_earlier_versions_can_be_restored(file: Path
             assert "A to accept, D to decline" in words(pilot)
             await press(pilot, "D")
             assert "Declined: the model is unchanged" in words(pilot)
-            await press(pilot, "right", "right", "right")
+            await press(pilot, "escape", "right", "right", "right")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
             for line in ("Effect on the next flight", in_next_flight(found.next_flight), "How sure", how_sure(found)):
                 assert line in words(pilot)
