@@ -124,7 +124,7 @@ def profile_of(reading: Reading) -> DragProfile | None:
 
 def level(profile: DragProfile) -> Level:
     """The drag of a coast as if it were constant: least squares with the covariances of the most probable noise."""
-    likely = profile.likelihoods[0]
+    likely = profile.likelihoods[0].with_any_ports()
     whole = float(likely.precision.sum())
     return Level(profile.reference * float(likely.shift.sum()) / whole, profile.reference * whole**-0.5, profile.source)
 

@@ -127,7 +127,7 @@ def _profile(path: Path, recorder: Recorder, rng: np.random.Generator) -> DragPr
 
 def _level(profile: DragProfile, launch: Launch) -> float:
     """Error of the drag of a coast without a step, in its standard deviations."""
-    likely = profile.likelihoods[0]
+    likely = profile.likelihoods[0].with_any_ports()
     whole = float(likely.precision.sum())
     value, sd = float(likely.shift.sum()) / whole, whole**-0.5
     station = station_pressure(launch.air.qnh, launch.air.elevation)

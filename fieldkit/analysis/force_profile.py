@@ -58,6 +58,9 @@ _FAST_SDS, _PUSH_SDS, _PITCH_SDS = (0.03, 0.1), (0.05, 0.2, 0.8), (0.0, 2.0)
 pitching after burnout adds to it [m/s^2]."""
 _RAM_SDS = ((0.4, 0.01), (0.4, 0.04), (0.4, 0.15))
 """The same for the changing error of heights: a constant part [m], and a part of the dynamic pressure [1]."""
+_QUIET_RAM = (0.1, 0.01)
+"""A setting for logs without an accelerometer, whose heights alone show the drag: a port that pressure waves and pitch
+disturb little. With an accelerometer it would add little but time. [m], [1]"""
 _PITCH_TIME = 0.5
 """Decay time of pitching after burnout. [s]"""
 _ANY_LEVEL_SD, _ANY_CHANGE_SD, _ANY_CHANGE_TIME = 3.0, 1.0, 1.0
@@ -84,12 +87,16 @@ times of what is then left, of which half of that is the standard deviation. [s]
 _TILT = 0.17
 """Horizontal speed as a fraction of the first speed of the coast: a path 10 degrees off vertical. Drag along a path at
 the speed V is V/v times that by its upward speed v, and a wrong axis hides part of gravity. [1]"""
+_TILT_SD = (0.5**2 + 0.5) ** 0.5
+"""Root mean square of V/v - 1 over the variance of the angle, if that is normal: V/v is 1 + half of its square. [1]"""
 _MOST_SLOWED = 25.0
 """Largest ratio of the squares of first and later speeds in the error of the path's angle. [1]"""
 _WORST_BIAS, _LEAST_THRUST = 1.5, 15.0
 """Largest bias of an accelerometer on the pad, and what it feels in every boost. [m/s^2]"""
 _PORTS_SD = PORTS_SD / PORT_ERROR
 """Prior standard deviation of the error of static ports, as a fraction of the dynamic pressure. [1]"""
+_OWN_PORTS = 0.35
+"""Standard deviation of what single flights of a rocket add to that error, relative to it: angle of attack. [1]"""
 _OUTLIER = 4.0
 """Standard deviations beyond which an interval's residual gets a larger variance. [1]"""
 _OUTLIER_ROUNDS = 3
@@ -108,8 +115,18 @@ _STEP_PROBABILITY, _STEP_SD = 0.2, 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Ports:
+    """How the log likelihood depends on the error e of the static ports that the flights of a rocket share:
+    push e - precision e²/2 - e joint'm, with e in prior standard deviations and the relative drag m."""
+
+    joint: Float[Array, "interval"]
+    precision: float
+    push: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class DragLikelihood:
-    """The likelihood of the relative drag m of each interval, -m'Pm/2 + s'm, for one setting of the noise.
+    """The log likelihood of the relative drag m of each interval, w - m'Pm/2 + s'm, for one setting of the noise.
 
     `prior` is the covariance of what varies about m in a healthy coast, already integrated out of the likelihood; the
     relative drag given m and the log has the mean m + prior (shift - precision m).
@@ -119,6 +136,22 @@ class DragLikelihood:
     precision: Float[Array, "interval interval"]
     shift: Float[Array, "interval"]
     prior: Float[Array, "interval interval"]
+    ports: "_Ports"
+
+    def with_ports(self, error: float) -> "DragLikelihood":
+        """The same, given the error of the rocket's static ports in prior standard deviations [1]."""
+        add = error * self.ports.push - error**2 / 2 * self.ports.precision
+        return replace(self, log_weight=self.log_weight + add, shift=self.shift - error * self.ports.joint)
+
+    def with_any_ports(self) -> "DragLikelihood":
+        """The same with the error of the static ports integrated out, for a flight alone."""
+        gain = 1 / (1 + self.ports.precision)
+        return replace(
+            self,
+            log_weight=self.log_weight + 0.5 * (gain * self.ports.push**2 + float(np.log(gain))),
+            precision=self.precision - gain * np.outer(self.ports.joint, self.ports.joint),
+            shift=self.shift - gain * self.ports.push * self.ports.joint,
+        )
 
     def given(self, mean: Float[Array, "*many interval"]) -> Float[Array, "*many interval"]:
         """Relative drag in each interval, if this is its mean without the healthy variation. [1]"""
@@ -136,7 +169,7 @@ class DragProfile:
     """What a log shows of drag along its coast.
 
     `time_from_liftoff` are the middles of the intervals, `length` [s] each long, `speed` the speed there. Relative drag
-    is in units of `reference`, b in 1/m. `likelihoods` are those of several noise settings, with weights.
+    is in units of `reference`, b in 1/m. `likelihoods` are those of the probable noise settings, most probable first.
     """
 
     time_from_liftoff: Float[Array, "interval"]
@@ -423,11 +456,11 @@ def _profile(coast: _Coast, lift: float) -> DragProfile | None:
     outlying = _Covariances(coast, linear, seen, 0.0).outlying(relative)
     every = _Covariances(coast, linear, seen, outlying)
     found = [every.likelihood(relative, *setting) for setting in every.settings]
-    weight = np.array([one.log_weight for one in found])
-    weight = np.exp(weight - np.logaddexp.reduce(weight))
+    log_evidence = np.array([log_evidence for _, log_evidence in found])
+    weight = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
     kept = [int(row) for row in np.argsort(-weight)[:_MOST_KEPT] if weight[row] > _MIN_WEIGHT]
-    total = float(weight[kept].sum())
-    likelihoods = tuple(replace(found[row], log_weight=float(np.log(weight[row] / total))) for row in kept)
+    highest = max(found[row][0].log_weight for row in kept)
+    likelihoods = tuple(replace(found[row][0], log_weight=found[row][0].log_weight - highest) for row in kept)
     time = coast.middles - lift
     return DragProfile(time, coast.step, linear.speed, reference, likelihoods, coast.source)
 
@@ -446,13 +479,13 @@ class _Covariances:
         self._any_drag = _ANY_LEVEL_SD**2 + _ANY_CHANGE_SD**2 * np.exp(-distance / _ANY_CHANGE_TIME)
         self._drift = (_DRIFT_SD if coast.weighs else _DERIVED_DRIFT_SD) ** 2 * np.exp(-distance / _DRIFT_TIME)
         self._dynamic = linear.speed**2 / (2 * GRAVITY)
-        slowed = np.minimum((speed[0] / speed) ** 2, _MOST_SLOWED)
+        across = np.exp(-np.cumsum(np.abs(linear.drag) / speed) * coast.step)  # drag slows it as the whole speed
+        tilt = _TILT**2 * np.minimum((across * speed[0] / speed) ** 2, _MOST_SLOWED)
         logs = np.log(speed)
-        tilt = _TILT**2 * slowed
         slow = _SLOW_SD**2 * np.exp(-0.5 * ((logs[:, None] - logs) / _SLOW_LENGTH) ** 2)
         slow -= slow.mean(axis=0)  # the level of a flight is not part of its change
         slow -= slow.mean(axis=1)[:, None]
-        slow += np.outer(tilt, tilt)
+        slow += _TILT_SD**2 * np.outer(tilt, tilt)
         self._ramps = [ramp_matrix(count, lasts / coast.step) for lasts in SWITCH_TIMES]
         near = np.exp(-distance / _OWN_TIME)
         own = near @ linear.relative / near.sum(axis=-1)
@@ -463,7 +496,7 @@ class _Covariances:
         below = np.zeros((count, 3))
         below[:, 0] = _SCALE_SD * (linear.height - linear.height[0])
         if coast.barometric:
-            below[:, 1], below[:, 2] = _PORTS_SD * self._dynamic, -_LAG_SD * linear.speed
+            below[:, 1], below[:, 2] = _OWN_PORTS * _PORTS_SD * self._dynamic, -_LAG_SD * linear.speed
         columns.append(np.concatenate([below, np.zeros((count * both, 3))]))
         if both:
             bias = _BIAS_SD if coast.zeroed else _UNLEVELLED_BIAS_SD
@@ -472,16 +505,25 @@ class _Covariances:
             push = np.stack(shapes, axis=-1)
             columns.append(np.concatenate([np.zeros_like(push), push]))
         self._columns = np.concatenate(columns, axis=-1)
+        self._ports = np.zeros(self.white.size)
+        if coast.barometric:
+            self._ports[:count] = _PORTS_SD * self._dynamic
 
     @property
     def settings(self) -> list[tuple[float, float, tuple[float, float], float]]:
         """The settings of the noise that are tried: fast change of b, accelerometer, pressure, pitching."""
-        felt = self._coast.felt is not None
-        return list(product(_FAST_SDS, _PUSH_SDS[: 3 if felt else 1], _RAM_SDS, _PITCH_SDS[: 2 if felt else 1]))
+        if self._coast.felt is None:
+            return list(product(_FAST_SDS, _PUSH_SDS[:1], (_QUIET_RAM, *_RAM_SDS), _PITCH_SDS[:1]))
+        return list(product(_FAST_SDS, _PUSH_SDS, _RAM_SDS, _PITCH_SDS))
 
-    def _noise(self, push: float, ram: tuple[float, float], pitch: float) -> Float[Array, "row row"]:
+    def _noise(
+        self, push: float, ram: tuple[float, float], pitch: float, shared: bool = True
+    ) -> Float[Array, "row row"]:
+        """Covariance of the errors of the observations, with those of the rocket's ports or without."""
         count, rows = self._count, self.white.size
         noise = self._columns @ self._columns.T
+        if shared:
+            noise += np.outer(self._ports, self._ports)
         own = np.hypot(ram[0], ram[1] * self._dynamic)
         noise[:count, :count] += self._ram_shape * np.outer(own, own)
         if rows > count:
@@ -531,19 +573,23 @@ class _Covariances:
 
     def likelihood(
         self, relative: Array, fast: float, push: float, ram: tuple[float, float], pitch: float
-    ) -> DragLikelihood:
-        """The likelihood of relative drag for one setting of the noise; its weight allows for a step."""
+    ) -> tuple[DragLikelihood, float]:
+        """The likelihood of relative drag for one setting of the noise, and the log evidence of that setting, which
+        allows for a step and any error of the ports. [nat]"""
         observed, by_drag = self._observed(relative)
         prior = self._prior(fast)
-        whole = self._noise(push, ram, pitch)[np.ix_(self._seen, self._seen)] + by_drag @ prior @ by_drag.T
-        root = np.linalg.cholesky(whole)
+        errors = self._noise(push, ram, pitch, shared=False)[np.ix_(self._seen, self._seen)]
+        root = np.linalg.cholesky(errors + by_drag @ prior @ by_drag.T)
         from scipy.linalg.lapack import dtrtrs  # takes 0.18 s to import
 
-        solved, _ = dtrtrs(root, np.column_stack([by_drag, observed]), lower=1)
-        slope, rest = solved[:, :-1], solved[:, -1]
+        solved, _ = dtrtrs(root, np.column_stack([by_drag, self._ports[self._seen], observed]), lower=1)
+        slope, port, rest = solved[:, :-2], solved[:, -2], solved[:, -1]
         precision, shift = slope.T @ slope, slope.T @ rest
+        ports = _Ports(slope.T @ port, float(port @ port), float(port @ rest))
         log_none = -0.5 * float(rest @ rest) - float(np.log(np.diagonal(root)).sum())
-        return DragLikelihood(log_none + _with_any_step(precision, shift, self._ramps), precision, shift, prior)
+        found = DragLikelihood(log_none, precision, shift, prior, ports)
+        alone = found.with_any_ports()
+        return found, alone.log_weight + _with_any_step(alone.precision, alone.shift, self._ramps)
 
 
 def step_sums(

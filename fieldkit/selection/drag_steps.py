@@ -2,10 +2,10 @@
 
 Every flight has the rocket's own drag area B, apart from the scatter of flights and the errors of its log. In a member
 flight it is B (1 + a) from one time to another, which may be before the first and after the last interval of the coast.
-B, the mean of a over the members and the fraction of flights that are members are shared. The likelihood of each log
-(`fieldkit.analysis.force_profile`) is normal in B and B a, so a is integrated out in closed form for every pair of
-times, and B, the mean and the fraction on a grid. A flight may also have a lone step of any size, with a small
-probability: what one flight alone shows is not a property of the rocket.
+B, the mean of a over the members, the fraction of flights that are members and the error of the static ports are
+shared. The likelihood of each log (`fieldkit.analysis.force_profile`) is normal in B, B a and the error of the ports,
+so a is integrated out in closed form for every pair of times, and the shared figures on a grid. A flight may also have
+a lone step of any size, with a small probability: what one flight alone shows is not a property of the rocket.
 """
 
 from collections.abc import Sequence
@@ -16,9 +16,11 @@ import numpy as np
 from fieldkit.analysis.force_profile import SWITCH_TIMES, DragLikelihood, DragProfile, ramp_matrix, step_sums
 from fieldkit.shapes import Array, Float, Int, Integers
 
-_LEVEL_RANGE, _LEVEL_STEP, _LEVEL_SD = (-1.1, 0.6), 0.03, 0.3
+_LEVEL_RANGE, _LEVEL_STEP, _LEVEL_SD = (-1.1, 0.6), 0.05, 0.3
 """Grid of the logarithm of the rocket's own drag around the median of the logs', and its prior standard deviation.
 [1]"""
+_PORTS = (-1.6, -0.8, 0.0, 0.8, 1.6)
+"""Grid of the error of the static ports that the flights of a rocket share, in prior standard deviations. [1]"""
 _EDGES, _SETTINGS = 28, 2
 """Most edges between which the shared figures are determined, and noise settings of a log. [1]"""
 _MEANS = np.exp(np.linspace(np.log(0.25), np.log(4.0), 15))
@@ -145,7 +147,6 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     """Drag that switches within the coasts of these logs, with its prior odds [nat]; None without any."""
     if not logs:
         return None
-    steps = [_steps(one) for one in logs]
     units = np.array([one.unit for one in logs])
     means = np.concatenate([_DECREASES, _MEANS])
     log_means = np.concatenate(
@@ -154,11 +155,20 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
             np.full(_MEANS.size, np.log(_INCREASE_PROBABILITY / _MEANS.size)),
         ]
     )
-    levels, log_levels = _levels(units, steps)
-    none, pulse, lone, some = (np.empty((len(logs), levels.size, *shape)) for shape in ((), (), (), (means.size,)))
-    for row, (one, unit) in enumerate(zip(steps, units, strict=True)):
-        none[row], pulse[row], lone[row], some[row] = _log_likelihoods(one, levels / unit, means)
-    plain = _plain(none, pulse, lone)
+    ports = _port_errors(logs)
+    by_ports = [[_steps(_with_ports(one, error)) for one in logs] for error in ports.tolist()]
+    levels, log_levels = _levels(units, by_ports[ports.size // 2])
+    log_levels = log_levels[:, None] - 0.5 * ports**2 - np.logaddexp.reduce(-0.5 * ports**2)
+    shape = (len(logs), levels.size, ports.size)
+    none, pulse, lone, some = (np.empty((*shape, *more)) for more in ((), (), (), (means.size,)))
+    for column, steps in enumerate(by_ports):
+        for row, (one, unit) in enumerate(zip(steps, units, strict=True)):
+            found = _log_likelihoods(one, levels / unit, means)
+            none[row, :, column], pulse[row, :, column], lone[row, :, column], some[row, :, column] = found
+    none, pulse, lone, some = (
+        part.reshape(len(logs), levels.size * ports.size, *part.shape[3:]) for part in (none, pulse, lone, some)
+    )
+    plain, log_levels = _plain(none, pulse, lone), log_levels.ravel()
     fractions = np.array(_FRACTIONS)
     mixed = np.logaddexp(
         np.log1p(-fractions) + plain[..., None, None], np.log(fractions) + some[..., None]
@@ -170,7 +180,8 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     weight = np.exp(joint - np.logaddexp.reduce(joint, axis=None))
     weight_alone = np.exp(alone - np.logaddexp.reduce(alone))
     by_level, by_mean = weight.sum(axis=(1, 2)), weight.sum(axis=(0, 2))
-    by_level = present * by_level + (1 - present) * weight_alone
+    both = (present * by_level + (1 - present) * weight_alone).reshape(levels.size, ports.size)
+    by_level, error = both.sum(axis=1), float(both.sum(axis=0) @ ports)
     own = float(by_level @ levels)
     own_sd = float(np.sqrt(by_level @ (levels - own) ** 2)) / own
     size = float(by_mean @ means)
@@ -181,9 +192,21 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     flights = []
     for log, member, single in zip(logs, members.tolist(), lones.tolist(), strict=True):
         shared = (size, float(np.hypot(size_sd, _SIZE_SD * abs(size)))) if member > single else (0.0, _LONE_SD)
-        flights.append(replace(_flight(log, member + single, own, own_sd, shared), lone=single))
+        flights.append(replace(_flight(_with_ports(log, error), member + single, own, own_sd, shared), lone=single))
     fraction = float(weight.sum(axis=(0, 1)) @ fractions)
     return DragSteps(log_bayes, present, own, own_sd, size, size_sd, fraction, tuple(flights))
+
+
+def _port_errors(logs: Sequence[LoggedDrag]) -> Float[Array, "error"]:
+    """The errors of the rocket's static ports that are tried; none if no height depends on them."""
+    some = any(one.ports.precision for log in logs for one in log.profile.likelihoods)
+    return np.array(_PORTS if some else (0.0,))
+
+
+def _with_ports(log: LoggedDrag, error: float) -> LoggedDrag:
+    """A log, given the error of the static ports."""
+    likelihoods = tuple(one.with_ports(error) for one in log.profile.likelihoods)
+    return replace(log, profile=replace(log.profile, likelihoods=likelihoods))
 
 
 def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
@@ -214,18 +237,19 @@ def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
             ramp = ramp_matrix(count, lasts / profile.length)
             sums = step_sums(ramp.T @ widened.precision @ ramp, ramp.T @ widened.shift)
             both, joint, pushed = (table[first, last] for table in sums)
-            log_weight = one.log_weight - float(np.log(len(SWITCH_TIMES)))
+            log_weight = widened.log_weight - float(np.log(len(SWITCH_TIMES)))
             parts.append(_Part(log_weight, widened, ramp, both, joint, pushed, level, shift))
     return _Steps(first, last, log_prior_long, log_prior_short, tuple(parts))
 
 
 def _with_scatter(one: DragLikelihood, scatter: float) -> DragLikelihood:
     """The likelihood with the scatter of a flight's level integrated out (Sherman and Morrison)."""
-    row = one.precision.sum(axis=0)
+    row, push = one.precision.sum(axis=0), float(one.shift.sum())
     factor = scatter**2 / (1 + scatter**2 * row.sum())
+    add = 0.5 * (factor * push**2 - float(np.log1p(scatter**2 * row.sum())))
     precision = one.precision - factor * np.outer(row, row)
     shift = one.shift - factor * row * one.shift.sum()
-    return replace(one, precision=precision, shift=shift, prior=one.prior + scatter**2)
+    return replace(one, log_weight=one.log_weight + add, precision=precision, shift=shift, prior=one.prior + scatter**2)
 
 
 def _levels(
@@ -268,7 +292,9 @@ def _summed(linear: Array, quadratic: Array, mean: float, sd: float, log_prior: 
     precision = quadratic * sd**2 + 1
     pushed = linear * sd + mean / sd
     log = 0.5 * (pushed**2 / precision - (mean / sd) ** 2 - np.log(precision))
-    return np.asarray(np.logaddexp.reduce(log + log_prior, axis=-1))
+    joint = log + log_prior
+    highest = joint.max(axis=-1, keepdims=True)
+    return np.asarray(highest[..., 0] + np.log(np.exp(joint - highest).sum(axis=-1)))
 
 
 def _plain(none: Array, pulse: Array, lone: Array) -> Float[Array, "*any"]:
@@ -283,9 +309,10 @@ def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: t
     fine = _steps(log, log.profile.speed.size)
     count, weights, means, variances = log.profile.speed.size, [], [], []
     chance = _chances(fine, level, size, spread)
-    for one, by_step, amplitude, precision in chance:
+    healthy = np.array([one.log_weight + one.shift * level - 0.5 * one.level * level**2 for one, *_ in chance])
+    healthy = np.exp(healthy - np.logaddexp.reduce(healthy))
+    for (one, by_step, amplitude, precision), plain in zip(chance, healthy.tolist(), strict=True):
         given = one.likelihood
-        plain = float(np.exp(one.log_weight))
         means.append(given.given(np.full(count, level)))
         variances.append(given.variance)
         weights.append((1 - member) * plain)

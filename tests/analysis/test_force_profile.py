@@ -22,7 +22,7 @@ def profile(seed: int, felt: bool = True, ports: float = 0.0, lag: float = 0.0, 
 
 def level(one: DragProfile) -> tuple[float, float]:
     """Constant drag and its standard deviation. [1/m]"""
-    likely = one.likelihoods[0]
+    likely = one.likelihoods[0].with_any_ports()
     whole = float(likely.precision.sum())
     return one.reference * float(likely.shift.sum()) / whole, one.reference * whole**-0.5
 
@@ -51,7 +51,7 @@ def test_drag_that_doubles_shows_when_it_doubles() -> None:
     clocks, recorded = coast_log(lambda time: OWN * (1 if time < 3.0 else 2), 3)
     found = drag_profile(clocks, recorded)
     assert found is not None
-    likely = found.likelihoods[0]
+    likely = found.likelihoods[0].with_any_ports()
     step = np.where(found.time_from_liftoff < 3.0, 1.0, 2.0) * OWN / found.reference
     along = likely.given(step)
     early, late = (along[part].mean() for part in (found.time_from_liftoff < 2.9, found.time_from_liftoff > 3.1))

@@ -12,7 +12,9 @@ from tests.analysis.coasts import coast_log
 OWN, PRIOR = 1.2e-3, -2.6
 
 
-def steps(onsets: Sequence[float | None], ratio: float = 1.8, felt: bool = True, seed: int = 0) -> DragSteps:
+def steps(
+    onsets: Sequence[float | None], ratio: float = 1.8, felt: bool = True, seed: int = 0, ports: float = 0.0
+) -> DragSteps:
     """The steps in logs of a rocket whose brakes open at these times; None on flights on which they stay shut."""
     logs = []
     for number, onset in enumerate(onsets):
@@ -21,7 +23,7 @@ def steps(onsets: Sequence[float | None], ratio: float = 1.8, felt: bool = True,
         def drag(time: float, onset: float | None = onset, own: float = OWN * scatter) -> float:
             return own * (ratio if onset is not None and time >= onset else 1.0)
 
-        profile = drag_profile(*coast_log(drag, 100 * seed + number, felt=felt))
+        profile = drag_profile(*coast_log(drag, 100 * seed + number, felt=felt, ports=ports))
         assert profile is not None
         logs.append(LoggedDrag(str(number), profile, profile.reference, 0.03))
     found = drag_steps(logs, PRIOR)
@@ -39,6 +41,12 @@ def test_brakes_that_open_on_some_flights_are_found_on_those() -> None:
         assert step.begin == pytest.approx(onset, abs=0.3)
         assert step.end is None
         assert step.ratio == pytest.approx(1.8, abs=3 * step.sd)
+
+
+def test_pressure_alone_shows_brakes_that_triple_the_drag_beside_the_error_of_ports_that_flights_share() -> None:
+    for seed in (0, 1):
+        found = steps([2.0, None, 2.2, 2.1, None], ratio=3.0, felt=False, seed=seed, ports=0.04)
+        assert [one.member > 0.5 for one in found.flights] == [True, False, True, True, False]
 
 
 def test_drag_along_the_coast_is_relative_to_the_drag_without_the_step() -> None:
