@@ -10,7 +10,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
 
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.columns import Column
 from fieldkit.flight.recovery import recovery_column
@@ -24,6 +24,7 @@ from fieldkit.importing.weather import (
     weather_of_day,
 )
 from fieldkit.physics.atmosphere import wind_at
+from fieldkit.services.sites import sites
 from fieldkit.units import UNITS
 
 if TYPE_CHECKING:
@@ -146,6 +147,14 @@ def _aloft_texts(aloft: WindAloft, ground: float | None) -> dict[str, str]:
     turn = None if aloft.direction is None or ground is None else (aloft.direction - ground + 180) % 360 - 180
     texts = {"wind_aloft_mps": f"{aloft.speed:.1f}", "wind_aloft_height_m": f"{aloft.height:.0f}"}
     return texts | ({} if turn is None else {"wind_aloft_turn_deg": f"{turn:.0f}"})
+
+
+def check_names(ledger: "Ledger", site: str | None, rocket: str | None) -> None:
+    """Raise NoFlights for a site or a rocket that the ledger does not know."""
+    places = dict.fromkeys([*ledger.names("site"), *(one.name for one in sites(ledger))])
+    for kind, name, known in (("site", site, list(places)), ("rocket", rocket, ledger.names("rocket"))):
+        if name is not None and name.casefold() not in map(str.casefold, known):
+            raise NoFlights(unknown(kind, name, known))
 
 
 def fill_ledger(
