@@ -115,7 +115,7 @@ _STEP_PROBABILITY, _STEP_SD = 0.2, 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Ports:
+class PortError:
     """How the log likelihood depends on the error e of the static ports that the flights of a rocket share:
     push e - precision e²/2 - e joint'm, with e in prior standard deviations and the relative drag m."""
 
@@ -136,7 +136,7 @@ class DragLikelihood:
     precision: Float[Array, "interval interval"]
     shift: Float[Array, "interval"]
     prior: Float[Array, "interval interval"]
-    ports: "_Ports"
+    ports: "PortError"
 
     def with_ports(self, error: float) -> "DragLikelihood":
         """The same, given the error of the rocket's static ports in prior standard deviations [1]."""
@@ -585,7 +585,7 @@ class _Covariances:
         solved, _ = dtrtrs(root, np.column_stack([by_drag, self._ports[self._seen], observed]), lower=1)
         slope, port, rest = solved[:, :-2], solved[:, -2], solved[:, -1]
         precision, shift = slope.T @ slope, slope.T @ rest
-        ports = _Ports(slope.T @ port, float(port @ port), float(port @ rest))
+        ports = PortError(slope.T @ port, float(port @ port), float(port @ rest))
         log_none = -0.5 * float(rest @ rest) - float(np.log(np.diagonal(root)).sum())
         found = DragLikelihood(log_none, precision, shift, prior, ports)
         alone = found.with_any_ports()

@@ -205,15 +205,22 @@ def table_rows(text: str, first: int = 0) -> tuple[list[str], Iterator[tuple[int
     numbers in the file. The separator is that of the header."""
     lines = lines_of(text)
     separator = max(",;\t", key=lines[first].count)
-    headers = [one.strip() for one in next(csv.reader([lines[first]], delimiter=separator))]
+    headers = _cells(lines[first], separator)
 
     def rows() -> Iterator[tuple[int, WeatherRow]]:
         for number, line in enumerate(lines[first + 1 :], start=first + 2):
             if line.strip():
-                cells = next(csv.reader([line], delimiter=separator))
-                yield number, dict(zip(headers, (one.strip() for one in cells), strict=False))
+                yield number, dict(zip(headers, _cells(line, separator), strict=False))
 
     return headers, rows()
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    """The cells of a line; the whole line if it is damaged."""
+    try:
+        return [one.strip() for one in next(csv.reader([line], delimiter=separator))]
+    except csv.Error:
+        return [line]
 
 
 def cell_number(cells: WeatherRow, header: str, row: int, unit: units.Unit) -> float | None:

@@ -30,7 +30,7 @@ SHAPES = {
 """Profile and shape parameter of a nose by its name; that of a power law is in the file."""
 MAKERS = {"AT": "AeroTech", "CTI": "Cesaroni", "ES": "Estes", "LR": "Loki", "AMW": "Animal Motor Works", "QU": "Quest"}
 """Abbreviations of makers in the name of a motor: `K550W  (AT)`."""
-_MOTOR = re.compile(r"(?P<name>[^()]{1,40}?)\s*(?:\((?P<maker>[^()]{1,20})\))?\s*")
+_MOTOR = re.compile(r"(?P<name>[^()]{1,40})(?:\((?P<maker>[^()]{1,20})\))?\s{0,9}")
 
 
 def is_rasaero(root: Element) -> bool:

@@ -43,9 +43,10 @@ def against_time(profile: DragProfile) -> CoastDrag:
     """
     time = profile.time_from_liftoff
     prior = CHANGE_SD**2 * np.exp(-np.abs(time[:, None] - time) / CHANGE_TIME)
-    weights = np.exp(np.array([one.log_weight for one in profile.likelihoods]))
+    likelihoods = [one.with_any_ports() for one in profile.likelihoods]
+    weights = np.exp(np.array([one.log_weight for one in likelihoods]))
     weights = weights / weights.sum()
-    parts = [_posterior(one, prior) for one in profile.likelihoods]
+    parts = [_posterior(one, prior) for one in likelihoods]
     mean = sum(weight * middle for weight, (middle, _) in zip(weights, parts, strict=True))
     spread = sum(
         weight * (variance + (middle - mean) ** 2) for weight, (middle, variance) in zip(weights, parts, strict=True)

@@ -55,6 +55,10 @@ def with_files() -> list[tuple[tuple[str, ...], Any, Any]]:
 WITH_FILES = with_files()
 
 
+TOGETHER = {"plans": ["--out", "filled.csv"], "stock": ["--fit", "Astra"]}
+"""Options that another one requires, by its name."""
+
+
 def line(names: tuple[str, ...], parameter: Any, command: Any, file: Path) -> list[str]:
     """A command line with a file and otherwise only required arguments."""
     words = list(names)
@@ -63,7 +67,7 @@ def line(names: tuple[str, ...], parameter: Any, command: Any, file: Path) -> li
         if one is not parameter and not one.required:
             continue
         words += [value] if one.param_type_name == "argument" else [one.opts[0], value]
-    return words
+    return words + TOGETHER.get(str(parameter.name), [])
 
 
 def at_home(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -333,7 +337,7 @@ REPLACED_WHOLE = {
     "tui/crash.py": "a report with a new name",
     "parallel.py": "a result that only this item has",
     "inference/training/unfinished.py": "the work of one training",
-    "inference/training/stopwatch.py": "the work of one training",
+    "inference/training/history.py": "the work of one training",
     "cli/demo.py": "a new ledger",
     "motors/own.py": "a file that the flyer names, whatever it was before",
     "planning/kit_file.py": "kits, within the lock of `services/kits.py`",

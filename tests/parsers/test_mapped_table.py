@@ -164,7 +164,7 @@ def test_numbers_that_may_be_thousands_are_refused() -> None:
 @pytest.mark.parametrize(
     ("row", "unit", "why"),
     [
-        ("{t:.2f},{h:.1f}", "m", "free fall"),
+        ("{t:.2f},{h:.1f}", "m", "the coast"),
         ("{t:.2f},{ft:.1f}", "ft", "free fall"),
         ("{t:.2f},{ft:.1f},{p:.1f}", "ft", "the pressure"),
         ("{t:.2f},{h:.1f},{p:.1f}", "m", "the pressure"),

@@ -126,7 +126,7 @@ def test_a_note_states_how_the_unit_was_determined_where_the_top_does_not_show_i
 
 
 def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit_fixes_it() -> None:
-    log = eggtimer(1.0, eject=-2.5)
+    log = eggtimer(FOOT, eject=-2.5)
     with pytest.raises(DamagedLog, match="expected a header such as Alt_ft or Alt_m"):
         parsers()["eggtimer"].read(log)
     flight, rest = found("eggtimer", log.replace(b"T,Alt,", b"T,Alt_ft,"))
@@ -134,10 +134,15 @@ def test_a_flight_cut_short_by_its_parachute_is_refused_and_a_header_with_a_unit
     assert rest == []
 
 
-def test_the_drag_of_a_log_that_ends_while_climbing_does_not_determine_the_unit() -> None:
-    log = eggtimer(1.0)
+@pytest.mark.parametrize("unit", [1.0, FOOT])
+def test_the_coast_of_a_log_that_ends_while_climbing_determines_the_unit_once_it_is_long_enough(unit: float) -> None:
+    lines = eggtimer(unit).split(b"\n")
+    (short, long) = (b"\n".join(lines[:rows]) + b"\n" for rows in (30, 80))
+    reading = next(item for item in parsers()["eggtimer"].read(long) if isinstance(item, Reading))
+    assert reading.clocks[0].altitude is not None
+    assert reading.clocks[0].altitude.max() == pytest.approx(185, abs=1)
     with pytest.raises(DamagedLog, match="whose unit cannot be determined"):
-        parsers()["eggtimer"].read(b"\n".join(log.split(b"\n")[:80]) + b"\n")
+        parsers()["eggtimer"].read(short)
 
 
 def test_several_flights_in_one_text_stay_separate_with_their_summaries() -> None:

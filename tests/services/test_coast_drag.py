@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.analysis.force_profile import DragLikelihood, DragProfile
+from fieldkit.analysis.force_profile import DragLikelihood, DragProfile, PortError
 from fieldkit.services.coast_drag import against_time
 
 
@@ -11,7 +11,7 @@ def profile(truth: np.ndarray, sd: float) -> DragProfile:
     """A log that measures relative drag in each interval with this standard deviation. [1]"""
     count = len(truth)
     precision = np.eye(count) / sd**2
-    one = DragLikelihood(0.0, precision, precision @ truth, 1e-6 * np.eye(count))
+    one = DragLikelihood(0.0, precision, precision @ truth, 1e-6 * np.eye(count), PortError(np.zeros(count), 0.0, 0.0))
     time = 1.0 + 0.1 * np.arange(count)
     return DragProfile(time, 0.1, np.linspace(60.0, 20.0, count), 0.002, (one, one), "acceleration")
 

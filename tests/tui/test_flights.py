@@ -457,7 +457,7 @@ async def test_a_log_read_while_the_page_closes_is_discarded(file: Path) -> None
 async def test_the_latest_error_is_shown_before_older_ones_and_undo_names_the_key_for_redo(file: Path) -> None:
     """An error of minutes ago hid why the flight just typed could not be saved."""
     async with opened(file, page="home") as pilot:
-        await press(pilot, "u")
+        await press(pilot, "u", "y")
         assert "U to redo" in words(pilot)
         await press(pilot, "U")
         assert "Redone: " in words(pilot)

@@ -49,6 +49,7 @@ MODALS: dict[type[Screen[Any]], Callable[[App[None]], Screen[Any]]] = {
 ABOVE_PAGES = {
     "FlightScreen": ("1", "_", "enter"),
     "TagScreen": ("1", "_", "t"),
+    "PlanForm": ("4", "_", "p"),
     "PlanScreen": ("4", "_", "d"),
 }
 """Keys that open a screen over a page."""
