@@ -49,7 +49,7 @@ ALTIMETERS = ("altimetertwo", "perfectflite", "altos", "eggtimer", "rrc3", "blue
 RUN = ("start", "predictions", "installing", *ALTIMETERS[1:])
 """Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
 those with real flights, which are not shipped."""
-OWN_UNITS = {"inspect", "docs", "contest", "finals"}
+OWN_UNITS = {"inspect", "docs", "contest", "finals", "season"}
 """Commands that quote a file's columns, the manual, or a contest's rule."""
 PROPER_NAMES = """
     Astra Comet Coker Entacore Kieffer Kosdon Missile Nitrous Pnut RoadRunner Robert John SCR TSP contributors
@@ -98,8 +98,8 @@ def test_an_import_answers_as_the_page_of_its_altimeter_says(name: str, capsys: 
     for command, answer in session:
         assert main(shlex.split(command)[1:]) == 0
         shown = capsys.readouterr()
-        said = " ".join((shown.err + shown.out).split())
-        assert [line for line in answer.splitlines() if line not in said] == []
+        printed = " ".join((shown.err + shown.out).split())
+        assert [line for line in answer.splitlines() if line not in printed] == []
 
 
 @pytest.fixture

@@ -216,7 +216,7 @@ COMMANDS: dict[str, list[str]] = {
     "add": ["--rocket", ROCKET, "--motor", "F24-4W", "--apogee", "100m", "--notes", ROCKET, "--site", ROCKET],
     "flights": [],
     "units": [],
-    "weather": ["docs/example-weather.csv"],
+    "weather": [str(ROOT / "docs" / "example-weather.csv"), "--site", ROCKET],
     "flyer": [],
     "show": ["1"],
     "edit": ["1", "notes=x"],

@@ -20,7 +20,7 @@ async def test_finals_have_a_table_for_each_target(tmp_path: Path, monkeypatch: 
     with Ledger.open(file) as ledger:
         assert keep_day(ledger, 2027, Day(window=(41.0, 44.0)))
     async with opened(file, page="next_flight") as pilot:
-        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "exclamation_mark")
         shown = str(pilot.app.screen.query_one("#answer", Static).content)
         checks = text_of(pilot, "#beside")
     assert "window 41 to 44 s" in shown

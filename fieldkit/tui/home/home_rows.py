@@ -20,7 +20,7 @@ TAG_CELLS = 12
 COMPUTED = "~"
 """Mark of a miss against what the other flights lead to expect, if no forecast was saved."""
 NORMAL_TABLE, WIDE_TABLE = 70, 96
-"""Widths above which a table has room for profiles, and for the interval of each forecast. [cell]"""
+"""Widths above which a table has room for tags and for profiles, and for the interval of each forecast. [cell]"""
 APOGEE = BY_NAME["apogee"]
 
 
@@ -30,7 +30,7 @@ def listed(
     """The columns that fit in a width, without those that are empty for all flights, and the cells of a flight and its
     profile, all intervals on one scale."""
     scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
-    tagged = TAG_CELLS + 1 if any(one.flight.tags for one in flights) else 0
+    tagged = TAG_CELLS + 1 if width >= NORMAL_TABLE and any(one.flight.tags for one in flights) else 0
     logged = width >= NORMAL_TABLE + tagged and any(one.flight.has_log for one in flights)
     profiles = PROFILE_CELLS if logged else 0
     bars = max(20, width - 65 - tagged - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
@@ -38,7 +38,7 @@ def listed(
     seen = {
         "when": any(one.flight.date_time for one in flights),
         "miss": any(one.miss is not None for one in flights),
-        "tags": any(one.flight.tags for one in flights),
+        "tags": tagged > 0,
     }
     shown = [n for n, head in enumerate(heads) if seen.get(head.title, True)]
     return [heads[n] for n in shown], lambda one, profile: [cells(one, profile)[n] for n in shown]
