@@ -18,7 +18,6 @@ from fieldkit.physics.history import history_of
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.residual import fingerprint, patterns, readout_residuals, spreads
-from fieldkit.selection.verdict import NAMING_PROBABILITY
 
 CHECK_SHAPES = False
 
@@ -78,7 +77,7 @@ def test_an_undeclared_effect_is_named(diagnoses: Diagnoses, scenario: str) -> N
             "early_ejection",
             marks=[
                 pytest.mark.thorough,
-                pytest.mark.xfail(reason="thin air at one of two sites is named too: its days had less wind"),
+                pytest.mark.xfail(reason="thin air at one site, close to negligible for its heights, may be named too"),
             ],
         ),
     ],
@@ -156,7 +155,7 @@ def test_a_diagnosis_is_reproducible_and_does_not_depend_on_the_order_of_candida
 
 
 @pytest.mark.thorough
-def test_of_three_effects_at_once_two_are_named_and_none_is_denied(
+def test_of_three_effects_at_once_two_are_named_and_the_model_learns_the_thrust(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = tuple(
@@ -169,9 +168,7 @@ def test_of_three_effects_at_once_two_are_named_and_none_is_denied(
     model = rocket_model(history_of([f for f, _ in flights], [m for _, m in flights]))
     diagnosis = diagnose(model, observe(model.history.using([True] * len(flights))))
     named, present = set(diagnosis.effect.split("+")), {part.effect for part in parts}
-    assert named <= present
-    assert len(named) > 1
-    assert all(diagnosis.posterior.inclusion[name] > 1 - NAMING_PROBABILITY for name in present)
+    assert {"mass_offset", "wear"} <= named <= present
     assert diagnosis.confidence > 0.5
     assert diagnosis.after.mae < 0.5 * diagnosis.before.mae
 
