@@ -165,15 +165,17 @@ MOTOR_RANGE = (0.25, 4.0)
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
 """Grids used during a fit; the final posterior uses grids around their mode."""
 FLYER_SPREAD, ROCKET_SPREAD, READING_SPREAD = 0.7, 0.3, 0.7
-"""Standard deviations of the logarithms of scales: of the scatter of flights and of motors among flyers, of the scatter
-among a flyer's rockets, and of the noise among devices. Flights of most flyers scatter by 3 to 15% and motors of one
-type by 1 to 6% (NFPA 1125 allows 6.7%): if three in four are between, the first is log(5) / 2.3. With nine in ten (0.5)
-a contest team whose flights scatter by 2% does not earn its narrow interval in eight flights. [1]"""
+MOTOR_SPREAD = 0.5
+"""Standard deviations of the logarithms of scales: of the scatter of flights among flyers and among a flyer's rockets,
+of the noise among devices, and of the scatter of motors among flyers. Flights of most flyers scatter by 3 to 15%: if
+three in four are between, the first is log(5) / 2.3. With nine in ten (0.5) a contest team whose flights scatter by 2%
+does not earn its narrow interval in eight flights. Motors of one type scatter by at most 6.7%, or they are not
+certified (NFPA 1125): with a median of 2.5%, 0.5 leaves one type in 40 beyond. [1]"""
 
 
 def _motors(median: float, log_sd: float) -> Scale:
     """The scale of the scatter of motors. One value during a fit, because a third grid would multiply its time."""
-    return Scale((median,), median, log_sd, ends=MOTOR_RANGE, points=4, spread=FLYER_SPREAD)
+    return Scale((median,), median, log_sd, ends=MOTOR_RANGE, points=4, spread=MOTOR_SPREAD)
 
 
 def _scatter(median: float, log_sd: float) -> Scale:
