@@ -1,5 +1,5 @@
-"""`python -m bench.one_offs [--cases 40] [--processes 16] [--keep ROWS.json] [--out docs/one-offs.md]`: what single faulty
-flights among healthy ones are named.
+"""`python -m bench.one_offs [--processes 16] [--keep ROWS.json] [--out docs/one-offs.md]`: what single faulty flights
+among healthy ones are named.
 
 Ten flights of a rocket, one of them with a fault at one of three strengths, as the ten readouts of a device, flown by
 the bench's simulator (`fast_truth`). Devices and flights scatter about as real ones do, in forms of their own: readouts
@@ -319,27 +319,27 @@ def page(rows: Sequence[Mapping[str, Any]], code: str) -> list[str]:
         "",
         *prose(
             "`python -m bench.one_offs --out docs/one-offs.md` writes this page; the figures are of revision",
-            f"{code or 'unknown'}.",
-            f"{len(rows)} rockets fly ten times each in the bench's own simulator (`fast_truth`), and one flight of each",
-            "has a fault at one of three strengths. The readouts are those of an altimeter with Student t noise (3 degrees",
-            "of freedom: speed and burn time 4%, peak 10%, coast 5%, ejection 0.4 s) and biases of its own; thrust and",
-            "drag scatter by 4 and 3%. The answer is that of `fieldkit loop` before any flight is tagged.",
+            f"{code or 'unknown'}. {len(rows)} rockets fly ten times each in the bench's own simulator",
+            "(`fast_truth`), and one flight of each has a fault at one of three strengths. The readouts are those",
+            "of an altimeter with Student t noise (3 degrees of freedom: speed and burn time 4%, peak 10%, coast",
+            "5%, ejection 0.4 s) and biases of its own; thrust and drag scatter by 4 and 3%. The answer is that",
+            "of `fieldkit loop` before any flight is tagged.",
         ),
         *prose(
-            "*Singled out*: the flight is probably a one-off (above 50%). *Named first* and *among three*: the place of the",
-            "true cause among the causes, whether singled out or not. *An exact fit* knows rocket, device, causes and",
-            "strengths exactly and only has to recognize them in the scatter; it could decide if the true cause has more",
-            "than 90% there.",
+            "*Singled out*: the flight is probably a one-off (above 50%). *Named first* and *among three*: the",
+            "place of the true cause among the causes, whether singled out or not. *An exact fit* knows rocket,",
+            "device, causes and strengths exactly and only has to recognize them in the scatter; it could decide",
+            "if the true cause has more than 90% there.",
         ),
         table(rows),
         "",
         *prose(
-            "**What it misses.** A mass that is wrong on one flight looks like a weak motor. An ejection that is late by up",
-            "to three seconds is within the scatter of delays. A readout in feet that was taken for meters is often",
-            "impossible, so that it is left out before the comparison, and the flight looks usual without it. The",
-            "prevalences and typical strengths of the causes are round judgments (`fieldkit/model/causes.py`); of these, the",
-            "strength of weak motors was lowered from 20% to 10% of the impulse, by what certification allows, after the",
-            "first look at the open journal's flights.",
+            "**What it misses.** A mass that is wrong on one flight looks like a weak motor. An ejection that is",
+            "late by up to three seconds is within the scatter of delays. A readout in feet that was taken for",
+            "meters is often impossible, so that it is left out before the comparison, and the flight looks usual",
+            "without it. The prevalences and typical strengths of the causes are round judgments",
+            "(`fieldkit/model/causes.py`); of these, the strength of weak motors was lowered from 20% to 10% of",
+            "the impulse, by what certification allows, after the first look at the open journal's flights.",
         ),
         *prose("Logs of recorders are not part of this bench."),
     ]
