@@ -179,6 +179,15 @@ def imported_inside(module: str) -> set[str]:
     }
 
 
+@pytest.mark.parametrize(
+    "layer", ["planning", "forecast", "selection", "inference", "model", "reference", "analysis", "physics", "motors"]
+)
+def test_texts_of_further_columns_are_not_read_in_the_core(layer: str) -> None:
+    files = [file for name, file in MODULES.items() if name.startswith(f"fieldkit.{layer}.")]
+    assert files
+    assert not [str(file) for file in files if ".extra" in file.read_text(encoding="utf-8")]
+
+
 def at_start(first: set[str]) -> set[str]:
     """The modules that are loaded when some are imported, and every name that these bind; not the names that a package
     imports only when they are used."""

@@ -151,9 +151,9 @@ def brakes(folder: Path) -> Iterator[str]:
 
 def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[str]:
     """The drag of each flight relative to the rocket's own, and the errors of forecasts."""
+    from fieldkit.flight.further import STATE_COLUMN
     from fieldkit.model.readout_data import observe
     from fieldkit.motors import catalogue
-    from fieldkit.selection.candidates import STATE_COLUMN
     from fieldkit.selection.diagnose import Diagnosis, diagnose
     from fieldkit.selection.extended_model import rocket_model
     from fieldkit.selection.logged_forces import LoggedForces, logged_forces, step_candidate, without_coast_drag

@@ -48,9 +48,9 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
 
     Raises BadValue, BadParameter.
     """
+    from fieldkit.flight.further import motor_temperature
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.kits import check_mount
-    from fieldkit.planning.safety import motor_temperature
     from fieldkit.services.plans import completed_plan
 
     if given.get("dry_mass") and given.get(LIFT_OFF):
@@ -79,7 +79,7 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
         on_pad = plan.with_changes(motor=plan.motor or (last.motor if last else ""))
         plan = plan.with_changes(dry_mass=dry_mass(motors, on_pad, lift_off))
     typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
-    plan = plan.with_changes(extra={**plan.extra, **typed})
+    plan = plan.with_columns(**typed)
     stated = plan
     plan = completed_plan(ledger, motors, plan, read_settings())
     recovery_of(plan)

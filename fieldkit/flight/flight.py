@@ -91,6 +91,10 @@ class Flight:
                 changes[part] = {name: value for name, value in recorded.items() if name not in changed}
         return replace(self, **changes)  # type: ignore[arg-type]
 
+    def with_columns(self, **texts: str) -> "Flight":
+        """A copy of the flight with these texts in further columns."""
+        return replace(self, extra={**self.extra, **texts})
+
     def unflown(self, **changes: object) -> "Flight":
         """A copy of the flight as planned, without its readouts, with other fields changed."""
         return self.with_changes(**dict.fromkeys(self.readouts()) | changes)

@@ -61,6 +61,8 @@ MAX_STABILITY = 100.0
 """Upper limit on a static margin: many times the length of the longest rocket. [body diameters]"""
 STABILITY = "stability_cal"
 """The column for a rocket's static margin, as a design program states it. [body diameters]"""
+STABILITY_SOURCE = "stability_by"
+"""The column of a plan whose margin is that of its design: the design's file."""
 RECOVERY_TEXTS = {
     "recovery": "parachute or streamer.",
     "rail_direction": "Direction of the rail relative to the wind: into, away, across, or degrees from upwind.",
@@ -217,6 +219,16 @@ def stability(flight: Flight) -> float | None:
     if not 1 / MAX_STABILITY <= margin <= MAX_STABILITY:
         raise BadValue(f"{_label(STABILITY)}: found {text[:40]!r}, expected body diameters above zero, such as 2.5")
     return margin
+
+
+def has_own_stability(plan: Flight) -> bool:
+    """Whether a plan has a static margin that is not that of its design."""
+    return recovery_column(plan, STABILITY) is not None and STABILITY_SOURCE not in plan.extra
+
+
+def with_stability(plan: Flight, margin: float, source: str) -> Flight:
+    """A plan with the static margin [body diameters] of a design from the file `source`."""
+    return plan.with_columns(**{STABILITY: f"{margin:.2f}", STABILITY_SOURCE: source})
 
 
 @dataclass(frozen=True, slots=True)

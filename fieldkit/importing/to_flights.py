@@ -120,7 +120,7 @@ def _weighed(flight: Flight, reading: Reading) -> Flight:
     try:
         loaded = catalogue().resolve_several(flight.motor).motor.loaded_mass
     except UnknownMotor:
-        return flight.with_changes(extra={**flight.extra, "liftoff_mass_g": f"{1000 * reading.liftoff_mass:g}"})
+        return flight.with_columns(liftoff_mass_g=f"{1000 * reading.liftoff_mass:g}")
     if reading.liftoff_mass <= loaded:
         found = f"found a lift-off mass of {amount(reading.liftoff_mass, 'g')}"
         alone = f"the mass of {amount(loaded, 'g')} of {flight.motor}"

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.further import drag_switches, names_a_device, text_under
 from fieldkit.flight.recovery import LaunchConditions, launch_conditions
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
@@ -67,6 +68,11 @@ class History:
     def groups(self, per: str) -> list[str]:
         """The group each flight belongs to, as in `groups`."""
         return self.once(("group", per), lambda: groups(self.flights, self.found, per))
+
+    @property
+    def drag_switches(self) -> tuple[bool | None, ...]:
+        """Whether the drag of each flight switches, as the flyer recorded it; None if not."""
+        return self.once("drag switches", lambda: tuple(drag_switches(flight) for flight in self.flights))
 
     def setup(self, steps: int = STEPS, knots: int | None = None, stride: float = 1.0) -> Setup:
         """The flights as recorded, to be simulated with the drag of a coefficient of 1; arguments and errors as in
@@ -161,10 +167,13 @@ def recorded_wind(flight: Flight) -> WindProfile:
 
 
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
-    """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site or day."""
+    """The group each flight belongs to: its motor type, the lot of its motor, its configuration, site, day or
+    altimeter."""
     if per in ("motor", "lot"):
         motors = [f"{item.motor.maker} {item.motor.designation}" for item in found]
         return motors if per == "motor" else lots(motors, [recorded_lot(flight) for flight in flights])
     if per == "day":
         return [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
+    if per == "device":
+        return [text_under(flight, names_a_device) for flight in flights]
     return [str(getattr(flight, per)) for flight in flights]

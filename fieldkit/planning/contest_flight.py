@@ -12,6 +12,7 @@ from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.flight.further import text_under
 from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.units import FOOT
 
@@ -40,7 +41,7 @@ def judged_duration(flight: Flight) -> float | None:
 
 def _cell(flight: Flight, name: str) -> str:
     """The text of an extra column, however its heading is written: `Eggs`, `Timer 1 (s)`; empty if there is none."""
-    return next((text.strip() for heading, text in flight.extra.items() if plain(heading) == name), "")
+    return text_under(flight, lambda heading: plain(heading) == name)
 
 
 def _time(flight: Flight, name: str) -> Decimal | None:

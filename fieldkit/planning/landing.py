@@ -216,7 +216,7 @@ def rail_choices(rocket: RocketData, plan: Flight, found: Found, most: float) ->
         return []
     ways = [("into", 0.0)]
     ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
-    plans = [plan.with_changes(rail_angle=angle, extra={**plan.extra, "rail_direction": name}) for name, angle in ways]
+    plans = [plan.with_columns(rail_direction=name).with_changes(rail_angle=angle) for name, angle in ways]
     predictions = forecasts(rocket, [(one, found) for one in plans], draws=TRIED_DRAWS)
     fall = fall_of(rocket.history, plan, found)
     choices = [

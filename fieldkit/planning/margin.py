@@ -1,23 +1,19 @@
 """The static margin of a planned flight, from the design of its configuration with the planned motor loaded."""
 
 from fieldkit.flight import Flight
-from fieldkit.flight.recovery import MAX_STABILITY, STABILITY, recovery_column
+from fieldkit.flight.recovery import MAX_STABILITY, has_own_stability, with_stability
 from fieldkit.motors import Motor
 from fieldkit.rocket import Rocket
-
-STABILITY_SOURCE = "stability_by"
-"""The extra column of a plan whose margin is that of its design: the design's file."""
 
 
 def with_margin(plan: Flight, rocket: Rocket, motor: Motor | None) -> Flight:
     """A plan with the static margin of its design, unless it has its own: with a loaded motor if the design shows where
     it sits, otherwise with the design's. One that is not above zero counts as the least that can be stored."""
     design = rocket.design(plan.config)
-    if design is None or (recovery_column(plan, STABILITY) and STABILITY_SOURCE not in plan.extra):
+    if design is None or has_own_stability(plan):
         return plan
     own = None if motor is None else design.margin_on(motor.loaded_mass, motor.length, plan.dry_mass)
     margin = design.margin if own is None else own
     if margin is None:
         return plan
-    text = f"{max(margin, 1 / MAX_STABILITY):.2f}"
-    return plan.with_changes(extra={**plan.extra, STABILITY: text, STABILITY_SOURCE: design.source or "design"})
+    return with_stability(plan, max(margin, 1 / MAX_STABILITY), design.source or "design")

@@ -14,14 +14,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from fieldkit import units
-from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
-from fieldkit.flight.limits import check
+from fieldkit.flight import Flight
+from fieldkit.flight.further import motor_temperature
 from fieldkit.flight.recovery import recovery_of, stability
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.messages import fine, marked, message, per_wind
+from fieldkit.messages import fine, per_wind
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
@@ -76,18 +74,6 @@ def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
     weight = (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
     first, average = thrusts(motor)
     return first / weight, average / weight
-
-
-def motor_temperature(plan: Flight) -> float | None:
-    """The motor temperature declared with the plan, or None. [K] Raises BadValue for a non-number or an implausible
-    value.
-    """
-    text = plan.extra.get(MOTOR_TEMPERATURE, "")
-    try:
-        value = units.parse(text, "temperature", "c") if text else None
-        return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
-    except BadValue as error:
-        raise BadValue(message(f"motor temperature: {marked(error)}")) from error
 
 
 def safety_lines(

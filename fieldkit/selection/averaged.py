@@ -16,7 +16,6 @@ from fieldkit.inference.laplace.leave_one_out import leave_one_out, own_variance
 from fieldkit.inference.laplace.posterior import growing
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
-from fieldkit.selection.candidates import declared_state
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.shapes import Array, Flags, Float
 
@@ -93,7 +92,7 @@ def _by_state(one: Hypothesis, forecasts: _ByHypothesis) -> list[_ByHypothesis]:
     if switched is None or switched.switched is None:
         return [forecasts]
     model, mean, slope = one.fit.model, one.fit.moments()[0], one.fit.tangent.slope[:, 0]
-    known = np.array([declared_state(flight) is not None for flight in model.flights])
+    known = np.array([one is not None for one in model.history.drag_switches])
     found = []
     for acts, chance in ((False, 1 - switched.switched.chance), (True, switched.switched.chance)):
         moved = np.zeros(len(model.flights))

@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.model.rocket_model import Model, Term, strength_term
 from fieldkit.model.term_names import TermName
@@ -292,21 +291,11 @@ def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> 
             yield Place(name, kind if several else "", model.flights[row].flight_id)
 
 
-STATE_COLUMN, STATES = "drag_step", {"yes": True, "open": True, "no": False, "shut": False}
-"""Column in which a flyer records whether the drag of a flight switched, and its values."""
-
-
-def declared_state(flight: Flight) -> bool | None:
-    """Whether the drag of a flight switches, as the flyer recorded it; None if not."""
-    return STATES.get(flight.extra.get(STATE_COLUMN, "").strip().lower())
-
-
 def _switched_weight(switched: Switched, model: Model) -> Float[Array, "flight"]:
     """What logs show for past flights; for the others what the flyer recorded, or else whether it acts ahead."""
     known, flown = dict(switched.amounts), model.history.flown
     past = [known.get(flight.flight_id) if row < flown else None for row, flight in enumerate(model.flights)]
-    stated = [declared_state(flight) for flight in model.flights]
-    usual = [switched.usual * (switched.ahead if own is None else own) for own in stated]
+    usual = [switched.usual * (switched.ahead if own is None else own) for own in model.history.drag_switches]
     return np.array([one if own is None else own for own, one in zip(past, usual, strict=True)], float)
 
 

@@ -21,8 +21,6 @@ PRIOR_WIDTHS = (0.5, 1.0, 2.0)
 """Factors on the prior standard deviation of an effect, equally probable a priori: a judgment. [1]"""
 MIN_FLIGHTS = 2
 """Minimum number of flights with and without a difference. [1]"""
-DEVICE_HEADERS = ("altimeter", "device", "logger", "altimeter_serial", "serial")
-"""Headers of a column with the altimeter, in lower case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,13 +140,8 @@ def _labels(models: Mapping[str, Model]) -> dict[SharedBy, dict[str, list[str]]]
             "lot": model.groups("lot"),
             "day": model.groups("day"),
             "site": model.groups("site"),
-            "device": [recorded_device(flight.extra) for flight in model.flights],
+            "device": model.groups("device"),
         }
         for level, labels in groups.items():
             found[level][name] = labels
     return dict(found)
-
-
-def recorded_device(extra: Mapping[str, str]) -> str:
-    """The altimeter of a flight as a column of the flyer's table has it, empty if none does."""
-    return next((text.strip() for header, text in extra.items() if header.casefold().strip() in DEVICE_HEADERS), "")

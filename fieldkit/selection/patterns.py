@@ -7,17 +7,18 @@ the flown flights (Karhunen and Loeve; Rasmussen and Williams, Gaussian Processe
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import time
+from functools import partial
 
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.further import headers, names_a_lot, numbers, texts
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.term_names import TermName
-from fieldkit.motors.lots import names_a_lot
 from fieldkit.physics.history import History
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import Candidate, Pattern, Place
-from fieldkit.selection.covariates import known_before, own_numbers
+from fieldkit.selection.covariates import known_before
 from fieldkit.shapes import Array, Float
 
 Weigh = Callable[[Sequence[Flight]], Array]
@@ -79,7 +80,7 @@ def known_patterns(flights: Sequence[Flight]) -> list[PatternKind]:
 
 def _in_time(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     """Patterns in the order and hours of flights."""
-    yield {Pattern("day", day): _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
+    yield {Pattern("day", day): _same(_days, day) for day in _shared(_days(flights))}
     known = hours(flights)
     if np.isfinite(known).all() and known.std() > 1:
         middle = known.mean()
@@ -97,18 +98,17 @@ def _in_time(flights: Sequence[Flight]) -> Iterator[PatternKind]:
 
 def _in_columns(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     """Patterns that correlate with recorded conditions and columns; the effects on motors act on their lots."""
-    sites = _shared([flight.site for flight in flights])
-    yield {Pattern("site", site): _same(lambda flight: flight.site, site) for site in sites}
-    numbers: dict[str, Weigh] = {name: _column(name) for name in ("temperature", "humidity", "pressure")}
-    for name in dict.fromkeys(name for flight in flights for name in flight.extra):
+    yield {Pattern("site", site): _same(_sites, site) for site in _shared(_sites(flights))}
+    measured: dict[str, Weigh] = {name: partial(_recorded, name) for name in ("temperature", "humidity", "pressure")}
+    for name in headers(flights):
         if names_a_lot(name) or not known_before(name, flights):
             continue
-        texts = [flight.extra.get(name, "") for flight in flights]
-        if len(set(texts)) > MOST_VALUES:
-            numbers[name] = _own_column(name)
-        elif len(set(texts)) > 1:
-            yield {Pattern("text", name, value): _same(_own(name), value) for value in _shared(texts)}
-    for name, read in numbers.items():
+        own = texts(name, flights)
+        if len(set(own)) > MOST_VALUES:
+            measured[name] = partial(numbers, name)
+        elif len(set(own)) > 1:
+            yield {Pattern("text", name, value): _same(partial(texts, name), value) for value in _shared(own)}
+    for name, read in measured.items():
         column = read(flights)
         if np.isfinite(column).all() and np.ptp(column) > 0:
             yield {
@@ -122,8 +122,8 @@ def _shared(labels: Sequence[str]) -> list[str]:
     return [label for label in dict.fromkeys(labels) if label and 2 <= labels.count(label) <= len(labels) - 2]
 
 
-def _same(label: Callable[[Flight], str], value: str) -> Weigh:
-    return lambda some: np.array([label(flight) == value for flight in some], float)
+def _same(labels: Callable[[Sequence[Flight]], Sequence[str]], value: str) -> Weigh:
+    return lambda some: np.array([label == value for label in labels(some)], float)
 
 
 def _from(first: int) -> Weigh:
@@ -157,20 +157,16 @@ def _number_flown(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     return np.arange(float(len(flights)))
 
 
-def _column(name: str) -> Weigh:
-    return lambda some: recorded(some, name)
+def _recorded(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    return recorded(flights, name)
 
 
-def _own(name: str) -> Callable[[Flight], str]:
-    return lambda flight: flight.extra.get(name, "")
+def _days(flights: Sequence[Flight]) -> list[str]:
+    return [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
 
 
-def _own_column(name: str) -> Weigh:
-    return lambda some: own_numbers(name, some)
-
-
-def _day(flight: Flight) -> str:
-    return flight.date_time.date().isoformat() if flight.date_time else ""
+def _sites(flights: Sequence[Flight]) -> list[str]:
+    return [flight.site for flight in flights]
 
 
 def hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:

@@ -154,7 +154,7 @@ def _with_recovery(plan: Flight, own: Sequence[Flight]) -> Flight:
         like = [flight for flight in own if names[0] in OF_ANY_DEVICE or _device(flight) == _device(plan)]
         last = next((flight for flight in reversed(like) if _has(flight, names)), plan)
         found = {key: last.extra[key] for name in names if (key := recovery_column(last, name))}
-        plan = plan.with_changes(extra={**plan.extra, **found}) if found else plan
+        plan = plan.with_columns(**found)
     return plan
 
 

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fieldkit.flight.further import names_a_lot
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import START, learned
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, base_model, shared_names
 from fieldkit.model.term_names import TermName
-from fieldkit.motors.lots import lots, names_a_lot, recorded_lot
+from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics.history import history_of
 from fieldkit.selection.candidates import Place, effect_candidates, effect_terms, place_weight
 from fieldkit.selection.diagnose import diagnose

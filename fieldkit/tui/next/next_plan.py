@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
+from fieldkit.flight.further import motor_temperature
 from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.ledger import Ledger
@@ -14,7 +15,6 @@ from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit, limits
 from fieldkit.planning.motor_guide import Wanted, lifts, widest_motor
-from fieldkit.planning.safety import motor_temperature
 from fieldkit.quantities import counted, measure
 from fieldkit.safe_text import printable
 from fieldkit.services import launch_day
