@@ -190,3 +190,16 @@ def test_a_long_error_is_wrapped_between_words_on_a_terminal_and_whole_in_a_pipe
     assert set(" ".join(lines).split()) == set(text.split())
     assert all(len(line) <= 40 for line in lines[1:])
     assert lines[-1] == "  second line"
+
+
+def test_a_command_runs_its_small_matrices_on_one_thread() -> None:
+    asked = (
+        "import os, sys; from fieldkit.cli import main; sys.argv = ['fieldkit', '--version']\n"
+        "import atexit; atexit.register(lambda: print(os.environ['OPENBLAS_NUM_THREADS'], 'numpy' in sys.modules))\n"
+        "main.run()"
+    )
+    for preset, expected in (("", "1"), ("4", "4")):
+        rest = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+        own = rest | ({"OPENBLAS_NUM_THREADS": preset} if preset else {})
+        done = subprocess.run([sys.executable, "-c", asked], env=own, capture_output=True, text=True, check=True)
+        assert done.stdout.split()[-2:] == [expected, "False"]
