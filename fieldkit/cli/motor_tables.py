@@ -70,18 +70,23 @@ def print_records(motors: "list[Motor]", json: bool) -> None:
             f"{one.burn:.3g}/{one.record.burn:.3g}",
             f"{rounded(one.average)}/{rounded(one.record.average) if one.record.average else '-'}",
             f"{rounded(one.peak)}/{rounded(one.record.peak) if one.record.peak else '-'}",
-            f"{abs(one.deviation):.1%}",
+            f"{one.largest:.1%}",
             used_curve(motor),
         )
         for motor, one in found
     ]
     headers = ("motor", "N s", "burn s", "avg N", "peak N", "off", "curve")
     print_table(headers, rows, numbers=headers[1:6])
+    for motor, one in found:
+        if one.why:
+            complain(f"{motor.maker} {motor.designation}: no curve of its burn has the peak on record: {one.why}")
     changed = sum(bool(motor.curve) for motor, _ in found)
     beyond = sum(abs(one.deviation) > AGREEMENT for _, one in found)
+    peaks = sum(bool(one.why) for _, one in found)
     complain(
         f"each figure of the curve / of the record; {counted(len(found), 'motor')}, {changed} with a curve that is not "
-        f"the recorded one; off by more than {AGREEMENT:.0%} in impulse, burn time or average thrust: {beyond}"
+        f"the recorded one; off by more than {AGREEMENT:.0%} in impulse, burn time or average thrust: {beyond}; "
+        f"in peak thrust: {peaks}"
     )
 
 

@@ -57,8 +57,8 @@ HALF_SECOND = 0.5
 
 @lru_cache(maxsize=2048)
 def thrusts(motor: Motor) -> tuple[float, float]:
-    """Mean thrust of the first half second as in `first_thrust`, and of the whole burn. [N]"""
-    return first_thrust(motor), motor.average_thrust
+    """Mean thrust of the first half second as in `first_thrust`, and the certified average, as rules ask for. [N]"""
+    return first_thrust(motor), motor.rated_thrust
 
 
 def first_thrust(motor: Motor) -> float:
@@ -70,7 +70,7 @@ def first_thrust(motor: Motor) -> float:
 
 
 def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
-    """Thrust over weight on the pad at a dry mass [kg], for the first half second and for the average thrust. [1]"""
+    """Thrust over weight on the pad at a dry mass [kg], for the first half second and the certified average. [1]"""
     weight = (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
     first, average = thrusts(motor)
     return first / weight, average / weight
