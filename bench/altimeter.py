@@ -10,7 +10,8 @@ average acceleration from its speed and time, with an additional 1%; with roundi
 journal of 116 flights (10th to 90th percentile of the ratio 0.957 to 1.036).
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,14 +33,24 @@ RESOLUTION = {
     "duration_s": 0.1,
 }
 """The ten readouts in the order of the display, with their resolutions."""
+TAIL = 4.0
+"""Degrees of freedom of the noise of a device with `sds`. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Altimeter:
-    """A device: the gain of its barometer, and the scale of its noise (0 for an ideal device)."""
+    """A device: the gain of its barometer, and the scale of its noise (0 for an ideal device).
+
+    `bias` and `sds` replace its own by readout: a bias, of the logarithm or [s] from apogee to ejection, and standard
+    deviations of the noise, constant in the readout's unit and proportional. `given` is the probability that a flyer
+    writes down a readout of those.
+    """
 
     gain: float = 1.0
     noise: float = 1.0
+    bias: Mapping[str, float] = field(default_factory=dict)
+    sds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    given: float = 1.0
 
 
 def exact_readouts(track: Track, air: Air, gain: float = 1.0) -> dict[str, float]:
@@ -78,7 +89,11 @@ def readouts(track: Track, air: Air, device: Altimeter, rng: np.random.Generator
     jitter = dict(zip(RESOLUTION, rng.standard_normal(len(RESOLUTION)) * device.noise, strict=True))
     shown: dict[str, float] = {}
     for name, value in true.items():
-        if name == "avg_accel_g":
+        if name in device.sds:
+            fixed, ratio = device.sds[name]
+            value += device.bias[name] if name == "apogee_to_eject_s" else value * np.expm1(device.bias[name])
+            value += np.hypot(fixed, ratio * value) * float(rng.standard_t(TAIL))
+        elif name == "avg_accel_g":
             value = shown["top_speed_mps"] / (GRAVITY * max(shown["burn_time_s"], 0.05)) * (1 + 0.01 * jitter[name])
         elif name in ("apogee_m", "eject_altitude_m"):
             value += np.hypot(1.0, 0.003 * value) * jitter[name]
@@ -91,6 +106,8 @@ def readouts(track: Track, air: Air, device: Altimeter, rng: np.random.Generator
         shown[name] = value
     if shown.get("eject_altitude_m", 0.0) > shown["apogee_m"]:
         shown["eject_altitude_m"] = shown["apogee_m"]
+    if device.given < 1:
+        shown = {name: value for name, value in shown.items() if name not in device.sds or rng.random() < device.given}
     return {name: round(value / RESOLUTION[name]) * RESOLUTION[name] for name, value in shown.items()}
 
 

@@ -10,6 +10,7 @@ from datetime import date, datetime, timedelta
 
 import numpy as np
 
+from bench.altimeter import Altimeter
 from bench.rockets import Combination, Needs, Rocket, draw_rocket
 from bench.world import Air, Launch
 
@@ -59,6 +60,7 @@ class Season:
     readouts: str
     conditions: str
     imperial: bool
+    altimeter: Altimeter = Altimeter()
 
 
 @dataclass(frozen=True, slots=True)

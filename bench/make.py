@@ -16,11 +16,12 @@ from pathlib import Path
 import numpy as np
 
 from bench import fast_truth
-from bench.altimeter import RESOLUTION, Altimeter, exact_readouts, readouts
+from bench.altimeter import RESOLUTION, exact_readouts, readouts
 from bench.effects import EFFECTS, Parameters
 from bench.fleet import Flown, Season, draw, scattered
 from bench.scenarios import SCENARIOS, Scenario
 from bench.world import Launch, Track
+from bench.worlds import in_world
 
 Fly = Callable[[Sequence[Launch]], list[Track]]
 SHOWN = {
@@ -43,12 +44,17 @@ class Case:
     honest: Season
     bent: Season
     parameters: Parameters
+    truth: Mapping[str, Mapping[str, float]]
+    """What else is true of a season in a world (`bench.worlds`)."""
 
 
-def case(scenario: Scenario, seed: int, number: int) -> Case:
+def case(scenario: Scenario, seed: int, number: int, world: str = "") -> Case:
     """The `number`-th season of a scenario, independent of the other sets."""
     rng = np.random.default_rng([seed, zlib.crc32(scenario.name.encode()), number])
     honest = draw(rng, scenario.needs_at(number))
+    truth: Mapping[str, Mapping[str, float]] = {}
+    if world:
+        honest, truth = in_world(rng, honest, world)
     flights: list[Flown] = list(honest.flights)
     parameters: Parameters = {}
     for part, strength in zip(scenario.parts, scenario.strengths(number), strict=True):
@@ -57,7 +63,12 @@ def case(scenario: Scenario, seed: int, number: int) -> Case:
     if "wind" in [part.effect for part in scenario.parts]:
         honest = replace(honest, flights=tuple(_calm(f) for f in honest.flights))
     return Case(
-        scenario, number % len(scenario.parts[0].strengths), honest, replace(honest, flights=tuple(flights)), parameters
+        scenario,
+        number % len(scenario.parts[0].strengths),
+        honest,
+        replace(honest, flights=tuple(flights)),
+        parameters,
+        truth,
     )
 
 
@@ -69,7 +80,7 @@ def rows(season: Season, tracks: Sequence[Track], rng: np.random.Generator) -> l
     """The flight table: the flyer's record and the altimeter's readouts."""
     table = []
     for number, (flown, track) in enumerate(zip(season.flights, tracks, strict=True), start=1):
-        shown = readouts(track, flown.launch.air, Altimeter(flown.gain), rng)
+        shown = readouts(track, flown.launch.air, replace(season.altimeter, gain=flown.gain), rng)
         row: dict[str, str | float] = {
             "flight_id": f"{season.rocket}-{number:03d}",
             "date_time": flown.when.isoformat(),
@@ -164,12 +175,14 @@ def write_set(
     history = len(table) - found.bent.future
     write_table(folder / f"{name}.csv", table[:history])
     write_table(folder / f"{name}_future.csv", table[history:])
+    deviations = {**found.truth, **_at_launch(found.bent, tracks["true"])} if found.truth else {}
     return {
         "set": name,
         "scenario": found.scenario.name,
         "label": found.scenario.label,
         "level": found.level,
         "parameters": found.parameters,
+        "deviations": deviations,
         "rocket": found.bent.rocket,
         "n_flights": history,
         "n_future": found.bent.future,
@@ -178,6 +191,19 @@ def write_set(
         "true": _hidden(found.bent),
         "seed": seed,
         **{key: round(value, 3) for key, value in reach(found, tracks).items()},
+    }
+
+
+def _at_launch(season: Season, tracks: Sequence[Track]) -> dict[str, dict[str, float]]:
+    """By how many degrees flights leave the vertical, and by which part of its delay each motor's charge is early."""
+    early: dict[str, list[float]] = {}
+    for flown, track in zip(season.flights, tracks, strict=True):
+        after = exact_readouts(track, flown.launch.air).get("apogee_to_eject_s", 0.0)
+        early.setdefault(flown.motor, []).append(max(0.0, -after) / flown.launch.delay)
+    tilts = [scattered(one).tilt for one in season.flights]
+    return {
+        "launch_angle": {"all": float(np.degrees(np.sqrt(np.mean(np.square(tilts)))))},
+        "early_ejection": {motor: float(np.mean(parts)) for motor, parts in early.items()},
     }
 
 
@@ -192,7 +218,7 @@ def _hidden(season: Season) -> dict[str, object]:
 
 
 def make(
-    folder: Path, names: Iterable[str], per_scenario: int, seed: int, truth: str, first: int = 0
+    folder: Path, names: Iterable[str], per_scenario: int, seed: int, truth: str, first: int = 0, world: str = ""
 ) -> list[dict[str, object]]:
     """Write sets of the named scenarios into a folder, in shuffled order, and return their labels.
 
@@ -201,14 +227,16 @@ def make(
     """
     folder.mkdir(parents=True, exist_ok=True)
     labels: list[dict[str, object]] = []
-    cases = [case(SCENARIOS[name], seed, k) for name in names for k in range(first, first + per_scenario)]
+    cases = [case(SCENARIOS[name], seed, k, world) for name in names for k in range(first, first + per_scenario)]
     if truth == "rocketpy":
         cases = _within_rocketpy(cases)
     order = [int(i) for i in np.random.default_rng(seed).permutation(len(cases))]
     for start in range(0, len(order), TOGETHER):
         part = [cases[i] for i in order[start : start + TOGETHER]]
         for number, (found, tracks) in enumerate(zip(part, flown(part, _flier(truth)), strict=True), start + 1):
-            labels.append(write_set(folder, f"set_{number:03d}", found, tracks, seed) | {"truth": truth})
+            labels.append(
+                write_set(folder, f"set_{number:03d}", found, tracks, seed) | {"truth": truth, "world": world}
+            )
         (folder / "labels.json").write_text(json.dumps(labels, indent=1) + "\n")
         sys.stderr.write(f"{len(labels)}/{len(cases)} sets\n")
     return labels
@@ -239,9 +267,10 @@ def main() -> None:
     parser.add_argument("--sets", type=int, default=10, help="sets per scenario")
     parser.add_argument("--first", type=int, default=0, help="the level at which the strengths start")
     parser.add_argument("--scenario", nargs="*", choices=list(SCENARIOS), default=list(SCENARIOS))
+    parser.add_argument("--world", choices=["start", "learned"], default="", help="real deviations and scatter")
     parser.add_argument("--truth", choices=["fast", "rocketpy"], default="fast")
     given = parser.parse_args()
-    make(given.out, given.scenario, given.sets, given.seed, given.truth, given.first)
+    make(given.out, given.scenario, given.sets, given.seed, given.truth, given.first, given.world)
 
 
 if __name__ == "__main__":

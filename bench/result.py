@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 WORTH_IT = 0.2
 """A set is decidable if knowing the effect removes at least this fraction of the error. [1]"""
@@ -45,6 +46,8 @@ class Result:
     level: int = 0
     top: tuple[str, ...] = field(default=())
     """The best candidates, best first."""
+    false: tuple[str, ...] = ()
+    """The effects of the verdict that are not there at half their stated size (`false_names`)."""
     probabilities: Mapping[str, float] = field(default_factory=dict)
     """Posterior probability of each effect and of `unexplained`, if the product reports them. [1]"""
 
@@ -86,3 +89,39 @@ class Result:
 def effects(name: str) -> frozenset[str]:
     """The set of effects in a verdict."""
     return frozenset(name.split("+"))
+
+
+NOT_NAMES = frozenset({"none", "unexplained"})
+HALF = 0.5
+"""Part of its stated size that must be there for a name to be true. [1]"""
+
+
+def false_names(answer: Mapping[str, Any], label: Mapping[str, Any]) -> tuple[str, ...]:
+    """The effects of a verdict that are neither planted nor among a history's own deviations at half the stated size.
+
+    `answer` is the JSON of `loop`, `label` that of a set. A deviation is that of the motor or configuration that the
+    verdict states, or the mean of all if it states none; of motors also relative to the rocket's others, because the
+    drag coefficient absorbs what they share.
+    """
+    stated = {one["effect"]: one.get("parameters", {}) for one in answer["candidates"]}
+    verdict = effects(answer["verdict"]["effect"]) - NOT_NAMES - effects(label["label"])
+    return tuple(sorted(name for name in verdict if not _there(stated.get(name, {}), _deviations(label, name))))
+
+
+def _deviations(label: Mapping[str, Any], effect: str) -> Mapping[str, float]:
+    own: Mapping[str, float] = label.get("deviations", {}).get(effect, {})
+    return own
+
+
+def _there(parameters: Mapping[str, Mapping[str, Any]], own: Mapping[str, float]) -> bool:
+    """Whether one of the stated parameters is among deviations at half its size."""
+    return any(_at_half(name.partition(" of ")[2], float(one["mean"]), own) for name, one in parameters.items())
+
+
+def _at_half(group: str, size: float, own: Mapping[str, float]) -> bool:
+    if not own:
+        return False
+    mean = sum(own.values()) / len(own)
+    some = [value for name, value in own.items() if name in group.split()] or [mean]
+    found = [value for one in some for value in (one, one - mean)]
+    return any(value * size > 0 and abs(value) >= HALF * abs(size) for value in found)

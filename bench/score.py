@@ -28,13 +28,15 @@ import numpy as np
 from bench.altimeter import RESOLUTION
 from bench.commands import CommandFailed, read_labels, run
 from bench.make import IMPERIAL
-from bench.result import Errors, Result, effects
+from bench.result import Errors, Result, effects, false_names
 from bench.tables import summary, table
 from fieldkit.parallel import done, workers
 
 
-def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeout: float) -> Result:
-    """Run the product on one set."""
+def score(
+    folder: Path, label: Mapping[str, Any], command: Sequence[str], timeout: float, forecasts: bool = True
+) -> Result:
+    """Run the product on one set: its verdict, and unless `forecasts` is false its errors on later flights."""
     known: dict[str, Any] = {
         "name": label["set"],
         "scenario": label["scenario"],
@@ -62,8 +64,9 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
                 ask("loop", "--rocket", label["rocket"], "--effect", name)
                 return forecast("after")
 
-            before, after, given, without = forecast("before"), forecast("after"), None, {}
-            if label["label"] not in ("none", "unexplained") and _could_be(answer, label["label"]):
+            before, after = (forecast(model) if forecasts else None for model in ("before", "after"))
+            given, without = None, {}
+            if forecasts and label["label"] not in ("none", "unexplained") and _could_be(answer, label["label"]):
                 given = with_given(label["label"])
                 parts = sorted(effects(label["label"]))
                 if len(parts) == 2:
@@ -82,6 +85,7 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
         without=without,
         seconds=seconds,
         top=tuple(candidate["effect"] for candidate in answer["candidates"][:4]),
+        false=false_names(answer, label),
         probabilities=answer.get("probabilities", {}).get("effects", {}),
     )
 
@@ -94,6 +98,7 @@ class Set:
     tables: Mapping[str, str]
     command: Sequence[str]
     timeout: float
+    forecasts: bool = True
 
 
 def score_set(one: Set) -> bytes:
@@ -101,24 +106,24 @@ def score_set(one: Set) -> bytes:
     with tempfile.TemporaryDirectory() as scratch:
         for name, text in one.tables.items():
             (Path(scratch) / name).write_text(text, encoding="utf-8", newline="")
-        return json.dumps(asdict(score(Path(scratch), one.label, one.command, one.timeout))).encode()
+        return json.dumps(asdict(score(Path(scratch), one.label, one.command, one.timeout, one.forecasts))).encode()
 
 
 def _result(content: bytes) -> Result:
     kept = json.loads(content)
     errors = {name: Errors(**kept[name]) if kept[name] else None for name in ("before", "after", "given")}
-    return Result(**{**kept, **errors, "also": tuple(kept["also"]), "top": tuple(kept["top"])})
+    return Result(**{**kept, **errors, **{name: tuple(kept[name]) for name in ("also", "top", "false")}})
 
 
 def to_score(
-    folder: Path, labels: Sequence[Mapping[str, Any]], command: Sequence[str], timeout: float
+    folder: Path, labels: Sequence[Mapping[str, Any]], command: Sequence[str], timeout: float, forecasts: bool = True
 ) -> dict[str, Set]:
     """The sets by their names."""
     found = {}
     for label in labels:
         names = [f"{label['set']}{part}.csv" for part in ("", "_future")]
         tables = {name: (folder / name).read_bytes().decode() for name in names}
-        found[str(label["set"])] = Set(label, tables, command, timeout)
+        found[str(label["set"])] = Set(label, tables, command, timeout, forecasts)
     return found
 
 
@@ -173,6 +178,7 @@ def main() -> None:
     parser.add_argument("--cluster", default="", help="Dask's workers: local, local:4, or a scheduler's address")
     parser.add_argument("--keep", type=Path, help="a folder for the results of sets, to resume from")
     parser.add_argument("--timeout", type=float, default=180.0, help="seconds for one call")
+    parser.add_argument("--verdicts", action="store_true", help="without forecasts of later flights")
     parser.add_argument("--scenario", nargs="*", help="only these")
     parser.add_argument("--limit", type=int, help="only the first so many sets of each scenario")
     parser.add_argument("--first", type=int, help="only the first so many sets of all")
@@ -188,7 +194,7 @@ def main() -> None:
         ):
             chosen.append(label)
     found = []
-    sets = to_score(given.sets, chosen, shlex.split(given.command), given.timeout)
+    sets = to_score(given.sets, chosen, shlex.split(given.command), given.timeout, not given.verdicts)
     for result in results(sets, given.keep, given.jobs, given.cluster):
         found.append(result)
         mark = result.error or ("right" if result.right else "wrong")

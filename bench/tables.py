@@ -7,12 +7,14 @@ from math import exp, pi, sqrt
 import numpy as np
 
 from bench.calibration import calibration_lines
-from bench.result import WORTH_IT, Errors, Result
+from bench.result import NOT_NAMES, WORTH_IT, Errors, Result
 
 NORMAL_90 = 1.6448536
 """Half width of the central 90% interval of a normal distribution, in standard deviations. [1]"""
 IDEAL_INTERVAL = 40 * exp(-(NORMAL_90**2) / 2) / sqrt(2 * pi) / sqrt(2 / pi)
 """Ratio of the expected score of the 90% interval to the mean absolute error for a known normal distribution. [1]"""
+SURE = (0.7, 0.8)
+"""Probabilities at which names are counted. [1]"""
 WORSE = 1.05
 """A forecast counts as worse than the plain model's if the ratio of their errors is above this. [1]"""
 
@@ -68,7 +70,7 @@ def _coverage(errors: Sequence[Errors | None]) -> str:
 
 def summary(results: Sequence[Result]) -> str:
     """The summary figures: decidable sets, false alarms, fraction of the possible gain."""
-    answered = [r for r in results if r.before and r.after]
+    answered = [r for r in results if not r.error]
     effect = [r for r in answered if r.label not in ("none", "unexplained")]
     decidable = [r for r in effect if r.decidable]
     nulls = [r for r in answered if r.label == "none"]
@@ -82,6 +84,7 @@ def summary(results: Sequence[Result]) -> str:
         f"{sum(parts)} of {len(parts)}",
         f"false alarms on nulls: {sum(r.verdict != 'none' for r in nulls)} of {len(nulls)}, "
         f"{sum(r.verdict == 'unexplained' for r in nulls)} of them as unexplained",
+        *(_names(answered, level) for level in SURE),
         f"wrong effect named for an unknown one: "
         f"{sum(r.verdict not in ('none', 'unexplained') for r in answered if r.label == 'unexplained')} "
         f"of {sum(r.label == 'unexplained' for r in answered)}",
@@ -98,6 +101,16 @@ def summary(results: Sequence[Result]) -> str:
         lines.append(f"loop: {np.median([r.seconds for r in answered]):.1f} s in the median")
         lines += ["", *calibration_lines(answered)]
     return "\n".join(lines)
+
+
+def _names(results: Sequence[Result], level: float) -> str:
+    """How many histories get a name at a probability, and how many of these have a false one."""
+    named = [one for one in results if one.confidence >= level and one.verdict not in NOT_NAMES]
+    false = sum(bool(one.false) for one in named)
+    return (
+        f"named at {level:.0%} or more: {len(named)} of {len(results)} histories, "
+        f"{false} with an effect that is not there at half its stated size ({false / max(len(results), 1):.1%})"
+    )
 
 
 def _forecasts(results: Sequence[Result]) -> Iterator[str]:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from bench.effects import EFFECTS
 from bench.fleet import Flown
 from bench.make import case, make
 from bench.motors import motors
-from bench.result import Errors, Result, effects
+from bench.result import Errors, Result, effects, false_names
 from bench.scenarios import SCENARIOS
 from bench.score import _planned, score
 from bench.tables import summary, table
@@ -313,3 +314,25 @@ def test_rocketpy_and_the_fast_simulator_agree_within_one_percent() -> None:
     slow = exact_readouts(truth.fly(launch), launch.air)
     for name in ("apogee_m", "top_speed_mps", "coast_to_apogee_s", "peak_accel_g"):
         assert fast[name] == pytest.approx(slow[name], rel=0.01)
+
+
+def _answer(effect: str, **sizes: float) -> dict[str, Any]:
+    parameters = {name.replace("_", " "): {"mean": size} for name, size in sizes.items()}
+    return {"verdict": {"effect": effect}, "candidates": [{"effect": effect, "parameters": parameters}]}
+
+
+def test_a_name_is_false_if_nothing_of_half_its_stated_size_is_there() -> None:
+    label = {"label": "none", "deviations": {"motor_thrust": {"G40W": -0.08, "G64W": 0.02}}}
+    for size, false in ((-0.12, ()), (-0.3, ("motor_thrust",)), (0.1, ("motor_thrust",))):
+        assert false_names(_answer("motor_thrust", **{"motor_thrust of AeroTech G40W": size}), label) == false
+    assert false_names(_answer("wear", wear=0.02), label) == ("wear",)
+    assert false_names(_answer("wear", wear=0.02), {"label": "wear"}) == ()
+    assert false_names(_answer("none"), label) == ()
+
+
+@pytest.mark.thorough
+def test_seasons_in_a_world_scatter_by_what_their_flyer_scatters(tmp_path: Path) -> None:
+    labels = make(tmp_path, ["null"], 4, 3, "fast", world="start")
+    relative = [label["ideal_mae_m"] / label["apogee_mean_m"] for label in labels]
+    assert 0.01 < min(relative) < max(relative) < 0.2
+    assert all(set(label["deviations"]) >= {"motor_thrust", "mass_offset"} for label in labels)
