@@ -23,8 +23,8 @@ from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
 from fieldkit.tui.imports.mapping_form import FIRST_FIELDS
-from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.widgets.bars import KeyBar, shortened
 from fieldkit.tui.widgets.dialogs import HelpScreen

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fieldkit.tui.widgets.rocket_drawing import caption, centers, drawing
+from fieldkit.tui.setup.setup_card import caption, centers, drawing
 
 pytestmark = pytest.mark.fast
 

@@ -30,7 +30,7 @@ from aiohttp import (
     web,
 )
 
-from fieldkit.tui import listening, serve
+from fieldkit.tui import serve
 from fieldkit.tui.serve import FOCUS, VIEWPORT, GuardedServer, address, in_a_shell, is_loopback
 from tests.pressing import ROOT, season
 
@@ -213,9 +213,9 @@ def test_messages_from_a_page_are_bounded_or_ignored(text: str, payload: object)
 async def test_a_client_without_the_token_cannot_use_up_all_connections(
     unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(listening, "MAX_CONNECTIONS", 6)
+    monkeypatch.setattr(serve, "MAX_CONNECTIONS", 6)
     app = await GuardedServer("127.0.0.1", unused_tcp_port, "a token", None)._make_app()
-    serving = asyncio.ensure_future(listening.serve(app, "127.0.0.1", unused_tcp_port, serve.HEADERS))
+    serving = asyncio.ensure_future(serve.serve(app, "127.0.0.1", unused_tcp_port, serve.HEADERS))
     try:
         async with asyncio.timeout(PATIENCE), ClientSession() as http:
             await listening_(http, f"http://127.0.0.1:{unused_tcp_port}/")
@@ -286,7 +286,7 @@ async def test_a_malformed_request_is_refused_with_the_headers_and_not_echoed(
 async def test_a_connection_without_a_request_ends(
     unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch, sent: bytes
 ) -> None:
-    monkeypatch.setattr(listening, "IDLE_PERIOD", 0.2)
+    monkeypatch.setattr(serve, "IDLE_PERIOD", 0.2)
     async with listening_server(unused_tcp_port):
         reader, writer = await asyncio.open_connection("127.0.0.1", unused_tcp_port)
         writer.write(sent)
@@ -314,8 +314,8 @@ async def test_a_connection_that_cannot_be_accepted_does_not_stop_the_server(
 
 
 def test_a_closed_connection_makes_room_for_another(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(listening, "MAX_CONNECTIONS", 2)
-    connections, here = listening.Connections(), [Transport(), Transport()]
+    monkeypatch.setattr(serve, "MAX_CONNECTIONS", 2)
+    connections, here = serve.Connections(), [Transport(), Transport()]
     for one in here:
         connections.came(one, "10.0.0.1")
     assert not connections.has_room("10.0.0.2")
@@ -324,7 +324,7 @@ def test_a_closed_connection_makes_room_for_another(monkeypatch: pytest.MonkeyPa
 
 
 def test_two_addresses_leave_room_for_others() -> None:
-    connections = listening.Connections()
+    connections = serve.Connections()
     for host in ("10.0.0.1", "10.0.0.2", "10.0.0.3"):
         while connections.has_room(host):
             connections.came(Transport(), host)

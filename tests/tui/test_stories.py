@@ -13,8 +13,8 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import usual
 from fieldkit.settings import change_settings
-from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.intervals import HeightScale, IntervalBar, Intervals, bar
+from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.widgets.big import GLYPHS
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 

@@ -1,7 +1,15 @@
-"""Add: the ten readouts in the order of the altimeter; every key is saved, nothing is refused before saving."""
+"""Add: the ten readouts in the order of the altimeter; every key is saved, nothing is refused before saving.
 
-from collections.abc import Iterable, Mapping
-from concurrent.futures import Future, wait
+The help of the Add page.
+
+Saves what is typed on the Add page: immediately and in order, independent of other workers.
+
+Saving the flight on the Add page: doubtful answers are confirmed first, and the result is shown.
+"""
+
+from asyncio import wrap_future
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
 from typing import ClassVar
 
@@ -10,8 +18,10 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import Question, date_order
+from fieldkit.flight.short_name import flight_label
+from fieldkit.importing.manual_entry import QUESTIONS, Question, date_order
 from fieldkit.quantities import unit_of
 from fieldkit.services.manual_entry import kind, typed_unit, with_unit
 from fieldkit.tui.add.add_form import (
@@ -22,19 +32,154 @@ from fieldkit.tui.add.add_form import (
     Answered,
     Draft,
     FormStart,
+    Saved,
     answered,
     beside,
 )
 from fieldkit.tui.add.add_hand import Hand
-from fieldkit.tui.add.add_help import ABOUT
 from fieldkit.tui.add.add_sheet import FORM_CSS, Sheet, field_of
-from fieldkit.tui.add.after_card import AfterCard
-from fieldkit.tui.add.draft_pen import DraftPen
+from fieldkit.tui.add.after_card import AfterCard, AfterFlight, after_flight
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field, step
-from fieldkit.tui.add.saving import Saving
+from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import AskYes
+
+DUPLICATE = "Duplicate: it is already in the ledger."
+
+
+class Saving:
+    """Saves the answers to the ledger, and shows the card that then replaces the form."""
+
+    def __init__(self, page: PageScreen, sheet: Sheet, draft: Draft) -> None:
+        self._page, self._sheet, self._draft = page, sheet, draft
+        self._objections: list[str] = []
+
+    @property
+    def card(self) -> AfterCard:
+        """The card of the flight that was just saved."""
+        return self._page.query_one(AfterCard)
+
+    def object_to(self, trouble: str) -> None:
+        """Show `trouble` with an answer as a notice, which stays until the flight is saved; nothing if it is empty."""
+        if trouble:
+            self._objections.append(trouble)
+            self._page.complain(trouble)
+
+    async def save_once(self, answered: Answered) -> None:
+        """Save the flight in the ledger unless a card is shown; the next keys wait, because saving clears the form."""
+        if not self.card.display:
+            self.save(answered)
+            await self._page.settled("save")
+
+    def save(self, answered: Answered, *, confirmed: bool = False) -> None:
+        """Save the flight in the ledger."""
+        self._page.ask(partial(self._draft.save, answered, confirmed=confirmed), partial(self._saved, answered), "save")
+
+    def clear_if_saved(self, read: Callable[[], Answered], go_on: Callable[[], None]) -> None:
+        """Clear a flight that is in the ledger now, unless something was typed meanwhile; else continue with `go_on`.
+        `read` returns the answers."""
+        typed = read().flight
+
+        def clear(saved: bool) -> None:
+            if saved and read().flight == typed:
+                self._sheet.clear()
+                self._page.reload()
+            else:
+                go_on()
+
+        self._page.ask(partial(self._draft.is_saved, typed), clear, "start")
+
+    def leave_card(self) -> None:
+        """Return to the form."""
+        self._front(card=False)
+
+    def _saved(self, answered: Answered, saved: Saved) -> None:
+
+        if saved.confirm:
+            self._page.app.push_screen(AskYes(saved.confirm), partial(self._confirmed, answered))
+            return
+        if saved.wrong:
+            self.object_to(saved.trouble)
+            self._page.set_focus(self._sheet.field(saved.wrong).line)
+            return
+        for objection in self._objections:
+            self._page.field_app.withdraw(objection)
+        self._objections = []
+        silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
+        self._page.show_notice(f"Saved {flight_label(saved.id)}. u to undo.{silent}" if saved.id else DUPLICATE)
+        if saved.trouble:
+            self._page.complain(saved.trouble)
+        self._sheet.clear()
+        if saved.id and saved.flight is not None:
+            self._compare(saved.id, saved.flight)
+        else:
+            self._page.set_focus(self._sheet.button)  # outside a field, a digit opens a page
+        self._page.field_app.changed()
+
+    def _confirmed(self, answered: Answered, yes: bool | None) -> None:
+        """Save the flight anyway, or return to it."""
+        if yes:
+            self.save(answered, confirmed=True)
+        else:
+            self._page.set_focus(self._sheet.field(READOUT_QUESTIONS[0]).line)
+
+    def _compare(self, id: str, flight: Flight) -> None:
+        """Show forecast and flown, and the next forecast, as soon as they are computed."""
+        resources = self._page.resources
+        self.card.saved(id, flight, resources.settings.units)
+        self._front(card=True)
+        self._page.set_focus(self.card)
+        self._page.ask(partial(after_flight, resources, flight), self._show, "outcome")
+
+    def _show(self, found: AfterFlight | None) -> None:
+        self.card.show(found, self._page.resources.settings.units)
+
+    def _front(self, *, card: bool) -> None:
+        for widget in self._sheet.widgets():
+            widget.display = not card
+        self.card.display = card
+
+
+class DraftPen:
+    """One thread that saves a draft; the page is notified once if it cannot be saved."""
+
+    def __init__(self, page: PageScreen) -> None:
+        self._page = page
+        self._writer = ThreadPoolExecutor(1, "draft")
+        self._unkept = ""
+
+    def keep(self, draft: Draft, answers: Mapping[str, str], units: Mapping[str, str]) -> Future[None]:
+        """Save a draft; it replaces one that is still waiting to be written."""
+        kept = self._writer.submit(draft.keep, draft.flight, answers, units)
+        self._page.run_worker(partial(self._report_unsaved, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
+        return kept
+
+    def finish(self) -> None:
+        """Wait until the draft is written."""
+        self._writer.shutdown()
+
+    async def _report_unsaved(self, writing: Future[None]) -> None:
+        before, self._unkept = self._unkept, ""
+        try:
+            await wrap_future(writing)
+        except FieldkitError as error:
+            self._unkept = str(error)
+            if self._unkept != before:
+                self._page.complain(f"What you type cannot be saved: {error}")
+
+
+ABOUT = Help(
+    "Type what your altimeter shows, in its order. Enter goes to the next field, the up arrow to the one before. A "
+    "number may have a unit (923ft, 281.3 m, 140mph); without one it is in the unit beside the field. A typed unit "
+    "also applies to the next flight. Esc, then N, switches to feet, mph and ounces, and back. A lone - means not "
+    "recorded. Implausible figures are marked with ! and accepted. Everything you type is saved, so a dead battery "
+    "loses nothing.",
+    tuple((question.title, question.help) for question in QUESTIONS),
+    ("fieldkit add", "fieldkit add --rocket R --motor M --apogee 935ft"),
+)
+
 
 AT_MOST = 0.02
 """Maximum time that the display of a key waits for its saving, which is enough for most disks. [s]"""

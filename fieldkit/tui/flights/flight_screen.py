@@ -1,8 +1,12 @@
-"""One flight: its readouts, the drag and thrust inferred from them, its log, and its forecast."""
+"""One flight: its readouts, the drag and thrust inferred from them, its log, and its forecast.
 
-from collections.abc import Iterable
+The drag and thrust inferred from one flight, as densities.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -13,15 +17,14 @@ from textual.widgets import Static
 from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.event_names import event_title
-from fieldkit.quantities import in_system, measure, number
+from fieldkit.quantities import in_system, measure, number, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.coast_drag import CoastDrag, coast_drag
-from fieldkit.services.flight_facts import ForecastFacts, forecast_facts
+from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts
 from fieldkit.services.plausible_flights import exclusion, used_except
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
-from fieldkit.tui.flights.hills import Hills, hills
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_drag, draw_trace, drawn
 from fieldkit.tui.flights.log_view import LogLook, LogView, look_at_flight
 from fieldkit.tui.flights.removal import REMOVE, close, leave, remove
@@ -30,10 +33,34 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import hanging, stacked
-from fieldkit.tui.widgets.plots import Plot
+from fieldkit.tui.widgets.plots import Plot, draw_density
+
+
+@dataclass(frozen=True, slots=True)
+class Hills:
+    """The plots of drag and thrust: positions, headings and densities, with warnings."""
+
+    drawn: tuple[tuple[str, str, Callable[[Any, Any], None]], ...]
+    warnings: tuple[str, ...]
+
+
+def hills(flight: Flight, resources: Resources) -> Hills:
+    """The posterior of a flight for its plot. Raises FieldkitError if there is none."""
+    drag = drag_facts(flight, resources.ledger, resources.motors, resources.settings.units)
+    drawn = tuple(
+        (
+            place,
+            f"{title}  {with_sd(values.mean(), values.std())}",
+            draw_density(values, lambda value: f"{value:g}"),
+        )
+        for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "alpha", drag.thrust))
+    )
+    return Hills(drawn, drag.warnings)
+
 
 MIN_LINES_FOR_ROCKET = 50
 """Minimum height of a terminal that shows the rocket below a flight without a log. [cell]"""

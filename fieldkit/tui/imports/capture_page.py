@@ -1,8 +1,12 @@
-"""Capture: a logger on a serial port, downloaded or recorded; every byte is saved before it is interpreted."""
+"""Capture: a logger on a serial port, downloaded or recorded; every byte is saved before it is interpreted.
+
+The Capture page before a capture: what to do, earlier captures, and the loggers that can be captured.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from threading import Event as Flag
 from typing import Any, ClassVar
 
@@ -15,7 +19,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit import capture
-from fieldkit.capture import Ended, Port, Progress
+from fieldkit.capture import Ended, Port, Progress, captured, known_devices
 from fieldkit.capture.protocol import known_device
 from fieldkit.errors import CaptureTrouble
 from fieldkit.flight import BY_NAME
@@ -26,16 +30,58 @@ from fieldkit.safe_text import printable
 from fieldkit.services.imports import Receipt, bring_in
 from fieldkit.services.pickers import OfferedAnswer
 from fieldkit.tui.help import Help
-from fieldkit.tui.imports.capture_ready import Ready, ready_in, ready_text
 from fieldkit.tui.imports.day_setup import ask_setup, setup_of_day
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
-from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
+
+MAX_CAPTURES = 8
+"""Number of earlier captures that are listed, the newest first. [1]"""
+STEPS = (
+    ("1", "Plug in the logger or its adapter; r lists its port above."),
+    ("2", "Enter captures from the port. h names the device first if it only answers commands."),
+    ("3", "At the end you are asked whether to import its flights; k ends a stream."),
+)
+"""The steps of a capture: number and text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """Earlier captures as name and state, the newest first, and the names and titles of known devices."""
+
+    captures: tuple[tuple[str, str], ...]
+    devices: tuple[tuple[str, str], ...]
+
+
+def ready_in(folder: Path) -> Ready:
+    """The latest captures in a folder, and the known devices."""
+    files = captured.captures(folder)[: -MAX_CAPTURES - 1 : -1]
+    states = tuple((file.name, _state(file)) for file in files)
+    return Ready(states, tuple((name, device.title) for name, device in known_devices().items()))
+
+
+def _state(file: Path) -> str:
+    """The size of a capture and whether it is complete, or why it cannot be read."""
+    try:
+        one = captured.read_capture(file)
+    except CaptureTrouble as error:
+        return str(error)
+    return f"{counted(len(one.raw), 'byte')}, " + ("complete" if one.whole else "INCOMPLETE; C continues the newest")
+
+
+def ready_text(ready: Ready) -> Hanging:
+    """The steps of a capture, earlier captures, and known devices."""
+    blocks = [cards.lines("How to capture", list(STEPS), 2)]
+    if ready.captures:
+        blocks.append(cards.lines("Earlier captures", list(ready.captures), 34))
+    blocks.append(cards.lines("Loggers that can be captured", list(ready.devices), 20))
+    return stacked(blocks)
+
 
 MAX_DRAWN_ALTITUDES = 600
 """Number of latest altitudes of a telemetry stream that are drawn. [1]"""

@@ -1,29 +1,37 @@
-"""Import: choose a file, see its recognized format and rejected rows, then store it."""
+"""Import: choose a file, see its recognized format and rejected rows, then store it.
 
-from collections.abc import Iterable, Sequence
+Asking for the meaning of a table's columns, for rows of the kind detected or chosen.
+
+The contents of a file on the Import page; on a large screen also the climb in a log, and how the file was read.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from os.path import isdir
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, VerticalScroll
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
+from fieldkit.importing import ColumnChoice
 from fieldkit.importing.recognize import parsers
+from fieldkit.importing.tables.mapping import is_of_flights
 from fieldkit.paths import working_folder
+from fieldkit.quantities import spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.imports import Receipt
+from fieldkit.services.imports.mappings import TableColumns, table_columns
 from fieldkit.services.pickers import OfferedAnswer
-from fieldkit.tui.flights.log_view import LogView, looks_at
-from fieldkit.tui.imports.ask_columns import ask_columns
+from fieldkit.tui.asking import or_why
+from fieldkit.tui.flights.log_view import LogView, draw_height, file_facts, looks_at
 from fieldkit.tui.imports.day_setup import is_open, waiting_setup
-from fieldkit.tui.imports.file_panel import FilePanel
 from fieldkit.tui.imports.given_form import ask_given
 from fieldkit.tui.imports.import_help import IMPORT_HELP
 from fieldkit.tui.imports.import_look import (
@@ -44,12 +52,87 @@ from fieldkit.tui.imports.import_look import (
     what_it_brings,
     what_it_holds,
 )
-from fieldkit.tui.imports.mapping_form import MappingList
+from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm, MappingList
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.hanging import stacked
+from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    pass
+
+
+class FilePanel(Vertical):
+    """What is in a file; on a large screen above it the height against time, if it is a log, and below it the parser
+    and the columns."""
+
+    DEFAULT_CSS = """
+    FilePanel, FilePanel Static { height: auto; }
+    FilePanel .-large-only { display: none; }
+    FilePanel Plot { height: 30vh; margin-bottom: 1; border-top: solid $border-blurred;
+        border-title-color: $foreground; }
+    FilePanel #how { margin-top: 1; }
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """The plot, the contents, the facts."""
+
+        yield Plot(classes="-large-only")
+        yield Static("", id="more")
+        yield Static("", id="how", classes="-large-only")
+
+    def show(self, receipt: "Receipt | None", system: str) -> None:
+        """Show the climb and the facts of the only file of a receipt, in the units of a system, else neither."""
+
+        files = receipt.files if receipt is not None else ()
+        file = files[0] if len(files) == 1 else None
+        shown = next((one for one in file.shown if one.curve is not None), None) if file is not None else None
+        plot, how = self.query_one(Plot), self.query_one("#how", Static)
+        plot.set_class(shown is not None, "-filled")
+        how.set_class(file is not None, "-filled")
+        if shown is not None and shown.curve is not None:
+            unit = spelled(unit_of(cards.APOGEE, system))
+            plot.border_title = Content(printable(f"Height of {shown.flight.flight_id} [{unit}]"))
+            plot.show(draw_height(shown.curve, system))
+        if file is not None:
+            how.update(stacked(file_facts(file, system)))
+
+
+def ask_columns(
+    page: PageScreen,
+    path: Path,
+    answer: Callable[[Sequence[str]], None],
+    earlier: Sequence[str] = (),
+    of: str = "",
+) -> None:
+    """Ask for the meaning of a file's columns; its rows are `of` samples or flights, or of the kind detected if it is
+    empty. `answer` gets a text NAME=COLUMN for each column; the form shows the `earlier` ones of this table, so that a
+    mistake in them can be corrected."""
+
+    def show(columns: TableColumns | str) -> None:
+        if isinstance(columns, str):
+            page.complain(columns)
+        else:
+            page.app.push_screen(MappingForm(_with(columns, earlier)), partial(answered, columns))
+
+    def answered(columns: TableColumns, values: dict[str, object] | None) -> None:
+        if values is not None and OTHER_ROWS in values:
+            ask_columns(page, path, answer, earlier, "flights" if columns.of == "samples" else "samples")
+        elif values is not None:
+            answer([f"{name}={column}" for name, column in values.items() if column])
+
+    page.ask(or_why(partial(table_columns, path, of)), show, "columns")
+
+
+def _with(columns: TableColumns, earlier: Sequence[str]) -> TableColumns:
+    """The columns of a table with their meaning as typed earlier, if it was for this table and this kind of rows."""
+    typed = dict(text.split("=", 1) for text in earlier)
+    named = all(columns.place(column) is not None for column in typed.values())
+    same_kind = bool(typed) and is_of_flights(ColumnChoice(typed)) == (columns.of == "flights")
+    return replace(columns, read_as=typed) if named and same_kind else columns
 
 
 class ImportScreen(PageScreen):

@@ -1,4 +1,9 @@
-"""Loop: errors of a rocket's model, possible missing effects, the model with them, and earlier versions."""
+"""Loop: errors of a rocket's model, possible missing effects, the model with them, and earlier versions.
+
+The search of the Loop page for what several rockets share that the model lacks.
+
+The help of the Loop page: what its panels mean.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -14,25 +19,89 @@ from textual.widgets import Static
 
 from fieldkit.flight.short_name import flight_label
 from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.presentation.fleet_text import in_words
 from fieldkit.presentation.loop_headline import headline
 from fieldkit.presentation.loop_text import report
 from fieldkit.presentation.one_off_text import likely_cause
+from fieldkit.progress import ReportProgress
+from fieldkit.quantities import percent
 from fieldkit.safe_text import printable
 from fieldkit.services.close_loop import adopt
 from fieldkit.services.findings import Findings
-from fieldkit.services.fleet_findings import saved_findings
+from fieldkit.services.fleet_findings import save_findings, saved_findings
+from fieldkit.services.fleet_loop import close_fleet_loop
 from fieldkit.services.forecasts import used_version
 from fieldkit.tui.asking import go_on, or_why
-from fieldkit.tui.help import NO_FLIGHTS
-from fieldkit.tui.loop.fleet import search_fleet
-from fieldkit.tui.loop.loop_help import LOOP_HELP
+from fieldkit.tui.help import NO_FLIGHTS, Help
 from fieldkit.tui.loop.loop_look import PANELS, Standing, beside_the_others, look, standing_of
 from fieldkit.tui.loop.loop_panels import Panels
 from fieldkit.tui.loop.single_flights import SingleFlights
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
+
+LOOP_HELP = Help(
+    "Test the model of a rocket on its own flights: each is forecast from the others, and the residuals are "
+    "compared with those that known effects would cause (wind, weak motors, an altimeter that reads high). "
+    "Press S to search, which takes a few seconds and changes nothing. Press A to accept the result, D to decline it. "
+    "Under Versions, press Enter to switch to another model, and u to undo that.",
+    (
+        (
+            "Verdict",
+            "What is missing in one sentence, the mean miss of flights that were forecast from the others, before and "
+            "after accepting it, and what to do next. Below: what several rockets share, searched after this one.",
+        ),
+        (
+            "Flights",
+            "Flights that differ from the others of the rocket, with the likely cause. Enter or t tags one with it, "
+            "which leaves it out of every fit.",
+        ),
+        (
+            "Evidence",
+            "A level down: why, what it changes on the next flight, misses flight by flight, the odds, the flight that "
+            "would decide, what accepting changes, and the error on held-out flights.",
+        ),
+        (
+            "Residuals",
+            "Flown minus forecast of each flight, in units of its expected scatter, against the column chosen "
+            "with v. p is the probability of such a pattern by chance, corrected for the number of columns "
+            "tested.",
+        ),
+        (
+            "Fingerprint",
+            "The residual that an effect (n for the next one) would cause in each readout, beside the one observed.",
+        ),
+        (
+            "Ranking",
+            "Effects, the most probable first. Chance: the probability that it is present, alone or with others. "
+            "Evidence, for it alone: +3 is twenty to one for it, 0 is neutral, negative is against it. Below are the "
+            "details of the one under the cursor; Enter for its fingerprint.",
+        ),
+        (
+            "effect that S looks for, up to",
+            "Before a search: each effect that it tries, and a strength that the effect rarely exceeds.",
+        ),
+        ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
+        ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
+        ("held-out error", "Its mean error on held-out flights, before and after."),
+    ),
+    (
+        "fieldkit loop [--rocket R] [--dry-run] [--report FILE]",
+        "fieldkit loop --fleet",
+        "fieldkit model --use N",
+        "fieldkit report ROCKET --out r.pdf",
+    ),
+)
+
+
+def search_fleet(resources: Resources, on_progress: ReportProgress) -> Sequence[str]:
+    """Search all rockets, and save the findings as sentences, the most probable first. Raises NoFlights, Dropped."""
+    found = close_fleet_loop(resources.ledger, resources.motors, on_progress)
+    lines = [f"{in_words(one)}, chance {percent(one.finding.probability)}" for one in found.results]
+    save_findings(resources.ledger, lines)
+    return lines
 
 
 class LoopScreen(PageScreen):

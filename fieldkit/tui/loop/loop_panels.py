@@ -1,26 +1,28 @@
-"""The panels of the Loop page: one at a time, or all of a level at once if there is room."""
+"""The panels of the Loop page: one at a time, or all of a level at once if there is room.
 
-from collections.abc import Iterable, Sequence
+The front of the Loop page: one sentence, the miss before and after in large digits with bars, one next step.
+
+The Loop page before a search: what would be compared, the flown apogees, and the effects that would be tried.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
+import numpy as np
 from textual import on
-from textual.containers import Container, Vertical, VerticalScroll
+from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit.flight import CONDITIONS, READOUTS, Flight
 from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.messages import message, of_unit
 from fieldkit.physics.effect import Effect
+from fieldkit.presentation.loop_headline import Headline, compared_bars, headline
+from fieldkit.quantities import in_system, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
-from fieldkit.tui.loop.headline import HeadlinePanel
-from fieldkit.tui.loop.loop_before import (
-    before_search,
-    effects_before,
-    explained_before,
-    flown_apogees,
-    rows_before,
-)
 from fieldkit.tui.loop.loop_look import FRONT, PANELS, Standing
 from fieldkit.tui.loop.loop_words import (
     draw_points,
@@ -32,8 +34,155 @@ from fieldkit.tui.loop.loop_words import (
     version_rows,
 )
 from fieldkit.tui.loop.single_flights import SingleFlights, odd_flights
+from fieldkit.tui.setup.setup_card import draw_apogees
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
+
+RARE_SDS = 2.0
+"""Standard deviations of a prior that an effect rarely exceeds. [1]"""
+
+
+def before_search(about: str, flights: Sequence[Flight], motors: Sequence[str]) -> Hanging:
+    """What a search does, and which flights of the rocket, readouts and conditions it would compare."""
+    used = [flight for flight in flights if flight.clean and flight.readouts()]
+    names = [*READOUTS, *CONDITIONS]
+    counts = {one.title: sum(flight.number(one.name) is not None for flight in used) for one in names}
+    pairs = [
+        ("flights", f"{len(used)} of {len(flights)}: with readouts, without an anomaly tag"),
+        ("motors", ", ".join(motors)),
+        ("configurations", ", ".join(dict.fromkeys(flight.config for flight in used if flight.config))),
+        ("recorded", ", ".join(f"{title.lower()} {count}" for title, count in counts.items() if count)),
+        ("not recorded", ", ".join(title.lower() for title, count in counts.items() if not count)),
+    ]
+    return stacked(
+        [Hanging(((0, Content(about)),)), cards.lines("What would be compared", [one for one in pairs if one[1]], 16)]
+    )
+
+
+def effects_before(about: str, tried: Sequence[Effect]) -> Hanging:
+    """What a fingerprint is, and each effect that a search would try, with what it does to a flight."""
+    pairs = [(effect.title, effect.explains) for effect in tried]
+    return stacked([Hanging(((0, Content(about)),)), cards.lines("What a search tries", pairs, 26)])
+
+
+def rows_before(tried: Sequence[Effect], system: str) -> dict[str, tuple[str, ...]]:
+    """A row for each effect that a search would try, by its title: the title, and how large it may be in the units of a
+    system."""
+    return {effect.title: (effect.title, _size(effect, system)) for effect in tried}
+
+
+def _size(effect: Effect, system: str) -> str:
+    """The strength that an effect rarely exceeds by its prior: `10% of the height`."""
+    prior = effect.prior
+    ends = np.clip([prior.mean - RARE_SDS * prior.sd, prior.mean + RARE_SDS * prior.sd], prior.low, prior.high)
+    largest = float(np.max(np.abs(effect.strength(ends))))
+    whole = effect.unit.removeprefix("fraction ")
+    if whole != effect.unit:
+        return f"{largest:.0%} {whole}"
+    return in_system(message(of_unit(largest, effect.unit)), system)
+
+
+def explained_before(effect: Effect) -> Content:
+    """What an effect does to a flight, and what to fly or record to recognize it."""
+    explained = f"{effect.explains[:1].upper()}{effect.explains[1:]}."
+    return Content.assemble((effect.title, "b $primary"), f"\n{explained}\ntest     {effect.tell_apart}")
+
+
+def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[str, Callable[..., None] | None]:
+    """The apogees of all flights of a rocket in the order flown, as a caption and a drawing; no drawing of fewer than
+    two."""
+    known = [flight for flight in flights if flight.apogee is not None]
+    unit = spelled(unit_of(cards.APOGEE, system))
+    caption = f"Apogee [{unit}], flight by flight; ✗ tagged. After S: flown minus forecast, against a column (v)"
+    return caption, partial(draw_apogees, known, None, system) if len(known) > 1 else None
+
+
+BAR = 24
+"""Longest bar of a miss. [cell]"""
+
+
+class HeadlinePanel(VerticalScroll):
+    """The headline of a search; before one `#verdict` says what it would do, and during one how far it is."""
+
+    DEFAULT_CSS = """
+    HeadlinePanel #headline { height: auto; display: none; }
+    HeadlinePanel.-found #headline { display: block; }
+    HeadlinePanel.-found #verdict { display: none; }
+    HeadlinePanel #sentence { text-style: bold; color: $primary; margin-bottom: 1; }
+    HeadlinePanel #misses { height: 4; margin-bottom: 1; }
+    HeadlinePanel #misses Vertical { width: auto; height: 4; margin-right: 4; }
+    HeadlinePanel #misses Static { width: auto; }
+    HeadlinePanel #after.-better { color: $success; }
+    HeadlinePanel #after.-worse { color: $warning; }
+    HeadlinePanel #step, HeadlinePanel #also, HeadlinePanel #fleet { margin-top: 1; }
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """The sentence, the misses, the next step, and what all rockets share."""
+        yield Static("", id="verdict")
+        with Vertical(id="headline"):
+            yield Static("", id="sentence")
+            with Horizontal(id="misses"):
+                for name in ("before", "after"):
+                    with Vertical():
+                        yield Static("", id=f"{name}-title")
+                        yield Big(id=name)
+            yield Static("", id="bars")
+            yield Static("", id="step")
+            yield Static("", id="also")
+        yield Static("", id="fleet")
+
+    def wait(self, text: Content | Hanging | str) -> None:
+        """Show what a search would do, or how far it is."""
+        self.remove_class("-found")
+        self.query_one("#verdict", Static).update(text)
+
+    def show(self, found: Findings, system: str, *, accepted: bool, odd: int) -> None:
+        """Show the headline of findings, whether they were `accepted`, and how many single flights stand out."""
+        one = headline(found, system)
+        self.add_class("-found")
+        self.query_one("#sentence", Static).update(Content(printable(one.sentence)))
+        self._show_misses(one, system)
+        rows = [
+            Content.assemble(
+                (f"{name:7}", "$text-muted"), (bar, "$accent" if name == "before" else "$success"), f" {value}"
+            )
+            for name, bar, value in compared_bars(one, BAR, system)
+        ]
+        self.query_one("#bars", Static).update(Content("\n").join(rows))
+        step = Content.assemble(("Next  ", "b $primary"), printable(one.step), ("\n" + _answer(one, accepted), "b"))
+        self.query_one("#step", Static).update(step)
+        beside = [f"Also: {text}" for text in one.also]
+        beside += [f"{odd} single flight{'s stand' if odd > 1 else ' stands'} out: see Flights"] * bool(odd)
+        self.query_one("#also", Static).update(hanging([*beside, "→ for the evidence"]))
+
+    def _show_misses(self, one: Headline, system: str) -> None:
+        unit = spelled(unit_of(cards.APOGEE, system))
+        worse = one.after is not None and one.after > one.before
+        after = self.query_one("#after", Big)
+        after.set_class(not worse, "-better")
+        after.set_class(worse, "-worse")
+        for name, value in (("before", one.before), ("after", one.after)):
+            known = "" if value is None else number(cards.APOGEE, value, system)
+            self.query_one(f"#{name}", Big).show(known)
+            title = Content(f"mean miss {name} [{unit}]" if known else "")
+            self.query_one(f"#{name}-title", Static).update(title)
+
+    def show_fleet(self, lines: Sequence[str]) -> None:
+        """Show what several rockets share."""
+        heading = ["What your rockets share"] if lines else []
+        self.query_one("#fleet", Static).update(hanging([*heading, *(f"  {line}" for line in lines)]))
+
+
+def _answer(one: Headline, accepted: bool) -> str:
+    """The keys that answer the headline."""
+    if accepted:
+        return "Accepted: forecasts use it. u to undo"
+    return "A to accept, D to decline" if one.after is not None else "Nothing to accept: forecasts stay as they are"
+
 
 TEXT_BEFORE_RUN = {
     "verdict": "Press S to search for missing effects: each flight is forecast from the others, and the residuals are "
@@ -190,8 +339,8 @@ class Panels(Container):
 
     def front(self, panel: int) -> Widget | None:
         """Bring a panel to the front; returns the widget for its keys, None if it needs none."""
-        for number, name in enumerate(PANELS):
-            self.query_one(f"#p-{name}").set_class(number == panel, "-front")
+        for row, name in enumerate(PANELS):
+            self.query_one(f"#p-{name}").set_class(row == panel, "-front")
         name = PANELS[panel]
         self.set_class(name not in FRONT, "-under")
         if name == "Residuals":

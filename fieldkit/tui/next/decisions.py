@@ -1,15 +1,24 @@
-"""Decisions for a plan on one motor, in words: delay, ballast, points, saved forecasts and their results."""
+"""Decisions for a plan on one motor, in words: delay, ballast, points, saved forecasts and their results.
 
-from collections.abc import Iterable, Iterator
+The pictures of the Decide screen: delays around apogee, densities of apogees and points, forecasts and results.
+
+The landing of a plan: draws of its flight from the side, and their landings on the field from above.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.flight.site import Site
 from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
+from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found, Motor
@@ -21,25 +30,158 @@ from fieldkit.planning.contest import Season, declared_score, score, season
 from fieldkit.planning.contest_day import Day
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.planning.contest_limits import allowed, approved_motors
-from fieldkit.planning.delay import delays, drill_of
+from fieldkit.planning.delay import Delays, delays, drill_of
 from fieldkit.planning.descent_rate import fall_of
 from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit
 from fieldkit.planning.outlook import outlook
-from fieldkit.planning.planned_flight import planned_flight
+from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import against_the_bar, histogram
-from fieldkit.quantities import measure
-from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
+from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
 from fieldkit.services.track_record import replayed
-from fieldkit.tui.next import decision_plots, large_figures
+from fieldkit.shapes import Array, Float
+from fieldkit.tui.next import large_figures
 from fieldkit.tui.next.answer import Answer
-from fieldkit.tui.next.landing_plots import of_landing
+from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.next.motor_rows import TARGET_BAND
 from fieldkit.tui.next.next_words import folded, worst_first
 from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.plots import Marked, draw_density
+
+DRAWN_FLIGHTS = 30
+"""Number of draws with lines from pad to apogee to landing. [1]"""
+DRAWN_LANDINGS = 200
+"""Number of draws with a dot at the landing. [1]"""
+CIRCLE = 90
+"""Points of the outline of a field. [1]"""
+CELL_ASPECT = 2.0
+"""Aspect ratio of a terminal's cell, height over width. [1]"""
+
+
+def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: str) -> Answer:
+    """The answer with both pictures; `size` is of the field across. [m]"""
+    unit = spelled(unit_of(cards.APOGEE, system))
+    field = ", circle the field" if size else ""
+    title = (
+        f"{DRAWN_FLIGHTS} draws from the side, pad to apogee to landing; and landings from above, wind to the right: "
+    )
+    title += f"▲ pad, ellipse 90% of them{field} [{unit}]"
+    scaled = partial(_scaled, system)
+    return replace(
+        answer, title=title, draw=partial(_from_the_side, one, scaled), second=partial(_from_above, one, size, scaled)
+    )
+
+
+def _from_the_side(one: PlannedFlight, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
+    """Draw pad, apogee and landing of some draws, joined by straight lines."""
+    prediction, down = one.prediction, one.down
+    drift = np.broadcast_to(np.nan_to_num(prediction.drift), prediction.apogee.shape)
+    for row in range(min(DRAWN_FLIGHTS, len(prediction.apogee))):
+        up, end = scaled(float(drift[row])), scaled(float(down.along[row]))
+        plt.plot([0.0, up, end], [0.0, scaled(float(prediction.apogee[row])), 0.0], marker="braille", color=ink.line)
+    plt.scatter([0.0], [0.0], marker="▲", color=ink.mark)
+    plt.xfrequency(5)
+    plt.yfrequency(4)
+
+
+def _from_above(one: PlannedFlight, size: float | None, scaled: Callable[[float], float], plt: Any, ink: Any) -> None:
+    """Draw landings, their ellipse and the field around the pad, with equal scales on the screen."""
+    down = one.down
+    along, across = ([scaled(float(x)) for x in part[:DRAWN_LANDINGS]] for part in (down.along, down.across))
+    outline = [[scaled(float(x)) for x in column] for column in down.ellipse().outline().T]
+    turn = np.linspace(0, 2 * np.pi, CIRCLE)
+    radius = scaled(size / 2) if size else 0.0
+    field = [(radius * np.cos(turn)).tolist(), (radius * np.sin(turn)).tolist()]
+    plt.scatter(along, across, marker="·", color=ink.text)
+    plt.plot(*outline, marker="braille", color=ink.line)
+    if size:
+        plt.plot(*field, marker="braille", color=ink.mark)
+    plt.scatter([0.0], [0.0], marker="▲", color=ink.mark)
+    xs, ys = [*along, *outline[0], *field[0], 0.0], [*across, *outline[1], *field[1], 0.0]
+    middle = [(min(one) + max(one)) / 2 for one in (xs, ys)]
+    half = max((max(xs) - min(xs)) / 2 * ink.height * CELL_ASPECT / ink.width, (max(ys) - min(ys)) / 2) * 1.05
+    wide = half * ink.width / (ink.height * CELL_ASPECT)
+    plt.xlim(middle[0] - wide, middle[0] + wide)
+    plt.ylim(middle[1] - half, middle[1] + half)
+    plt.xfrequency(5)
+    plt.yfrequency(4)
+
+
+def _scaled(system: str, height: float) -> float:
+    """A length [m] in the units in which apogees are shown."""
+    return float(number(cards.APOGEE, abs(height), system)) * (1 if height >= 0 else -1)
+
+
+MAX_DRAWN_FORECASTS = 24
+"""Number of latest forecasts to draw."""
+
+
+def of_delays(answer: Answer, judged: Delays) -> Answer:
+    """When each delay fires, relative to apogee, and below it the coast to apogee with the delays."""
+    rows = tuple(
+        IntervalBar(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
+        for one in sorted(judged.delays, key=lambda one: one.delay)
+        if one.after_apogee is not None
+    )
+    if not rows:
+        return answer
+    title = "When each delay fires, 90% of flights, ● median; ◎ is apogee"
+    delays = [one.delay for one in judged.delays]
+    return replace(
+        answer,
+        title=title,
+        intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}),
+        below="The coast from burnout to apogee; lines are the delays",
+        draw=draw_density(judged.coasts, lambda value: f"{value:g} s", ticks=delays),
+    )
+
+
+def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None, system: str) -> Answer:
+    """The density of the apogee at that mass, with the target; without one, at the mass of the plan."""
+    marks = [Marked("◎", target)] if target is not None else []
+    at = " at that mass; ◎ is the target" if target is not None else ""
+    title = f"Apogee on the altimeter{at}; filled 90%, line the median"
+    return replace(answer, title=title, draw=draw_density(apogee, lambda height: _height(height, system), *marks))
+
+
+def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
+    """The density of the points of a flight."""
+    draw = draw_density(points, lambda value: f"{value:.0f}")
+    return replace(answer, title="Points of a flight, fewer are better; filled 90%, line the median", draw=draw)
+
+
+def saved_forecast_plot(answer: Answer, found: Sequence[SavedForecast], system: str) -> Answer:
+    """The saved forecasts, newest first, and the apogees flown."""
+    rows = tuple(
+        IntervalBar(f"{one.made.at.astimezone():%m-%d} {one.made.payload.get('motor', '')}", *one.interval, one.flown)
+        for one in reversed([one for one in found if one.state in LISTED_STATES][-MAX_DRAWN_FORECASTS:])
+    )
+    return _against_flown(answer, rows, system)
+
+
+def of_forecasts(answer: Answer, rows: Sequence[Forecast], system: str) -> Answer:
+    """Each flight with its forecast from the earlier ones, the newest first."""
+    last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MAX_DRAWN_FORECASTS:])]
+    drawn = tuple(
+        IntervalBar(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last
+    )
+    return _against_flown(answer, drawn, system)
+
+
+def _against_flown(answer: Answer, rows: tuple[IntervalBar, ...], system: str) -> Answer:
+    if not rows:
+        return answer
+    title = "Forecast and flown: 90% of flights should fall on the line; ● median, ◆ flown"
+    return replace(answer, title=title, intervals=Intervals(rows, lambda height: _height(height, system), {}))
+
+
+def _height(height: float, system: str) -> str:
+    return measure(cards.APOGEE, height, system)
+
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
@@ -70,7 +212,7 @@ class Decision:
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
         words = tuple(delays_in_words(judged, fast, tool, self.system))
         answer = self._answer(words, judged.forecast)
-        return decision_plots.of_delays(large_figures.of_delay(answer, judged), judged)
+        return of_delays(large_figures.of_delay(answer, judged), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: Day) -> Answer:
         """The dry mass that best meets a target [m], or has the fewest expected points of a season."""
@@ -84,7 +226,7 @@ class Decision:
         more = _limits_of(rule, prediction, day) if rule else ()
         answer = self._answer(tuple(ballast_in_words(best, goal, self.system)), prediction, more)
         answer = large_figures.of_ballast(answer, best, self.system)
-        return decision_plots.of_apogee(answer, prediction.apogee, goal.target, self.system)
+        return of_apogee(answer, prediction.apogee, goal.target, self.system)
 
     def _without_target(self) -> Answer:
         """The forecast as the rocket is, and what a target would add."""
@@ -96,7 +238,7 @@ class Decision:
             "changes what is aimed at.",
         )
         answer = self._answer(words, prediction)
-        return decision_plots.of_apogee(answer, prediction.apogee, None, self.system)
+        return of_apogee(answer, prediction.apogee, None, self.system)
 
     def contest(self, ledger: Ledger, year: int, area: float, day: Day) -> Answer:
         """The expected points of a plan by a season's rule with a fraction of the parachute's area [1], the chance to
@@ -107,7 +249,7 @@ class Decision:
         words = (*outlook_in_words(ahead, rule, area, day.cut, self.system), *self._scored(ledger, rule, day))
         answer = self._answer(words, prediction, _limits_of(rule, prediction, day), area)
         points = ahead.points.ravel()
-        return decision_plots.of_points(large_figures.of_points(answer, points), points)
+        return of_points(large_figures.of_points(answer, points), points)
 
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
@@ -137,7 +279,7 @@ class Decision:
             payload = one.made.payload
             words += ["", f"{one.state}: {payload.get('motor', '')} {payload.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one, self.system)]
-        return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
+        return saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
     def fared(self, ledger: Ledger, motors: Catalogue) -> Answer:
         """The quality of forecasts of this rocket: of each flight from all rockets' earlier flights."""
@@ -149,7 +291,7 @@ class Decision:
         words = (f"{len(rows)} flights of {rocket}, each forecast from the earlier ones", "")
         scores = (*_missed(found, self.system), "", *against_the_bar(found))
         answer = Answer((*words, *scores), tuple(histogram(found.calibration)))
-        return decision_plots.of_forecasts(answer, rows, self.system)
+        return of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
         scored = score(rule, ledger.flights(self.plan.rocket))

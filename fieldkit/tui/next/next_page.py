@@ -1,4 +1,9 @@
-"""Next flight: every motor that fits with its apogee, and the forecast of the one under the cursor."""
+"""Next flight: every motor that fits with its apogee, and the forecast of the one under the cursor.
+
+The forecast of one motor: the apogee in large digits, its safety checks, its density, and all figures below.
+
+The help of the Next page: what its columns, figures and signs mean.
+"""
 
 import asyncio
 from collections.abc import Iterable, Sequence
@@ -6,8 +11,9 @@ from functools import partial
 from typing import ClassVar
 
 from textual import on
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal
+from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.timer import Timer
 from textual.widget import Widget
@@ -18,21 +24,160 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Motor
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
 from fieldkit.planning.quick_guide import QuickChoice, quick_guide
+from fieldkit.safe_text import printable
 from fieldkit.services.forecasts import predict_plans
+from fieldkit.settings import Settings
 from fieldkit.tui.asking import WAIT, or_why
-from fieldkit.tui.help import NO_FLIGHTS
+from fieldkit.tui.help import NO_FLIGHTS, Help
+from fieldkit.tui.next import motor_rows, next_words
 from fieldkit.tui.next.decisions import Decision
-from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.motor_rows import listed
-from fieldkit.tui.next.next_help import NEXT_HELP
-from fieldkit.tui.next.next_plan import MASS_UNKNOWN, Plan, PlanWithoutMass, next_build, read_plan
+from fieldkit.tui.next.next_plan import MASS_UNKNOWN, QUESTIONS, Plan, PlanWithoutMass, next_build, read_plan
 from fieldkit.tui.next.next_words import saved_in_words
 from fieldkit.tui.next.plan_form import ask_plan, keep_plan
 from fieldkit.tui.next.plan_screen import PlanScreen
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.big import Big
+from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.line import Line
+from fieldkit.tui.widgets.plots import Marked, Plot, draw_density
 from fieldkit.tui.widgets.table import Table
+
+NEXT_HELP = Help(
+    "Plan the next flight. The table lists every motor on sale that fits the rocket (no wider than the widest it has "
+    "flown, and strong enough to lift it) with its forecast apogee; the forecast of the motor under the cursor is "
+    "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it. "
+    "With a target (g), the motors nearest to it come first. Press Enter to save a forecast; when you add the flight, "
+    "the two are compared. Forecasts are advice: the range safety officer decides.",
+    (
+        ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
+        ("◆ ! ✗", "Before a motor: flown before, weak for this weight, not possible."),
+        (
+            "≈ apogee",
+            "Not final: the network's answer, then a fit with few draws. The selected one is forecast in full.",
+        ),
+        ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
+        (
+            "eject",
+            "Seconds from apogee to ejection, for the delay that fires nearest to apogee; negative is before it.",
+        ),
+        ("by delay", "The same for each delay on sale."),
+        ("├─●─┤", "With c: the 90% interval, all motors on one scale; ◎ is the target."),
+        ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
+        ("delay", "The delay on sale that fires nearest to apogee."),
+        (
+            "✗ a motor",
+            "Does not fit: too wide, too weak, slow off the rail, without a suitable delay, too high for the ceiling, "
+            "or no longer made; its card says why.",
+        ),
+        ("90%", "Nine flights in ten should fall between these two."),
+        (
+            "hill",
+            "The density of the forecast apogee: the higher, the likelier. The vertical lines are 5%, median and 95%.",
+        ),
+        (
+            "true",
+            "The true height above the pad. A barometric altimeter reads low on a hot day and high on a cold one.",
+        ),
+        ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; negative is before it."),
+        (
+            "✓ ! ⊘ ?",
+            "Safety checks: ok, caution, unsafe, unknown; each with its value and limit further down.",
+        ),
+        (
+            "checks",
+            "Rail exit speed, thrust to weight, ground wind, launch angle, ceiling, field size, ejection speed, motor "
+            "temperature, distances to people and bystanders, mass, certification, legal class, whether the rocket is "
+            "complex, misfire, and the sky.",
+        ),
+        ("off rail", "Speed at the end of the rail. If it is too low, the fins do not keep the rocket straight."),
+        ("rail", "The same for every motor, with c."),
+        ("top speed", "Top speed, at about burnout."),
+        ("T:W", "Thrust over weight, in the first half second and on average: above 5 is good, below 3 is unsafe."),
+        (
+            "Cd, alpha",
+            "Drag of the rocket and thrust of the motor used in the forecast, with their standard deviations.",
+        ),
+        (
+            "air",
+            "Air density at the pad, from the plan's weather; assumed values are named.",
+        ),
+        ("based on", "The flights and the model version behind the forecast."),
+        (
+            "narrows",
+            "How much more flights like this would narrow the 90% interval; the rest is flight-to-flight variation.",
+        ),
+        *((question.title, question.help) for question in QUESTIONS),
+    ),
+    ("fieldkit predict --motor F24-4W --config A --wind 8mph", "fieldkit motors --fit ROCKET --target 800ft"),
+)
+
+
+class ForecastCard(VerticalScroll):
+    """The card next to the motors; `text` is its content, for copying."""
+
+    DEFAULT_CSS = """
+    ForecastCard Static { height: auto; }
+    ForecastCard #big { height: 3; width: 1fr; }
+    ForecastCard #hill { height: 6; }
+    """
+    text = ""
+    unfolded = False
+    """Whether every safety check is shown in full."""
+
+    def compose(self) -> ComposeResult:
+        """From the largest to the smallest."""
+        yield Static("", id="title")
+        yield Big(id="big")
+        yield Static("", id="range")
+        yield Static("", id="safety")
+        yield Plot(id="hill")
+        yield Static("", id="more")
+
+    def show(self, plan: Plan, one: MotorChoice, settings: Settings, *, exact: bool) -> None:
+        """Show the forecast of a plan on a motor; marked as provisional unless it is `exact`, as it would be saved."""
+        system = settings.units
+        title, text = next_words.title(plan, one.name), next_words.interval(one.interval, system)
+        middle = motor_rows.middle(one, system, exact=exact)
+        more, checks = next_words.figures(plan, one, system), next_words.checks(one, system)
+        self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
+        self.query_one(Big).show(middle)
+        self.query_one("#range", Static).update(Content(text).stylize("bold"))
+        brief = hanging([*next_words.safety_in_brief(one.lines), next_words.UNFOLD])
+        self.query_one("#safety", Static).update(cards.lines("", checks, 1) if self.unfolded else brief)
+        self.query_one("#more", Static).update(cards.lines("", more, 9))
+        self._show_hill(one.prediction, settings)
+        self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
+
+    def show_quick(self, plan: Plan, one: QuickChoice, settings: Settings) -> None:
+        """Show the quick answer for a motor, until the fit replaces it."""
+        system = settings.units
+        title, text = next_words.title(plan, label(one.motor)), next_words.interval(one.interval, system)
+        middle, more = motor_rows.middle(one, system, exact=False), next_words.quick_figures(plan, one, system)
+        self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
+        self.query_one(Big).show(middle)
+        self.query_one("#range", Static).update(Content(text).stylize("bold"))
+        self.query_one("#safety", Static).update(f"{motor_rows.PROVISIONAL} {next_words.QUICK}")
+        self.query_one("#more", Static).update(cards.lines("", more, 9))
+        self.query_one(Plot).show(None)
+        self.text = cards.as_text(f"{title}: {middle} {text}", [("", next_words.QUICK), *more])
+
+    def clear(self) -> None:
+        """Clear the card: no motor, or no forecast yet."""
+        for name in ("title", "range", "safety", "more"):
+            self.query_one(f"#{name}", Static).update("")
+        self.query_one(Big).show("")
+        self.query_one(Plot).show(None)
+        self.text = ""
+
+    def _show_hill(self, prediction: Prediction, settings: Settings) -> None:
+        """Show the distribution of the apogee, with its interval and the target."""
+        marks = [Marked("◎", settings.target)] if settings.target else []
+        spell = partial(motor_rows.whole, system=settings.units)
+        self.query_one(Plot).show(draw_density(prediction.apogee, spell, *marks))
+
 
 WIDE_SCREEN = 150
 """Minimum width with room for every figure and the card. [cell]"""
