@@ -13,7 +13,7 @@ from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics import setups
 from fieldkit.physics.state import Setup
-from fieldkit.physics.thrust_steps import STEPS
+from fieldkit.physics.thrust_steps import FINE, Resolution
 from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
@@ -74,12 +74,12 @@ class History:
         """Whether the drag of each flight switches, as the flyer recorded it; None if not."""
         return self.once("drag switches", lambda: tuple(drag_switches(flight) for flight in self.flights))
 
-    def setup(self, steps: int = STEPS, knots: int | None = None, stride: float = 1.0) -> Setup:
-        """The flights as recorded, to be simulated with the drag of a coefficient of 1; arguments and errors as in
+    def setup(self, resolution: Resolution = FINE) -> Setup:
+        """The flights as recorded, to be simulated with the drag of a coefficient of 1; errors as in
         `fieldkit.physics.setups.setup_of`. [SI]"""
         return self.once(
-            ("setup", steps, knots, stride),
-            lambda: setups.setup_of(self.flights, self.found, self.conditions, self.area, 1.0, steps, knots, stride),
+            ("setup", resolution),
+            lambda: setups.setup_of(self.flights, self.found, self.conditions, self.area, 1.0, resolution),
         )
 
     def once(self, name: object, compute: Callable[[], T]) -> T:
@@ -150,15 +150,13 @@ def field_setup(
     found: Sequence[Found],
     drag_area: Float[Array, "*draw flight"],
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
-    steps: int = STEPS,
-    knots: int | None = None,
-    stride: float = 1.0,
+    resolution: Resolution = FINE,
 ) -> Setup:
     """Flights of any rockets as in `setup_of`, in SI. Raises ImpossibleFlight for a flight without a dry mass, BadValue
     for a rail direction, a wind or an opening time that cannot be read.
     """
     conditions = [launch_conditions(flight) for flight in flights]
-    return setups.setup_of(flights, found, conditions, drag_area, thrust_factor, steps, knots, stride)
+    return setups.setup_of(flights, found, conditions, drag_area, thrust_factor, resolution)
 
 
 def recorded_wind(flight: Flight) -> WindProfile:

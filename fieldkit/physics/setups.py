@@ -19,7 +19,7 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
-from fieldkit.physics.thrust_steps import STEPS, Burns, burns
+from fieldkit.physics.thrust_steps import FINE, Burns, Resolution, burns
 from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
@@ -65,13 +65,10 @@ def setup_of(
     conditions: Sequence[LaunchConditions],
     drag_area: Float[Array, "*draw flight"],
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
-    steps: int = STEPS,
-    knots: int | None = None,
-    stride: float = 1.0,
+    resolution: Resolution = FINE,
 ) -> Setup:
-    """Flights on their motors, one entry per flight along the last axis, in SI units; `steps` and `knots` as in
-    `burns`, `stride` as in `Setup`. Raises ImpossibleFlight for a flight without a dry mass.
-    """
+    """Flights on their motors, one entry per flight along the last axis, in SI units. Raises ImpossibleFlight for a
+    flight without a dry mass."""
     motors = {motor: row for row, motor in enumerate(dict.fromkeys(item.motor for item in found))}
     along, across = rail_angles(recorded(flights, "rail_angle"), conditions)
     wind_power, wind_top = _wind_laws(flights, conditions)
@@ -80,7 +77,7 @@ def setup_of(
         recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")
     )
     return Setup(
-        burns=_burns(tuple(motors), steps, knots),
+        burns=_burns(tuple(motors), resolution.steps, resolution.knots),
         air=pad_air(elevation, temperature, pressure, recorded(flights, "humidity")),
         motor=np.array([motors[item.motor] for item in found]),
         dry_mass=dry_masses(flights),
@@ -98,7 +95,7 @@ def setup_of(
         altimeter_gain=altimeter_gain(elevation, temperature, pressure),
         recorded_wind=np.nan_to_num(recorded(flights, "wind"), nan=USUAL_WIND),
         temperature_recorded=np.isfinite(temperature),
-        stride=stride,
+        stride=resolution.stride,
     )
 
 

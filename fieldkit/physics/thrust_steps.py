@@ -18,6 +18,19 @@ STEPS = 14
 """The longest step is the burn time divided by this number. [1]"""
 
 
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """How finely flights are simulated: `steps` and `knots` of thrust curves as in `burns`, `stride` as in `Setup`."""
+
+    steps: int = STEPS
+    knots: int | None = None
+    stride: float = 1.0
+
+
+FINE = Resolution()
+"""The resolution of forecasts."""
+
+
 @runtime_checkable
 class Curve(Protocol):
     """The motor data that the simulator needs."""

@@ -8,6 +8,7 @@ from fieldkit.flight import Flight
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import History, flown_and_planned, history_of, together
+from fieldkit.physics.thrust_steps import Resolution
 
 pytestmark = pytest.mark.fast
 
@@ -49,7 +50,7 @@ def test_a_part_keeps_the_area_that_its_flights_have_among_all() -> None:
 def test_the_setup_is_built_once() -> None:
     whole = history()
     assert whole.setup() is whole.setup()
-    assert whole.setup() is not whole.setup(steps=4)
+    assert whole.setup() is not whole.setup(Resolution(steps=4))
 
 
 def test_rockets_simulated_together_fly_as_alone() -> None:
