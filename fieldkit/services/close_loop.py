@@ -1,4 +1,7 @@
-"""Closing the loop on a ledger: a rocket's flights diagnosed, and the result saved as a version of its model."""
+"""Closing the loop on a ledger: a rocket's flights diagnosed, and the result saved as a version of its model.
+
+The logs stored with a rocket's flights, read again for the forces in the climb.
+"""
 
 import hashlib
 import json
@@ -6,7 +9,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
-from fieldkit.errors import NoFlights
+from fieldkit.analysis.force_profile import drag_profile
+from fieldkit.errors import LedgerError, NoFlights, UnusableLedger
+from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.rivals import rival_scores
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
@@ -19,6 +24,7 @@ from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.logged_forces import (
     DRAG_STEP,
+    FlightLog,
     logged_forces,
     step_candidate,
     with_probability,
@@ -26,10 +32,33 @@ from fieldkit.selection.logged_forces import (
 )
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
-from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_average, flown
 from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.services.plausible_flights import exclusions
+from fieldkit.services.replay import FlightRecordings
+
+
+def recorded_logs(
+    ledger: Ledger, flights: Sequence[Flight], on_progress: ReportProgress = no_op
+) -> dict[str, FlightLog | str]:
+    """What the log of each flight that has one shows, by flight id, or the reason it cannot be read."""
+    logged = [flight for flight in flights if flight.has_log]
+    found: dict[str, FlightLog | str] = {}
+    recordings = FlightRecordings(ledger)
+    for number, (flight, id) in enumerate(zip(logged, ledger.ids(logged), strict=True)):
+        on_progress(f"the log of {id}", number / len(logged))
+        try:
+            recording = recordings.of(id)
+        except UnusableLedger:
+            raise
+        except LedgerError as error:
+            found[flight.flight_id] = str(error)
+            continue
+        if recording is not None and recording.reading is not None and recording.kind != "simulation":
+            drag = drag_profile(recording.reading.clocks, recording.recorded)
+            found[flight.flight_id] = FlightLog(recording.recorded, drag)
+    return found
+
 
 SAME_PROBABILITY = 0.01
 """Two averages are the same if their probabilities differ by less than this. [1]"""

@@ -18,7 +18,7 @@ from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import Burns
 from fieldkit.reference.exact import exact_means, lowest_in
 from fieldkit.reference.flights import Reference, certified, normalised
-from fieldkit.reference.next_flight import carry_over, leave_one_out
+from fieldkit.reference.report import carry_over, leave_one_out
 from fieldkit.shapes import Array, Float
 
 Each = Float[Array, "*draw flight"]

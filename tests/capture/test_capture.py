@@ -38,7 +38,7 @@ from fieldkit.capture import (
 from fieldkit.capture.line import PortSettings, open_line
 from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, _new, begin, go_on
-from fieldkit.cli.live import View
+from fieldkit.cli.capture import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass, crc_x25, sum_256

@@ -18,8 +18,7 @@ from fieldkit.physics import paper
 from fieldkit.physics.single import paper_flight
 from fieldkit.reference.exact import bayes_limit, lowest, reconstructions
 from fieldkit.reference.flights import Reference, certified, heights, normalised, reference
-from fieldkit.reference.next_flight import leave_one_out, rules, scatter
-from fieldkit.reference.report import PaperReport, history_forecasts, report
+from fieldkit.reference.report import PaperReport, history_forecasts, leave_one_out, report, rules, scatter
 from fieldkit.reference.text import findings
 
 CHECK_SHAPES = False
