@@ -20,7 +20,7 @@ def open_app(ledger: str | None) -> None:
     from fieldkit.tui.memory import pause_collection
 
     pause_collection()
-    from fieldkit.tui.restarts import run
+    from fieldkit.tui.app import run
 
     run(ledger)
 

@@ -1,7 +1,9 @@
-"""The app: its pages, its colors, its notices, undo from anywhere, and what it does after an unexpected error."""
+"""The app: its pages, its colors, its notices, keys in order, undo from anywhere, and what it does after an unexpected
+error, even one that ends it: it reopens in the same place."""
 
 import asyncio
 import sys
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -9,11 +11,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 from textual import events
 from textual.app import App, SystemCommand
+from textual.await_complete import AwaitComplete
 from textual.binding import Binding, BindingType
 from textual.command import CommandPalette, Provider
+from textual.dom import DOMNode
+from textual.message_pump import MessagePump
 from textual.screen import Screen
 from textual.widget import AwaitMount
 from textual.widgets import Input
@@ -23,10 +28,10 @@ from fieldkit.flight import BY_NAME
 from fieldkit.quantities import counted, measure, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.settings import UNITS
+from fieldkit.tui.asking import WAIT
 from fieldkit.tui.crash import Crash, place_of, record
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, nobody_looks, terminal
-from fieldkit.tui.in_order import InOrder
-from fieldkit.tui.keys import in_capitals
+from fieldkit.tui.keys import in_capitals, pressed
 from fieldkit.tui.memory import START_TIME, freeze_permanent, limit_malloc, resume_collection
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.resources import Resources
@@ -45,6 +50,12 @@ LOOKS = {"units", "theme", "target"}
 """Settings that only change the display."""
 LOOK_INTERVAL = 3.0
 """Interval of checking for changes by other programs: terminals side by side report no change of focus. [s]"""
+MAX_ANSWER = 1.0
+"""Time limit for widgets to handle a key before the next one. [s]"""
+MAX_OPENING = 30.0
+"""Time limit for a screen to open before the next key. [s]"""
+MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
+"""Maximum number of restarts after errors [1] within a time [s]."""
 
 
 def finder() -> type[Provider]:
@@ -63,10 +74,15 @@ class Whereabouts:
     crash: Crash
 
 
-class FieldkitApp(InOrder):
+class FieldkitApp(App[None]):
     """The pages of one ledger, with notices and settings; it continues after a failing key. `revision` counts changes
     of the ledger, `look` changes of the display. If it `stays`, it has its own process, and prepares in the background
-    what keys would otherwise wait for; `back` is the state to return to after an error."""
+    what keys would otherwise wait for; `back` is the state to return to after an error.
+
+    Textual passes a key to the focused widget and runs its binding when it bubbles up, behind keys typed in the
+    meantime. Here the next key is handled only after all widgets have handled the previous one, so that a key reaches
+    the screen opened by the previous one.
+    """
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
@@ -101,6 +117,9 @@ class FieldkitApp(InOrder):
         self.resources = Resources(where, settings_file)
         self.notices: list[Notice] = []
         self.revision = self.look = 0
+        self.turn = asyncio.Lock()
+        """Held while a key is handled, and by code that keys must not interrupt."""
+        self._is_leaving = False
         self.changing = asyncio.Lock()
         """Held while the ledger is changed."""
         self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
@@ -358,9 +377,51 @@ class FieldkitApp(InOrder):
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; an error in it is reported, and the app continues."""
         try:
-            await super().on_event(event)
+            if isinstance(event, events.Key) and not event.is_forwarded:
+                await self._press(event)
+            else:
+                await super().on_event(event)
         except Exception as error:
             self.survive(error)
+
+    async def _press(self, event: events.Key) -> None:
+        """Handle a key, and wait for its effects."""
+        typed = self.focused is not None and self.focused.check_consume_key(event.key, event.character)
+        async with self.turn:
+            for key in () if self._is_leaving else pressed(event, typed=typed):
+                if not await self._did(key):
+                    await super().on_event(key)
+                await self.heard()
+
+    async def _did(self, key: events.Key) -> bool:
+        """Run the binding of a key immediately, if there is one; letters for the focused input are not bindings."""
+        active = self.screen.active_bindings.get(key.key)
+        return active is not None and active.enabled and await self.run_action(active.binding.action, active.node)
+
+    async def heard(self) -> None:
+        """Wait until messages have reached their widgets and a newly opened screen accepts keys."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(MAX_ANSWER):
+                for node in (self.focused or self.screen).ancestors_with_self[:-1]:
+                    await _answered(node)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(MAX_OPENING):
+                while not (self.screen.is_mounted and (not isinstance(self.screen, PageScreen) or self.screen.ready)):
+                    await asyncio.sleep(WAIT)
+
+    def exit(self, result: None = None, return_code: int = 0, message: RenderableType | None = None) -> None:
+        """Leave the app. Keys typed after that are dropped, and no page is prepared any more: none can open while all
+        are closed."""
+        self._is_leaving = True
+        self.workers.cancel_group(self, "ready")
+        super().exit(result, return_code, message)
+
+    def pop_screen(self) -> AwaitComplete:
+        """Close the front screen, and free what it has drawn: a cache of Textual holds the last 1,024 widgets drawn,
+        removed ones too."""
+        for widget in self.screen.walk_children(with_self=True):
+            widget.refresh()
+        return super().pop_screen()
 
     def survive(self, error: Exception) -> None:
         """Log an unexpected error, once for each place that it comes from, and show a notice."""
@@ -485,3 +546,29 @@ class FieldkitApp(InOrder):
         """A typed target; None if it is empty. Raises BadValue. [m]"""
         apogee = BY_NAME["apogee"]
         return apogee.parse(text, unit_of(apogee, self.resources.settings.units)) if text.strip() else None
+
+
+async def _answered(node: MessagePump | DOMNode) -> None:
+    """Wait until a widget has handled what was sent to it so far."""
+    done = asyncio.Event()
+    if node.call_later(done.set):
+        await done.wait()
+
+
+def run(where: str | None) -> None:
+    """Open the app on a ledger until the user quits; after a bug, reopen it in the same place.
+
+    Raises FieldkitError if errors repeat, or after the first one if the app is served to a browser.
+    """
+    began: list[float] = []
+    place: Whereabouts | None = None
+    held = terminal()
+    while True:
+        app = FieldkitApp(where, stays=True, back=place)
+        app.run()
+        place, ended = app.place, time.monotonic()
+        began = [one for one in began if ended - one < RESTART_PERIOD] + [ended]
+        if place is None or (held is not None and gone(held)):  # drawing on a closed terminal is also an error
+            return
+        if len(began) > MAX_RESTARTS or app.is_web:
+            raise FieldkitError(place.crash.line())
