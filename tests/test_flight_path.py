@@ -9,6 +9,7 @@ from tools.flight_path import stops
 
 MAX_STOPS = 27
 MAX_FILES = 9
+MAX_READINGS = 24
 passes = cache(flight_path.passes)
 
 
@@ -26,3 +27,11 @@ def test_objects_that_hold_the_flights_travel_further() -> None:
     found = stops(passes(holders=True))
     assert "fieldkit/inference/laplace/fit.py" in found
     assert len(found) > len(stops(passes()))
+
+
+def test_the_readings_of_a_log_are_passed_by_few_functions() -> None:
+    made = flight_path.passes_of_readings()
+    assert ("fieldkit/importing/from_samples.py", "fieldkit/analysis/measure.py") in {
+        (one.source, one.target) for one in made
+    }
+    assert len(made) <= MAX_READINGS, made

@@ -3,12 +3,14 @@
 `predict` is called with flights to which every effect and several patterns apply. A pass is one function handing the
 list of flights to another, as any kind of sequence; each pair of functions counts once, in the order of the first call.
 A stop is an unbroken run of passes within one file, so a file that the list returns to is another stop. With
-`--holders`, an object that holds the list, such as a model, counts as the list. With `--list`, every pass is printed.
+`--holders`, an object that holds the list, such as a model, counts as the list. With `--readings`, what is followed are
+the readings of a log and their samples, from their parser to flights. With `--list`, every pass is printed.
 """
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from datetime import datetime, timedelta
 from itertools import groupby
@@ -16,8 +18,11 @@ from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any, NamedTuple
 
-from fieldkit.flight import Flight
+from fieldkit.flight import Flight, Series
 from fieldkit.forecast.predict import predict
+from fieldkit.importing import Reading
+from fieldkit.importing.from_samples import with_figures
+from fieldkit.importing.recognize import open_log
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import EACH_GROUP, Pattern, Place
@@ -30,6 +35,8 @@ PATTERNS = (Pattern("hour", smooth=True), Pattern("text", "fin", "b"), Pattern("
 """Patterns in the flights that a forecast adds."""
 MAX_DEPTH = 4
 """Depth to which objects are searched for the flights."""
+LOG = ROOT / "sample_logs" / "altos_csv__with_satellites.csv"
+"""A log with a barometer, an accelerometer and satellites."""
 
 
 class Pass(NamedTuple):
@@ -43,8 +50,29 @@ class Pass(NamedTuple):
 
 def passes(*, holders: bool = False) -> list[Pass]:
     """Every pass of the flights in one forecast, in the order of the first calls."""
-    made: dict[Pass, None] = {}
     flown = [_flight(number) for number in range(10)]
+    motors = catalogue()
+    pairs = [(flight, motors.resolve(flight.motor)) for flight in flown]
+    planned = [(plan, motors.resolve(plan.motor)) for plan in map(_plan, flown[:3:2])]
+    places = [Place(name) for name in effects()] + [Place(pattern=pattern) for pattern in PATTERNS]
+    places += [Place(name, EACH_GROUP) for name, effect in effects().items() if effect.each]
+    with _followed(lambda value: _carries(value, holders)) as made:
+        predict(pairs, planned, places, cds={"B": 0.6}, draws=20)
+    return list(made)
+
+
+def passes_of_readings() -> list[Pass]:
+    """Every pass of the readings of a log, or of their samples, while its readouts are measured."""
+    opened = open_log(LOG.read_bytes(), LOG.name, None)
+    with _followed(_is_reading) as made:
+        with_figures(opened.found, opened.format, "digest")
+    return list(made)
+
+
+@contextmanager
+def _followed(carries: Callable[[Any], bool]) -> Iterator[dict[Pass, None]]:
+    """The passes of what is followed, in the order of the first calls."""
+    made: dict[Pass, None] = {}
 
     def note(frame: FrameType, event: str, _: object) -> None:
         if event != "call" or not _own(frame.f_code):
@@ -52,20 +80,14 @@ def passes(*, holders: bool = False) -> list[Pass]:
         caller = frame.f_back
         while caller and not _own(caller.f_code):
             caller = caller.f_back
-        if caller and any(_carries(value, holders) for value in _arguments(frame)):
+        if caller and any(map(carries, _arguments(frame))):
             made.setdefault(Pass(*_named(caller.f_code), *_named(frame.f_code)))
 
-    motors = catalogue()
-    pairs = [(flight, motors.resolve(flight.motor)) for flight in flown]
-    planned = [(plan, motors.resolve(plan.motor)) for plan in map(_plan, flown[:3:2])]
-    places = [Place(name) for name in effects()] + [Place(pattern=pattern) for pattern in PATTERNS]
-    places += [Place(name, EACH_GROUP) for name, effect in effects().items() if effect.each]
     sys.setprofile(note)
     try:
-        predict(pairs, planned, places, cds={"B": 0.6}, draws=20)
+        yield made
     finally:
         sys.setprofile(None)
-    return list(made)
 
 
 def stops(made: list[Pass]) -> list[str]:
@@ -113,6 +135,13 @@ def _arguments(frame: FrameType) -> Iterator[Any]:
     return (frame.f_locals[name] for name in names if name != "self" and name in frame.f_locals)
 
 
+def _is_reading(value: Any) -> bool:
+    """Whether a value is a reading, its samples, or a sequence of either."""
+    if isinstance(value, list | tuple):
+        return bool(value) and _is_reading(value[0])
+    return isinstance(value, Reading | Series)
+
+
 def _carries(value: Any, holders: bool, depth: int = 0) -> bool:
     """Whether a value is a sequence of flown flights, alone or paired with motors, or an object that holds one."""
     if isinstance(value, list | tuple):
@@ -132,9 +161,10 @@ def _carries(value: Any, holders: bool, depth: int = 0) -> bool:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--holders", action="store_true", help="also follow objects that hold the flights")
+    parser.add_argument("--readings", action="store_true", help="follow the readings of a log instead")
     parser.add_argument("--list", action="store_true", help="print every pass")
     wanted = parser.parse_args()
-    found = passes(holders=wanted.holders)
+    found = passes_of_readings() if wanted.readings else passes(holders=wanted.holders)
     for one in found if wanted.list else ():
         print(f"{one.source}:{one.caller} -> {one.target}:{one.callee}")
     visited = stops(found)

@@ -68,7 +68,7 @@ def landing(
             raise BadValue("found --kml without a wind, expected --wind too: the landing depends on it")
         one = planned_flight(plan.rocket, plan.flight, plan.motor(), plan.site, plan.limits)
     prediction, found, down, lines = one.prediction, one.prediction.found, one.down, one.lines
-    words = list(landing_in_words(prediction, down, one.fall, one.rail, plan.site, system(), one.holds, one.no_rail))
+    words = list(landing_in_words(one, plan.site, system()))
     if kml is not None and place is not None:
         name = f"{prediction.plan.rocket} on {motor_in_words(prediction.plan, found)}"
         if wind_from is None:

@@ -64,6 +64,10 @@ class Flight:
         value: float | None = getattr(self, name)
         return value
 
+    def text(self, header: str) -> str:
+        """The text of a further column, empty if it was not recorded."""
+        return self.extra.get(header, "")
+
     @property
     def has_log(self) -> bool:
         """Whether it was imported from a log, or names one."""

@@ -4,8 +4,6 @@ import re
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 
-import numpy as np
-
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight.columns import BY_NAME
@@ -13,7 +11,6 @@ from fieldkit.flight.flight import Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.table import MOTOR_TEMPERATURE
 from fieldkit.messages import marked, message
-from fieldkit.shapes import Array, Float
 
 LOT_WORDS = ({"lot"}, {"batch"})
 """What the header of a column of lots says, besides `FURTHER_WORDS`."""
@@ -43,14 +40,14 @@ def names_a_device(header: str) -> bool:
 
 def drag_switches(flight: Flight) -> bool | None:
     """Whether the drag of a flight switches, as the flyer recorded it; None if not."""
-    return STATES.get(flight.extra.get(STATE_COLUMN, "").strip().lower())
+    return STATES.get(flight.text(STATE_COLUMN).strip().lower())
 
 
 def motor_temperature(plan: Flight) -> float | None:
     """The motor temperature declared with the plan, or None. [K] Raises BadValue for a non-number or an implausible
     value.
     """
-    text = plan.extra.get(MOTOR_TEMPERATURE, "")
+    text = plan.text(MOTOR_TEMPERATURE)
     try:
         value = units.parse(text, "temperature", "c") if text else None
         return None if value is None else check(BY_NAME["temperature"], value, units.typed_unit(text, "c"))
@@ -61,20 +58,3 @@ def motor_temperature(plan: Flight) -> float | None:
 def headers(flights: Sequence[Flight]) -> list[str]:
     """The headers of the further columns that flights have, in the order in which they first appear."""
     return list(dict.fromkeys(name for flight in flights for name in flight.extra))
-
-
-def texts(name: str, flights: Sequence[Flight]) -> list[str]:
-    """The texts of a further column, empty for flights without it."""
-    return [flight.extra.get(name, "") for flight in flights]
-
-
-def numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    """A further column in its own unit; nan for cells that are not numbers."""
-    return np.array([_number(text) for text in texts(name, flights)])
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")

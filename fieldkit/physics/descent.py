@@ -40,6 +40,18 @@ class Devices:
 
 
 @dataclass(frozen=True, slots=True)
+class FreeFall:
+    """An airframe at apogee: its height above the pad [m], the time until the charge fires [s], negative before apogee
+    and nan for never, the terminal speed that it approaches nose first [m/s], and its horizontal speed downwind and
+    crosswind [m/s]."""
+
+    apogee: Float[Array, "*#draw"]
+    wait: Float[Array, "*#draw"]
+    terminal: Float[Array, "*#draw"]
+    sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (NO_SPEED, NO_SPEED)
+
+
+@dataclass(frozen=True, slots=True)
 class Sinking:
     """The descent without wind: time from apogee to the ground [s] and the part of it before a device is open [s],
     height [m] and fall speed [m/s] at the charge, heights at which the first device [m] and the main [m] are open, fall
@@ -155,24 +167,16 @@ def _under(device: Array, stage: tuple[Array, Array], before: Array, air: Air, g
     return time, after * np.sqrt(air.density_ratio(high) / air.density_ratio(low))
 
 
-def sink(
-    apogee: Float[Array, "*#draw"],
-    wait: Float[Array, "*#draw"],
-    terminal: Float[Array, "*#draw"],
-    devices: Devices,
-    air: Air,
-    sideways: Float[Array, "*#draw"] = NO_SPEED,
-    gravity: float = STANDARD_GRAVITY,
-) -> Sinking:
-    """Descend from an apogee above the pad [m]; the charge fires `wait` after apogee [s], before it if negative.
+def sink(free: FreeFall, devices: Devices, air: Air, gravity: float = STANDARD_GRAVITY) -> Sinking:
+    """Descend from apogee.
 
-    The airframe by itself falls nose first and approaches `terminal` [m/s]; `sideways` is its horizontal speed [m/s]. A
-    charge before apogee fires at the same speed as one equally long after it; the device is open at apogee if there was
-    time for it. If `wait` is nan, nothing ever opens.
+    A charge before apogee fires at the same speed as one equally long after it; the device is open at apogee if there
+    was time for it.
     """
-    apogee, after = np.maximum(np.asarray(apogee, float), 0.0), np.asarray(wait, float)
+    terminal = free.terminal
+    apogee, after = np.maximum(np.asarray(free.apogee, float), 0.0), np.asarray(free.wait, float)
     charge = apogee - fall_by(after, terminal, gravity)
-    speed = np.hypot(fall_speed(np.abs(after), terminal, gravity), sideways)
+    speed = np.hypot(fall_speed(np.abs(after), terminal, gravity), np.hypot(*free.sideways))
     opens = np.maximum(after + opening_time(devices, devices.first, speed), 0.0)
     opened = apogee - fall_by(opens, terminal, gravity)
     ballistic = ~(opened > 0)
@@ -200,27 +204,19 @@ def sink(
     )
 
 
-def descend(
-    apogee: Float[Array, "*draw"],
-    wait: Float[Array, "*draw"],
-    terminal: Float[Array, "*draw"],
-    devices: Devices,
-    air: Air,
-    wind: WindProfile,
-    sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (NO_SPEED, NO_SPEED),
-) -> DescentResult:
+def descend(free: FreeFall, devices: Devices, air: Air, wind: WindProfile) -> DescentResult:
     """Descend as in `sink`, drifting with the wind; `air` is the same for all draws.
 
-    An airframe that falls nose first keeps its horizontal velocity at apogee, downwind and crosswind (`sideways`)
-    [m/s]; once a device is open, that velocity approaches the wind's within `settling` of the device.
+    An airframe that falls nose first keeps its horizontal velocity at apogee; once a device is open, that velocity
+    approaches the wind's within `settling` of the device.
     """
-    fell = sink(apogee, wait, terminal, devices, air, np.hypot(*sideways))
+    fell = sink(free, devices, air)
     opened = np.nan_to_num(fell.open_height)
-    table = _Table.of(float(np.max(apogee, initial=1.0)), air, wind)
+    table = _Table.of(float(np.max(free.apogee, initial=1.0)), air, wind)
     last = devices.main if devices.main_altitude > 0 else devices.first
     first, main = table.between(opened, fell.main_height), table.between(fell.main_height, np.zeros_like(opened))
     over_wind = [
-        speed - np.interp(opened, table.height, blow) for speed, blow in zip(sideways, table.wind, strict=True)
+        speed - np.interp(opened, table.height, blow) for speed, blow in zip(free.sideways, table.wind, strict=True)
     ]
     through_air = np.hypot(*over_wind)
     carried = [
@@ -232,7 +228,7 @@ def descend(
             + below / last
             + relative * settling(devices.first, np.hypot(np.nan_to_num(fell.open_speed), through_air)),
         )
-        for speed, relative, above, below in zip(sideways, over_wind, first, main, strict=True)
+        for speed, relative, above, below in zip(free.sideways, over_wind, first, main, strict=True)
     ]
     return DescentResult(
         time=fell.time,

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.physics.burn import AscentState, burn
 from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast, parachute
-from fieldkit.physics.descent import Sinking, sink
+from fieldkit.physics.descent import FreeFall, Sinking, sink
 from fieldkit.physics.forces import planar
 from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Flags, Float, Integers
@@ -118,7 +118,7 @@ def _fallen(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> Sinking:
     """The descent; the charge fires `wait` after apogee [s]; without a charge the parachute opens at apogee."""
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
     drag = np.maximum(0.5 * setup.drag_area * setup.air.density / mass, LEAST_DRAG)
-    sideways = np.hypot(top.sideways, top.sideways_across)
     terminal = np.sqrt(setup.gravity / drag)
     wait = np.where(np.isnan(wait), -np.inf, wait)
-    return sink(top.height, wait, terminal, parachute(setup), setup.air, sideways, setup.gravity)
+    free = FreeFall(top.height, wait, terminal, (top.sideways, top.sideways_across))
+    return sink(free, parachute(setup), setup.air, setup.gravity)

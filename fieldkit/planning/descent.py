@@ -9,7 +9,7 @@ import numpy as np
 
 from fieldkit.flight.recovery import recovery_of
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.physics.descent import DescentResult, Devices, descend, filling
+from fieldkit.physics.descent import DescentResult, Devices, FreeFall, descend, filling
 from fieldkit.physics.history import recorded_wind
 from fieldkit.physics.wind import WindProfile
 from fieldkit.planning.descent_rate import Fall
@@ -39,7 +39,8 @@ def descents(
     sideways = (np.nan_to_num(prediction.drift_speed), np.nan_to_num(prediction.across_speed))
     fills = filling(np.array(mass), air.density)
     devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time, fills)
-    return descend(prediction.true_apogee, wait, terminal, devices, air, wind or recorded_wind(plan), sideways)
+    free = FreeFall(prediction.true_apogee, wait, terminal, sideways)
+    return descend(free, devices, air, wind or recorded_wind(plan))
 
 
 def durations(

@@ -13,7 +13,7 @@ from fieldkit.flight import TWO_DEVICES, Flight
 from fieldkit.flight.recovery import DESCENT_SPEED, Recovery, measured_sd, recovery_of
 from fieldkit.motors import Found
 from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
-from fieldkit.physics.descent import Devices, fall_time, filling, lag, opening_time, sink
+from fieldkit.physics.descent import Devices, FreeFall, fall_time, filling, lag, opening_time, sink
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import field_setup
 from fieldkit.physics.setups import recorded
@@ -162,12 +162,7 @@ def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
         wait = float(fall_time(np.array(height - flight.eject_altitude / gain), np.array(terminal)))
     else:
         wait = 0.0
-    descent = sink(
-        np.array([height]),
-        np.array([wait]),
-        np.array([terminal]),
-        _devices(flight, found, recovery),
-        air_at_pads([flight]),
-    )
+    free = FreeFall(np.array([height]), np.array([wait]), np.array([terminal]))
+    descent = sink(free, _devices(flight, found, recovery), air_at_pads([flight]))
     opened, speed = (float(np.nan_to_num(one[0])) for one in (descent.open_height, descent.open_speed))
     return _Path(rise, float(descent.free_time[0]), opened, speed)

@@ -1,7 +1,7 @@
 """The landing of a plan as lines for a flyer."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from fieldkit.physics.history import recorded_wind
 from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.flown_descent import air_at_pads, landing_mass
 from fieldkit.planning.landing import ELLIPSE_LEVEL, TRIED_WINDS, Landing, RailChoice, profile_in_words
+from fieldkit.planning.planned_flight import PlannedFlight
 from fieldkit.planning.quantiles import Three, three, three_of_all
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.quantities import ShownUnits, counted, percent
@@ -27,28 +28,16 @@ OFF_AXIS = 0.05
 semi-axis. [1]"""
 
 
-def landing_in_words(
-    prediction: Prediction,
-    down: Landing,
-    fall: Fall,
-    rail: Sequence[RailChoice],
-    site: Site,
-    system: str = "SI",
-    holds: float | None = None,
-    no_rail: str = "",
-) -> Iterator[str]:
-    """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system.
-
-    `holds` is the wind that keeps landings on the field [m/s], `no_rail` why no rail angle is recommended, both as in
-    `PlannedFlight`.
-    """
+def landing_in_words(planned: PlannedFlight, site: Site, system: str = "SI") -> Iterator[str]:
+    """Landing, duration, the basis of the descent, and the recommended rail angle, in the units of a system."""
+    prediction, down, fall, rail = planned.prediction, planned.down, planned.fall, planned.rail
     plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
     yield build_in_words(prediction)
     if not np.isfinite(down.duration).any():
         yield NO_FLIGHT
         yield f"  based on  {rests_in_words(prediction)}"
         return
-    yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, holds)
+    yield from _place(down, site, shown) if down.wind is not None else _unknown_place(down, site, shown, planned.holds)
     yield f"  duration  {seconds_in_words(three(down.duration))}"
     falls = "" if down.landing_speed is None else f"at {shown.speed(down.landing_speed[1])}; "
     yield f"  landing   {falls}{_device(prediction, fall, recovery, shown)}"
@@ -63,7 +52,7 @@ def landing_in_words(
         return
     yield f"  wind      {profile_in_words(recorded_wind(plan), shown)}"
     if not rail:
-        yield f"  recommended rail: none: {no_rail}"
+        yield f"  recommended rail: none: {planned.no_rail}"
         return
     others = ", ".join(f"{_rail(one)}: {shown.length(one.away[1])}" for one in rail[1:4])
     yield f"  recommended rail: {rail_in_words(rail[0], shown)}; {others}"

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.further import numbers
 from fieldkit.importing.read import read
 from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
@@ -61,16 +60,19 @@ def reference() -> Reference:
     """The twelve reference flights."""
     flights = read(REFERENCE_FLIGHTS.read_bytes(), REFERENCE_FLIGHTS.name, lambda name: None).flights
 
+    def column(name: str) -> Array:
+        return np.array([float(flight.text(name)) for flight in flights])
+
     return Reference(
         flights=flights,
         motor=np.array([paper.motor_index(flight.motor) for flight in flights]),
         dry_mass=np.array([flight.number("dry_mass") for flight in flights], float),
         apogee=np.array([flight.number("apogee") for flight in flights], float),
         valid=np.array([flight.clean for flight in flights]),
-        published_apogee=numbers("published_apogee_m", flights),
-        published_openrocket=numbers("published_openrocket_m", flights),
-        published_cd=numbers("published_cd", flights),
-        published_alpha=numbers("published_alpha", flights),
+        published_apogee=column("published_apogee_m"),
+        published_openrocket=column("published_openrocket_m"),
+        published_cd=column("published_cd"),
+        published_alpha=column("published_alpha"),
     )
 
 

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldkit.flight import MEASURED, READOUTS, Flight
-from fieldkit.flight.further import numbers
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
@@ -34,12 +33,17 @@ def known_before(name: str, flights: Sequence[Flight]) -> bool:
     words = _words(name)
     if any(outcome <= words for outcome in _outcomes()):
         return False
-    own = numbers(name, flights)
+    own = own_numbers(name, flights)
     apogee = recorded(flights, "apogee")
     scale = LENGTHS.get(re.split(r"[^a-z]+", name.casefold())[-1])
     if scale and _are_similar(scale * own, apogee):
         return False
     return not any(_restates(own, recorded(flights, column.name)) for column in READOUTS)
+
+
+def own_numbers(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """A column of the user's table in its unit; nan for cells that are not numbers."""
+    return np.array([_number(flight.text(name)) for flight in flights])
 
 
 def _outcomes() -> Iterator[frozenset[str]]:
@@ -66,3 +70,10 @@ def _restates(numbers: Float[Array, "flight"], readout: Float[Array, "flight"]) 
 def _are_similar(lengths: Float[Array, "flight"], apogee: Float[Array, "flight"]) -> bool:
     both = np.isfinite(lengths) & np.isfinite(apogee) & (lengths > 0)
     return bool(both.any() and np.median(np.abs(np.log(lengths[both] / apogee[both]))) < SAME_LENGTH)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")

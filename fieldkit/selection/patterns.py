@@ -12,13 +12,13 @@ from functools import partial
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.further import headers, names_a_lot, numbers, texts
+from fieldkit.flight.further import headers, names_a_lot
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.history import History
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import Candidate, Pattern, Place
-from fieldkit.selection.covariates import known_before
+from fieldkit.selection.covariates import known_before, own_numbers
 from fieldkit.shapes import Array, Float
 
 Weigh = Callable[[Sequence[Flight]], Array]
@@ -103,11 +103,11 @@ def _in_columns(flights: Sequence[Flight]) -> Iterator[PatternKind]:
     for name in headers(flights):
         if names_a_lot(name) or not known_before(name, flights):
             continue
-        own = texts(name, flights)
+        own = _texts(name, flights)
         if len(set(own)) > MOST_VALUES:
-            measured[name] = partial(numbers, name)
+            measured[name] = partial(own_numbers, name)
         elif len(set(own)) > 1:
-            yield {Pattern("text", name, value): _same(partial(texts, name), value) for value in _shared(own)}
+            yield {Pattern("text", name, value): _same(partial(_texts, name), value) for value in _shared(own)}
     for name, read in measured.items():
         column = read(flights)
         if np.isfinite(column).all() and np.ptp(column) > 0:
@@ -159,6 +159,10 @@ def _number_flown(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 
 def _recorded(name: str, flights: Sequence[Flight]) -> Float[Array, "flight"]:
     return recorded(flights, name)
+
+
+def _texts(name: str, flights: Sequence[Flight]) -> list[str]:
+    return [flight.text(name) for flight in flights]
 
 
 def _days(flights: Sequence[Flight]) -> list[str]:

@@ -14,6 +14,7 @@ from fieldkit.motors import catalogue
 from fieldkit.physics.atmosphere import Air, pad_air, wind_at
 from fieldkit.physics.descent import (
     Devices,
+    FreeFall,
     descend,
     fall_by,
     fall_speed,
@@ -50,7 +51,7 @@ def down(
     """Duration, and drift along and across, of one descent."""
     devices = Devices(np.array([first]), np.array([main]), at, opening)
     wind = more.pop("wind", WindProfile())
-    one = descend(np.array([height]), np.array([wait]), np.array([60.0]), devices, AIR, wind, **more)
+    one = descend(FreeFall(np.array([height]), np.array([wait]), np.array([60.0]), **more), devices, AIR, wind)
     return float(one.time[0]), float(one.along[0]), float(one.across[0])
 
 
@@ -98,7 +99,7 @@ def test_a_parachute_slows_a_fall_to_its_own_descent_speed(height: float, before
     takes = height / 20.0 + float(lag(np.array(20.0), np.array(before), np.array(solved.sol(ground)[1])))
     assert takes == pytest.approx(ground, rel=1e-6)
     if before == 0:
-        fell = sink(np.array([height]), np.zeros(1), np.full(1, 60.0), Devices(np.full(1, 20.0)), even)
+        fell = sink(FreeFall(np.array([height]), np.zeros(1), np.full(1, 60.0)), Devices(np.full(1, 20.0)), even)
         assert float(fell.time[0]) == pytest.approx(ground, rel=1e-6)
         assert float(fell.landing_speed[0]) == pytest.approx(float(solved.sol(ground)[1]), rel=1e-6)
 
@@ -153,7 +154,7 @@ def test_a_simulated_flight_descends_like_the_descent_model(delay: float) -> Non
     devices = Devices(np.array([5.0]), opening=0.5, filling=filling(np.array([mass]), setup.air.density))
     terminal = np.sqrt(2 * mass * 9.80665 / (setup.air.density * 0.002))
     wait = np.zeros(1) - np.inf if np.isnan(delay) else up.apogee_to_eject
-    fell = descend(up.apogee, wait, terminal, devices, setup.air, WindProfile())
+    fell = descend(FreeFall(up.apogee, wait, terminal), devices, setup.air, WindProfile())
     assert up.duration - up.rise_time == pytest.approx(fell.time, rel=1e-9)
     if np.isfinite(delay) and up.apogee_to_eject[0] > 0:
         assert up.eject_altitude == pytest.approx(fell.eject_height, rel=1e-9)
@@ -190,8 +191,10 @@ def test_descent_time_with_density_by_height_is_the_integral_of_root_density() -
 
 def test_without_a_charge_the_rocket_falls_ballistically() -> None:
     devices = Devices(np.array([5.0]), np.array([0.0]), 0.0, 0.5)
-    one = descend(np.array([100.0]), np.array([np.nan]), np.array([60.0]), devices, AIR, WindProfile(3.0))
-    late = descend(np.array([100.0]), np.array([30.0]), np.array([60.0]), devices, AIR, WindProfile(3.0))
+    one, late = (
+        descend(FreeFall(np.array([100.0]), np.array([wait]), np.array([60.0])), devices, AIR, WindProfile(3.0))
+        for wait in (np.nan, 30.0)
+    )
     assert one.ballistic.all()
     assert late.ballistic.all()
     assert float(one.time[0]) == pytest.approx(float(fall_time(np.array(100.0), np.array(60.0))))
@@ -230,9 +233,8 @@ def flown_again(case: dict[str, Any], stability: str = "") -> dict[str, float]:
         np.array([case["first_speed"]]), np.array([case["main_speed"]]), case["main_altitude"], case["lag"]
     )
     wind = WindProfile(case["wind"], case.get("wind_aloft"), case.get("wind_aloft_height"))
-    fell = descend(
-        up.apogee, np.zeros(1), np.array([terminal]), devices, setup.air, wind, (up.drift_speed, up.across_speed)
-    )
+    free = FreeFall(up.apogee, np.zeros(1), np.array([terminal]), (up.drift_speed, up.across_speed))
+    fell = descend(free, devices, setup.air, wind)
     return {
         "apogee": float(up.apogee[0]),
         "apogee_along": float(up.drift[0]),

@@ -17,7 +17,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
 from fieldkit.motors import PLUGGED_DELAY, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
-from fieldkit.physics.descent import Devices, descend, filling
+from fieldkit.physics.descent import Devices, FreeFall, descend, filling
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import field_setup
 from fieldkit.physics.wind import WindProfile
@@ -67,7 +67,7 @@ def flown(speed: float, delay: float, main: float | None = None, drogue: float =
     devices = Devices(np.array([first]), np.array([speed]), main or 0.0, 0.5, fills)
     terminal = np.sqrt(2 * landing_mass(flight, FOUND) * 9.80665 / (1.225 * 0.6 * np.pi / 4 * 0.066**2))
     air = field_setup([flight], [FOUND], np.array([0.002])).air
-    down = descend(up.apogee, wait, np.array([terminal]), devices, air, WindProfile())
+    down = descend(FreeFall(up.apogee, wait, np.array([terminal])), devices, air, WindProfile())
     return flight.with_changes(apogee=float(up.apogee[0]), duration=float(up.rise_time[0] + down.time[0]))
 
 
@@ -188,7 +188,7 @@ def test_without_a_wind_the_landing_is_unknown_but_the_drift_per_wind_speed_is_s
     profile = WindProfile(1.0).components(np.linspace(0.0, height, 200))[0].mean()
     assert np.median(found.drift) == pytest.approx(time * profile, rel=0.08)
     assert np.median(found.drift) < time * profile
-    words = " ".join(landing_in_words(calm, found, fall, [], Site(size=300.0)))
+    words = " ".join(landing_in_words(PlannedFlight(calm, fall, found, (), ()), Site(size=300.0)))
     assert "unknown without the wind" in words
     assert " 0 m from the pad" not in words
     assert rail_choices(NEW, calm.plan, FOUND, 0.1) == []
@@ -224,7 +224,7 @@ def test_in_no_wind_a_tilted_rail_misses_a_small_field_and_in_any_wind_a_fast_de
     site = Site(size=60.0)
 
     def words(one: PlannedFlight) -> str:
-        return " ".join(landing_in_words(one.prediction, one.down, one.fall, one.rail, site, holds=one.holds))
+        return " ".join(landing_in_words(one, site))
 
     assert "even in calm air" in words(leaning)
     assert "in any wind up to 10" in words(wide)
@@ -274,11 +274,8 @@ def test_figures_are_only_in_the_units_of_the_flyer(prediction: Prediction) -> N
     assert not [line for line in metric if re.search(r"\d (ft|mph|°F|oz)\b", line)]
     assert not [line for line in american if re.search(r"\d (m|m/s|°C|g)\b", line)]
     down = landing(prediction, usual())
-    words = [
-        *landing_in_words(
-            prediction, down, usual(), [RailChoice("into", 0.1, (1.0, 2.0, 3.0), prediction)], Site(size=300.0), "US"
-        )
-    ]
+    rail = RailChoice("into", 0.1, (1.0, 2.0, 3.0), prediction)
+    words = [*landing_in_words(PlannedFlight(prediction, usual(), down, (), (rail,)), Site(size=300.0), "US")]
     assert not [line for line in words if re.search(r"\d (m|m/s)\b", line)]
 
 
@@ -526,7 +523,7 @@ def test_no_rail_angle_is_recommended_for_a_flight_that_none_makes_safe(changes:
     one = planned_flight(NEW, plan, FOUND, Site(), limits())
     assert one.rail == ()
     assert one.no_rail.startswith(why) or "ground before" in one.no_rail
-    words = landing_in_words(one.prediction, one.down, one.fall, one.rail, Site(), no_rail=one.no_rail)
+    words = landing_in_words(one, Site())
     assert f"recommended rail: none: {one.no_rail}" in "\n".join(words)
 
 
@@ -548,7 +545,7 @@ def test_the_landing_speed_is_that_under_the_parachute_of_the_flights_that_open_
     assert 0.1 < one.down.down.ballistic.mean() < 0.5
     assert one.down.landing_speed[1] == pytest.approx(5.0, rel=0.15)
     assert one.down.json()["landing_speed_mps"]["p50"] == one.down.landing_speed[1]
-    words = " ".join(landing_in_words(one.prediction, one.down, one.fall, one.rail, Site(), no_rail=one.no_rail))
+    words = " ".join(landing_in_words(one, Site()))
     assert f"landing   at {one.down.landing_speed[1]:.1f} m/s" in words
 
 

@@ -10,7 +10,7 @@ from textual.geometry import Size
 from textual.pilot import Pilot
 
 from fieldkit.errors import FieldkitError
-from fieldkit.tui import restarts as module
+from fieldkit.tui import app as module
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.crash import MAX_CRASH_FILES, record
 from fieldkit.tui.flights.flights_page import FlightsScreen

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from functools import partial
 
@@ -76,7 +76,8 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
     if re.fullmatch(r"\d{4}-\d{2}-\d{2}", what) and (flights := _of_day(ledger, what)):
         rockets = list(dict.fromkeys(one.rocket for one in flights))
         sites = ", ".join(dict.fromkeys(one.site for one in flights if one.site))
-        return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, on_progress, system)
+        day = FlightReport(f"Launch day {what}", sites, (), summary=True, system=system)
+        return _of_several(ledger, motors, day, flights, rockets, on_progress)
     try:
         flight = ledger.flight(what)
     except LedgerError as error:
@@ -86,7 +87,8 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
                 raise LedgerError(unknown("flight, rocket or day", what, rockets)) from error
             raise
         flights = ledger.flights(what)
-        return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress, system)
+        season = FlightReport(what, _span(flights), (), summary=True, system=system)
+        return _of_several(ledger, motors, season, flights, [what], on_progress)
     (card,) = cards(ledger, motors, [flight], on_progress, system)
     subtitle = " ".join((flight.rocket, flight.config)).strip()
     return FlightReport(flight_label(card.id, "Flight"), subtitle, (card,), system=system)
@@ -95,13 +97,12 @@ def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgre
 def _of_several(
     ledger: Ledger,
     motors: Catalogue,
-    title: str,
-    subtitle: str,
+    empty: FlightReport,
     flights: Sequence[Flight],
     rockets: Sequence[str],
     on_progress: ReportProgress,
-    system: str,
 ) -> FlightReport:
+    """A report with the cards of several flights, and the loop's findings for their rockets."""
     loops = []
     for place, rocket in enumerate(rockets):
         own = part(part(on_progress, 0.0, 0.6), place / len(rockets), 1 / len(rockets))
@@ -109,9 +110,9 @@ def _of_several(
             loops.append(look(ledger, motors, rocket, own))
     known = {}
     if len(flights) > MAX_FITS:
-        known = {key: one for found in loops for key, one in left_out(found, system).items()}
-    made = cards(ledger, motors, flights, part(on_progress, 0.6, 0.4), system, known)
-    return FlightReport(title, subtitle, tuple(made), tuple(loops), summary=True, system=system)
+        known = {key: one for found in loops for key, one in left_out(found, empty.system).items()}
+    made = cards(ledger, motors, flights, part(on_progress, 0.6, 0.4), empty.system, known)
+    return replace(empty, cards=tuple(made), loops=tuple(loops))
 
 
 def _of_day(ledger: Ledger, what: str) -> list[Flight]:

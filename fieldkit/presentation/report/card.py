@@ -112,7 +112,21 @@ def cards(
         else:
             forecast = known.get((flight.rocket, flight.flight_id)) or _afterwards(ledger, motors, flight, system)
         trace, record = _trace(recordings, id), records[flight.rocket]
-        found.append(_card(id, flight, forecast, learned.get(_identity(flight), ()), trace, record, system))
+        found.append(
+            Card(
+                id=id,
+                flight=flight,
+                readouts=_rows(flight, READOUTS, system),
+                circumstances=_rows(flight, (*SETUP, *CONDITIONS), system),
+                learned=learned.get(_identity(flight), ()),
+                forecast=forecast,
+                trace=trace,
+                record=record.apogees,
+                clean=record.clean,
+                place=record.places.get(flight.flight_id, -1),
+                system=system,
+            )
+        )
     return found
 
 
@@ -143,30 +157,6 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
     others = counted(made.rests_on, "other clean flight")
     words = f"no saved forecast; from {others} it would have been {shown}"
     return CardForecast(made.apogee, interval, False, words)
-
-
-def _card(
-    id: str,
-    flight: Flight,
-    forecast: CardForecast | None,
-    learned: CardRows,
-    trace: HeightTrace | None,
-    record: _FlownApogees,
-    system: str,
-) -> Card:
-    return Card(
-        id=id,
-        flight=flight,
-        readouts=_rows(flight, READOUTS, system),
-        circumstances=_rows(flight, (*SETUP, *CONDITIONS), system),
-        learned=learned,
-        forecast=forecast,
-        trace=trace,
-        record=record.apogees,
-        clean=record.clean,
-        place=record.places.get(flight.flight_id, -1),
-        system=system,
-    )
 
 
 def _record(flights: Sequence[Flight]) -> _FlownApogees:

@@ -254,9 +254,7 @@ class Decision:
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
-        lines = landing_in_words(
-            one.prediction, one.down, one.fall, one.rail, self.site, self.system, one.holds, one.no_rail
-        )
+        lines = landing_in_words(one, self.site, self.system)
         words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
         answer = Answer(
             words,
