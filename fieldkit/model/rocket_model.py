@@ -71,7 +71,7 @@ class Model:
     """A rocket's flights in the order flown, and their shared parameters.
 
     `hyperprior` has the standard deviations, and `shared` the information from other rockets in the ledger about the
-    terms they have in common with this one. A `coarse` model simulates at the resolution `COARSE`,
+    terms they have in common with this one. A `coarse` model simulates at the resolution `COARSE_RESOLUTION`,
     to fit flights or to try hundreds of motors at once.
     """
 

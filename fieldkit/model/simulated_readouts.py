@@ -16,7 +16,7 @@ from fieldkit.model.sources import has_log
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.state import Setup
-from fieldkit.physics.thrust_steps import FINE, Resolution
+from fieldkit.physics.thrust_steps import FORECAST_RESOLUTION, Resolution
 from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
@@ -24,7 +24,7 @@ EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "acro
 """Figures of a flight that a plan needs and the altimeter does not show."""
 REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
 """Unit of the scatter in launch angle. [rad]"""
-COARSE = Resolution(steps=8, knots=12, stride=2.0)
+COARSE_RESOLUTION = Resolution(steps=8, knots=12, stride=2.0)
 """Resolution of a coarse model. For 95% of motors they change the apogee by less than 0.2% and the speed
 off the rail by less than 2% (twice that in wind), a small part of the scatter of flights."""
 
@@ -70,7 +70,7 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
     def bend(what: str) -> Array:
         return np.asarray(bent(model, values, what) + scatter.get(what, 0.0))
 
-    setup = model.history.setup(COARSE if model.coarse else FINE)
+    setup = model.history.setup(COARSE_RESOLUTION if model.coarse else FORECAST_RESOLUTION)
     setup = setup.with_changes(
         drag_area=setup.drag_area * np.exp(bend("drag")),
         thrust_factor=np.exp(bend("thrust")),

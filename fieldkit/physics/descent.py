@@ -168,7 +168,7 @@ def _under(device: Array, stage: tuple[Array, Array], before: Array, air: Air, g
 
 
 def sink(free: FreeFall, devices: Devices, air: Air, gravity: float = STANDARD_GRAVITY) -> Sinking:
-    """Descend from apogee.
+    """Descend from apogee under a gravity [m/s^2].
 
     A charge before apogee fires at the same speed as one equally long after it; the device is open at apogee if there
     was time for it.

@@ -13,7 +13,7 @@ from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics import setups
 from fieldkit.physics.state import Setup
-from fieldkit.physics.thrust_steps import FINE, Resolution
+from fieldkit.physics.thrust_steps import FORECAST_RESOLUTION, Resolution
 from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
@@ -74,7 +74,7 @@ class History:
         """Whether the drag of each flight switches, as the flyer recorded it; None if not."""
         return self.once("drag switches", lambda: tuple(drag_switches(flight) for flight in self.flights))
 
-    def setup(self, resolution: Resolution = FINE) -> Setup:
+    def setup(self, resolution: Resolution = FORECAST_RESOLUTION) -> Setup:
         """The flights as recorded, to be simulated with the drag of a coefficient of 1; errors as in
         `fieldkit.physics.setups.setup_of`. [SI]"""
         return self.once(
@@ -150,7 +150,7 @@ def field_setup(
     found: Sequence[Found],
     drag_area: Float[Array, "*draw flight"],
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
-    resolution: Resolution = FINE,
+    resolution: Resolution = FORECAST_RESOLUTION,
 ) -> Setup:
     """Flights of any rockets as in `setup_of`, in SI. Raises ImpossibleFlight for a flight without a dry mass, BadValue
     for a rail direction, a wind or an opening time that cannot be read.

@@ -19,7 +19,7 @@ from fieldkit.flight.short_name import flight_label
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import altimeter_gain, pad_air, standard_temperature
 from fieldkit.physics.state import Setup
-from fieldkit.physics.thrust_steps import FINE, Burns, Resolution, burns
+from fieldkit.physics.thrust_steps import FORECAST_RESOLUTION, Burns, Resolution, burns
 from fieldkit.physics.wind import WindProfile
 from fieldkit.shapes import Array, Float
 
@@ -65,7 +65,7 @@ def setup_of(
     conditions: Sequence[LaunchConditions],
     drag_area: Float[Array, "*draw flight"],
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
-    resolution: Resolution = FINE,
+    resolution: Resolution = FORECAST_RESOLUTION,
 ) -> Setup:
     """Flights on their motors, one entry per flight along the last axis, in SI units. Raises ImpossibleFlight for a
     flight without a dry mass."""

@@ -27,7 +27,7 @@ class Resolution:
     stride: float = 1.0
 
 
-FINE = Resolution()
+FORECAST_RESOLUTION = Resolution()
 """The resolution of forecasts."""
 
 

@@ -9,7 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.linearization import coast_times
-from fieldkit.model.simulated_readouts import COARSE, shown
+from fieldkit.model.simulated_readouts import COARSE_RESOLUTION, shown
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.physics.flight import fly
 from fieldkit.physics.history import field_setup
@@ -117,7 +117,7 @@ def test_coarse_simulations_agree_with_fine_ones(motors: Catalogue, wind: float,
     planned = [PLAN] * len(every), [Found(motor, None) for motor in every], np.full((1, len(every)), 0.002)
     blown = {"wind": np.array([wind])}
     exact = fly(field_setup(*planned).with_changes(**blown))
-    coarse = fly(field_setup(*planned, resolution=COARSE).with_changes(**blown))
+    coarse = fly(field_setup(*planned, resolution=COARSE_RESOLUTION).with_changes(**blown))
     for name, off in (("apogee", 0.002), ("top_speed", 0.005), ("rail_speed", 0.02), ("coast_time", 0.002)):
         error = np.abs(getattr(coarse, name) / getattr(exact, name) - 1)[0]
         assert np.quantile(error, 0.95) < times * off
