@@ -87,7 +87,7 @@ def test_a_curve_with_the_peak_of_its_record_keeps_its_impulse_and_its_thrust_on
     assert (thrust.max(), impulse(time, thrust)) == pytest.approx((peak, TOTAL), rel=1e-6)
     assert (thrust >= 0).all()
     assert (np.diff(time) > 0).all()
-    if peak > THRUST.max():  # a triangle of 5 ms on each side: all other thrust is less by its share of the impulse
+    if peak > THRUST.max():  # a triangle of 5 ms on each side: all other thrust is less by its fraction of the impulse
         same, share = np.abs(time - 0.1) >= MISSED_PEAK, (peak - THRUST.max()) * MISSED_PEAK / TOTAL
         np.testing.assert_allclose(thrust[same], np.interp(time[same], TIME, THRUST) * (1 - share), rtol=share / 5)
 
@@ -138,7 +138,7 @@ def test_the_check_prints_every_curve_beside_its_record(run: Run) -> None:
     printed = run("motors", "--check", "I284W")
     assert "1.94/1.94" in printed.out
     assert "off by more than 5% in impulse, burn time or average thrust: 0; in peak thrust: 0" in printed.err
-    assert "no curve of its burn has the peak on record" in run("motors", "--check", "I195J").err
+    assert "no curve of its burn has the recorded peak" in run("motors", "--check", "I195J").err
 
 
 def test_a_reshaped_curve_is_marked_where_its_motor_is_named(run: Run) -> None:
