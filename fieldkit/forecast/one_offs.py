@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import declared_places, designed, forecast_model
-from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.forecast.predict import Fits, declared_places, designed, fitted, forecast_model
 from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
 from fieldkit.model.causes import CAUSES, NAMES
 from fieldkit.model.hyperprior import Hyperprior
@@ -80,6 +79,7 @@ def beside_others(
     cds: Mapping[str, float] | None = None,
     shared: SharedPrior | None = None,
     hyperprior: Hyperprior | None = None,
+    fits: Fits | None = None,
 ) -> tuple[FlightBesideOthers, ...]:
     """The flights of one rocket in the order flown, each compared with the others; tagged ones are compared but not
     used. Arguments and errors as in `fieldkit.forecast.predict.predict`."""
@@ -92,10 +92,12 @@ def beside_others(
     for chance, places in _flown_sets(averaged):
         acting = (*places, *declared_places(flights, places))
         model = forecast_model(history, acting, shared, hyperprior)
-        model = replace(designed(model, designs) if designs else model, coarse=True)
+        model = designed(model, designs) if designs else model
+        known = set(model.shared.names) if model.shared else set()
+        used = [i for i, term in enumerate(model.terms) if term.name in known or np.any(term.weight != 0)]
         every = observe(history.using([True] * len(flights)), model.hyperprior)
-        used = fit_robustly(model, observe(history, model.hyperprior), causes=True)
-        parts.append((chance, one_offs(used, every)))
+        fit = fitted(model.only(used), observe(history, model.hyperprior), {} if fits is None else fits)
+        parts.append((chance, one_offs(fit, every)))
     whole = _mixed(parts)
     return tuple(_beside(flight, whole, row) for row, flight in enumerate(flights))
 

@@ -58,6 +58,10 @@ def model_name(accepted: Sequence[Place]) -> str:
     return "+".join(["field", *(spoken(place.effect) or "unexplained" for place in accepted)])
 
 
+Fits = dict[Hashable, Fit]
+"""Fits of one rocket's flights by what their models have in common and what not: all but the flights."""
+
+
 @dataclass(frozen=True, slots=True)
 class FittedForecast:
     """Posterior draws of every term for the simulation of planned flights.
@@ -89,6 +93,7 @@ def predict(
     hyperprior: Hyperprior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
+    fits: Fits | None = None,
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from its flights in the order flown.
 
@@ -97,8 +102,9 @@ def predict(
     an anomaly tag count as flown and are not used in the fit; outliers have little weight. Recorded wind acts with the
     prior of its effect, accepted or not, unless `declared` is False. `cds` are the drag coefficients of designs by
     configuration, which replace the prior mean of any rocket [1]. `shared` is the information from the flyer's other
-    rockets; `hyperprior` is by default the learned one. Raises ImpossibleFlight for a flight without a dry mass,
-    DamagedModel if the learned hyperprior cannot be read.
+    rockets; `hyperprior` is by default the learned one. `fits` are fits of the same flights, with the same design and
+    other rockets, to be used and added to. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the
+    learned hyperprior cannot be read.
     """
 
     def predict_rows(rows: Sequence[int]) -> list[Prediction]:
@@ -113,6 +119,7 @@ def predict(
             hyperprior=hyperprior,
             draws=draws,
             seed=seed,
+            fits=fits,
         )
         return fly_ahead(fitted, paired=True)
 
@@ -130,6 +137,7 @@ def learn(
     hyperprior: Hyperprior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
+    fits: Fits | None = None,
 ) -> FittedForecast:
     """Fit the flown flights of a history for its plans, which are of one kind (see `fieldkit.forecast.kinds`). Other
     arguments and errors as in `predict`."""
@@ -143,7 +151,7 @@ def learn(
     model = forecast_model(history, every, shared, hyperprior)
     model = designed(model, designs) if designs else model
     data = observe(history, model.hyperprior)
-    rng, fits = np.random.default_rng(seed), dict[Hashable, Fit]()
+    rng, fits = np.random.default_rng(seed), {} if fits is None else fits
     parts = []
     for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):
         if count:
@@ -153,6 +161,12 @@ def learn(
     rests_on = int(np.sum(data.seen.any(axis=1)))
     name = model_name(sets[0][1])
     return FittedForecast(model.part(slice(flown, None)), parts[0][0], values, scales, rests_on, name, rng, parts[0][3])
+
+
+def fitted(model: Model, data: Data, fits: Fits) -> Fit:
+    """The fit of flown flights, from `fits` if it is there, otherwise added to them."""
+    key = tuple((term.name[:2], term.bends, term.mean, term.sd, *term.weight) for term in model.terms)
+    return fits.get(key) or fits.setdefault(key, fit_robustly(replace(model, coarse=True), data, causes=True))
 
 
 def _allotted(chances: Sequence[float], draws: int) -> list[int]:
@@ -174,7 +188,7 @@ def _drawn_with(
     flown: int,
     draws: int,
     rng: np.random.Generator,
-    fits: dict[Hashable, Fit],
+    fits: Fits,
 ) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 3"], tuple[str, ...]]:
     """The final point of a fit of some of a model's terms, draws of every term (zero for terms it lacks) and of the
     scales, and a line for each outlier. `fits` are the fits so far: what acts only ahead does not change them."""
@@ -182,9 +196,7 @@ def _drawn_with(
     known = set(part.shared.names) if part.shared else set()
     acted = [i for i, term in enumerate(part.terms) if term.name in known or np.any(term.weight[:flown] != 0)]
     used = acted or [0]  # a rocket never flown has the prior instead of a fit
-    flown_part = replace(part.part(slice(0, len(data.seen))).only(used), coarse=True)
-    key = tuple((term.name[:2], term.bends, term.mean, term.sd, *term.weight) for term in flown_part.terms)
-    result = fits.get(key) or fits.setdefault(key, fit_robustly(flown_part, data, causes=True))
+    result = fitted(part.part(slice(0, len(data.seen))).only(used), data, fits)
     part = replace(part, hyperprior=result.model.hyperprior)
     own, scales = term_draws(part, used, result, draws, rng, again=bool(flown))
     values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))

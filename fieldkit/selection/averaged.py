@@ -115,36 +115,39 @@ def _sampled(one: Hypothesis) -> _ByHypothesis:
 def _refitted(one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int]) -> _ByHypothesis:
     """Forecasts of some flights by a hypothesis from fits without each of them."""
     assert one.sampled is not None
-    found = []
-    for row, again in zip(rows, refits_without(one.sampled.fit, rows), strict=True):
+    found, scales = [], one.sampled.scales
+    for row, again in zip(rows, refits_without(one.sampled.fit, rows, scales), strict=True):
         apogee = again.tangent.slope[row, 0]
         mean = again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee
         known = np.einsum("t,stu,u->s", apogee, again.covariance, apogee)
-        found.append((mean, known, own_variance(again)[:, row], again.log_weight))
+        found.append((mean, known, own_variance(again)[scales, row], again.log_weight))
     return _with_flights(one, forecasts, rows, [np.stack(part, axis=-1) for part in zip(*found, strict=True)])
 
 
 def _linear(one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int]) -> _ByHypothesis:
     """As `_refitted`, with readouts that are linear around the fit to all flights."""
     assert one.sampled is not None
-    found, own = leave_one_out(one.sampled.fit), own_variance(one.sampled.fit)
-    parts = [part[:, rows] for part in (found.mean, found.known, own, found.log_weight)]
+    found, own, scales = leave_one_out(one.sampled.fit), own_variance(one.sampled.fit), one.sampled.scales
+    parts = [part[scales][:, rows] for part in (found.mean, found.known, own, found.log_weight)]
     return _with_flights(one, forecasts, rows, parts)
 
 
 def _with_flights(
     one: Hypothesis, forecasts: _ByHypothesis, rows: Sequence[int], parts: Sequence[Float[Array, "scale some"]]
 ) -> _ByHypothesis:
-    """The forecasts with those of some flights replaced: their mean, both variances, and the log weight of every
-    scale."""
+    """The forecasts with those of some flights replaced: their mean, both variances, and the log weight of each of the
+    scales in the sum."""
     assert one.sampled is not None
-    *normal, log_scale = [part[one.sampled.scales] for part in parts]
-    total, kept = np.logaddexp.reduce(parts[-1], axis=0), np.logaddexp.reduce(log_scale, axis=0)
+    *normal, log_scale = parts
+    total = np.logaddexp.reduce(log_scale, axis=0)
     columns = [whole.copy() for whole in (forecasts.mean, forecasts.known, forecasts.own, forecasts.weight)]
-    for column, part in zip(columns, (*normal, np.exp(log_scale - kept)), strict=True):
+    for column, part in zip(columns, (*normal, np.exp(log_scale - total)), strict=True):
         column[:, rows] = part
-    log_weight = forecasts.log_weight.copy()
-    log_weight[rows] = one.log_prior + one.sampled.log_evidence - one.sampled.fit.log_evidence + total
+    log_weight, known_fit = (
+        forecasts.log_weight.copy(),
+        np.logaddexp.reduce(one.sampled.fit.log_weight[one.sampled.scales]),
+    )
+    log_weight[rows] = one.log_prior + one.sampled.log_evidence - known_fit + total
     mean, known, own, weight = columns
     return _ByHypothesis(mean, known, own, weight, log_weight)
 

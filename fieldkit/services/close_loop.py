@@ -13,6 +13,8 @@ from fieldkit.analysis.force_profile import drag_profile
 from fieldkit.errors import LedgerError, NoFlights, UnusableLedger
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.rivals import rival_scores
+from fieldkit.forecast.one_offs import beside_others
+from fieldkit.forecast.predict import Fits
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
@@ -31,9 +33,9 @@ from fieldkit.selection.logged_forces import (
     without_coast_drag,
 )
 from fieldkit.selection.unexplained import Leftover, leftover
-from fieldkit.services.findings import Findings, findings
+from fieldkit.services.findings import Findings, findings, next_flight
+from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_average, flown
-from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.services.plausible_flights import exclusions
 from fieldkit.services.replay import FlightRecordings
 
@@ -127,10 +129,15 @@ def look(
         given=given,
         declined=declined,
     )
-    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3))
-    flights = flights_beside_others(ledger, motors, rocket, diagnosis.averaged)
-    rivals = rival_scores(flown(ledger, motors, rocket))
-    return replace(found, flights=flights, rivals=rivals, excluded=tuple(exclusions(ledger.flights(rocket), motors)))
+    history = flown(ledger, motors, rocket)
+    shared, fits = fleet_prior(ledger, motors, rocket), Fits()
+    cds = ledger.rocket(rocket).cds(flight.config for flight, _ in history)
+    flights = beside_others(history, diagnosis.averaged, cds=cds, shared=shared, fits=fits)
+    upcoming = next_flight(history, diagnosis.averaged, cds=cds, shared=shared, fits=fits)
+    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), upcoming)
+    return replace(
+        found, flights=flights, rivals=rival_scores(history), excluded=tuple(exclusions(ledger.flights(rocket), motors))
+    )
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

@@ -1,15 +1,20 @@
 """The findings of a closed loop, computed once, so that terminal, JSON and page show the same figures."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from math import log
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.rivals import RivalScore
 from fieldkit.forecast.one_offs import FlightBesideOthers
-from fieldkit.forecast.predict import predict
+from fieldkit.forecast.predict import Fits, predict
+from fieldkit.model.rocket_model import FlownFlights
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.averaged import Ahead, ahead
+from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
 from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
@@ -99,9 +104,11 @@ def findings(
     rocket: str,
     diagnosis: Diagnosis,
     on_progress: ReportProgress = no_op,
+    upcoming: NextFlight | None = None,
 ) -> Findings:
-    """The findings for a diagnosis. Raises BadValue for a recovery figure or rail direction that cannot be read."""
-    truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
+    """The findings for a diagnosis. `upcoming` is by default forecast from the diagnosed flights alone. Raises BadValue
+    for a recovery figure or rail direction that cannot be read."""
+    model, truth, seen = diagnosis.model, diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
     return Findings(
@@ -123,7 +130,7 @@ def findings(
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
         unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
-        next_flight=next_flight(diagnosis),
+        next_flight=upcoming or next_flight(tuple(zip(model.flights, model.found, strict=True)), diagnosis.averaged),
     )
 
 
@@ -134,13 +141,19 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
     return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
-def next_flight(diagnosis: Diagnosis) -> NextFlight:
-    """The forecasts of repeating the last flight, before and after."""
-    history = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
+def next_flight(
+    history: FlownFlights,
+    averaged: Averaged,
+    *,
+    cds: Mapping[str, float] | None = None,
+    shared: SharedPrior | None = None,
+    fits: Fits | None = None,
+) -> NextFlight:
+    """The forecasts of repeating the last flight, before and after; arguments as in `predict`."""
     last, motor = history[-1]
     plan = [(last.unflown(tags=()), motor)]
-    (before,) = predict(history, plan, declared=False, draws=NEXT_FLIGHT_DRAWS)
-    (after,) = predict(history, plan, averaged=diagnosis.averaged, draws=NEXT_FLIGHT_DRAWS)
+    sure = partial(predict, history, plan, cds=cds, shared=shared, draws=NEXT_FLIGHT_DRAWS, fits=fits)
+    (before,), (after,) = sure(declared=False), sure(averaged=averaged)
     low, middle, high = after.apogee_quantiles()
     return NextFlight(last, before.apogee_quantiles()[1], middle, (low, high))
 

@@ -1,6 +1,7 @@
 """Leave-one-out forecasts by hypotheses: a repeated fit and importance sampling give a hypothesis the same weight."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,9 +51,9 @@ def test_a_repeated_fit_has_the_weight_of_importance_sampling() -> None:
 def test_the_number_of_repeated_fits_does_not_grow_with_the_flights(monkeypatch: pytest.MonkeyPatch) -> None:
     repeated: list[int] = []
 
-    def counted(whole: Fit, rows: list[int]) -> list[Fit]:
+    def counted(whole: Fit, rows: list[int], scales: Any) -> list[Fit]:
         repeated.extend(rows)
-        return refits_without(whole, rows)
+        return refits_without(whole, rows, scales)
 
     one = unreliable(MANY)
     monkeypatch.setattr(averaged, "refits_without", counted)

@@ -182,8 +182,8 @@ def probable_scales(known: Fit) -> Int[Integers, "scale"]:
     return np.flatnonzero(within)
 
 
-def _settled(result: Fit) -> Fit:
-    """The fit with converged weights of outlier flights and all pairs of scales."""
+def _settled(result: Fit, scales: Int[Integers, "scale"] | None = None) -> Fit:
+    """The fit with converged weights of outlier flights and all pairs of scales, or `scales`."""
     for _ in range(MAX_SETTLING_ROUNDS):
         if result.flight_weight is None:
             break
@@ -191,9 +191,9 @@ def _settled(result: Fit) -> Fit:
         if np.max(np.abs(np.log(weight / result.flight_weight)), initial=0.0) < FLIGHT_WEIGHT_TOLERANCE:
             break
         result = solve(result.model, result.data, result.tangent, weight, probable_scales(result))
-    if result.scales is None:
+    if result.scales is None and scales is None:
         return result
-    return solve(result.model, result.data, result.tangent, result.flight_weight)
+    return solve(result.model, result.data, result.tangent, result.flight_weight, scales)
 
 
 def _joined(lanes: Sequence[Lane], walks: Sequence[DampedSteps], moving: Sequence[int]) -> dict[int, int]:
@@ -217,9 +217,9 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
     return result is not None and result.log_evidence > log_evidence
 
 
-def refits_without(whole: Fit, rows: Sequence[int]) -> list[Fit]:
-    """Fits without each of some flights, in parallel, starting from the fit to all of them. Raises ImpossibleFlight for
-    a flight without a dry mass."""
+def refits_without(whole: Fit, rows: Sequence[int], scales: Int[Integers, "scale"] | None = None) -> list[Fit]:
+    """Fits without each of some flights, in parallel, starting from the fit to all of them, for some pairs of scales
+    (by default all). Raises ImpossibleFlight for a flight without a dry mass."""
     every = tuple(range(len(whole.model.terms)))
     angle_slope = known_angle_slope(whole.model, whole.tangent)
     likely = probable_scales(whole)
@@ -234,7 +234,7 @@ def refits_without(whole: Fit, rows: Sequence[int]) -> list[Fit]:
             moving, tangents(whole.model, [(every, walks[i].at) for i in moving], angle_slope), strict=True
         ):
             found[i] = _moved(found[i], tangent)
-    return [_settled(one) for one in found]
+    return [_settled(one, scales) for one in found]
 
 
 def _unseen(data: Data, row: int) -> Data:

@@ -231,21 +231,26 @@ class _Flight:
         """Log likelihood of the flight if a cause shifts its readouts. [nat]
 
         The inverse and determinant with the added rank of the spread v follow from those without: Sherman and
-        Morrison's formula and the matrix determinant lemma.
+        Morrison's formula and the matrix determinant lemma. A quadratic form in the inverse S is linear in S: all
+        strengths follow from one product of the inverses with the products of their shifts.
         """
         precision = _precisions(self.tail, 1 + self.error.shape[1])
-        diagonal = np.arange(self.error.shape[1])
+        own = self.error.shape[1]
+        diagonal = np.arange(own)
         covariance = self.known[:, None] + self.scatter[:, None] / precision[:, :1, None]
         covariance[..., diagonal, diagonal] += self.reading[:, None] / precision[:, 1:]
         sharpness, log_det = inverses(covariance)
-        off = self.error[:, None] - shift
-        weighed = off[:, None] @ sharpness  # scale draw strength own
-        spreaded = spread @ sharpness
-        added = 1.0 + (spreaded * spread).sum(axis=-1)
-        along = (weighed * spread).sum(axis=-1)
-        square = (weighed * off[:, None]).sum(axis=-1) - along**2 / added
-        constant = self.log_weight[:, None, None] - log(len(precision)) - self.error.shape[1] / 2 * log(2 * pi)
-        each = constant - 0.5 * (square + np.log(added) + log_det[..., None])
+        flat = sharpness.reshape(*sharpness.shape[:2], -1)
+
+        def form(one: Float[Array, "strength own"], other: Float[Array, "strength own"]) -> Array:
+            return np.asarray(flat @ (one[:, :, None] * other[:, None, :]).reshape(len(one), -1).T)
+
+        weighed = (self.error[:, None, None] @ sharpness)[:, :, 0]
+        along = weighed @ spread.T - form(shift, spread)
+        added = 1.0 + form(spread, spread)
+        square = (weighed * self.error[:, None]).sum(axis=-1)[..., None] - 2 * weighed @ shift.T + form(shift, shift)
+        constant = self.log_weight[:, None, None] - log(len(precision)) - own / 2 * log(2 * pi)
+        each = constant - 0.5 * (square - along**2 / added + np.log(added) + log_det[..., None])
         highest = each.max(axis=(0, 1))
         return np.asarray(highest + np.log(np.exp(each - highest).sum(axis=(0, 1))))
 
