@@ -3,16 +3,16 @@
 Each kind of table is made of `--flights` known flights (25), and every sample log of every parser is changed in each of
 the ways of `bench.mutations.files`. A variant is *right* if each readout agrees with the truth, *refused* if a message
 names the file, and *silently wrong* if a readout is off by more than 5% and three standard deviations: for a table from
-the flight, for a sample log from what it gives unchanged. `--keep FILE` saves the counts of each kind. Returns 1 if one
-is silently wrong.
+the flight, for a sample log from what it gives unchanged. `--keep FILE` saves the counts of each kind, `--only` selects
+kinds by a word, and `--workers` is the number of processes. Returns 1 if one is silently wrong.
 """
 
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ from fieldkit.analysis import Recorded
 from fieldkit.errors import FieldkitError
 from fieldkit.importing.read import read
 from fieldkit.importing.tables.mapping import read_choice
+from fieldkit.parallel import processes
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 
@@ -45,15 +46,19 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     parser.add_argument("--keep", type=Path)
+    parser.add_argument("--workers", type=int, default=1)
     asked = parser.parse_args(arguments)
     counts: dict[str, Count] = {}
-    for name, count in chain(_tables(asked.only, asked.flights, asked.seed), _files(asked.only)):
-        counts[name] = count
-        sys.stdout.write(f"| {name} | {count.right} | {count.refused} | {len(count.wrong)} |\n")
-        sys.stdout.writelines(f"  {line}\n" for line in count.wrong)
-        sys.stdout.flush()
-        if asked.keep:
-            asked.keep.write_text(json.dumps({one: asdict(each) for one, each in counts.items()}, indent=1) + "\n")
+    kinds = [(name, asked.flights, asked.seed) for name in (*KINDS, *FILES) if asked.only in name]
+    with processes(asked.workers) if asked.workers > 1 else nullcontext() as pool:
+        found = pool.map(_counted, kinds) if pool else map(_counted, kinds)
+        for (name, *_), count in zip(kinds, found, strict=True):
+            counts[name] = count
+            sys.stdout.write(f"| {name} | {count.right} | {count.refused} | {len(count.wrong)} |\n")
+            sys.stdout.writelines(f"  {line}\n" for line in count.wrong)
+            sys.stdout.flush()
+            if asked.keep:
+                asked.keep.write_text(json.dumps({one: asdict(each) for one, each in counts.items()}, indent=1) + "\n")
     right, refused, wrong = (sum(_sizes(one)[place] for one in counts.values()) for place in range(3))
     sys.stdout.write(f"| **{right + refused + wrong} variants** | {right} | {refused} | {wrong} |\n")
     return 1 if wrong else 0
@@ -63,39 +68,34 @@ def _sizes(count: Count) -> tuple[int, int, int]:
     return count.right, count.refused, len(count.wrong)
 
 
-def _tables(only: str, flights: int, seed: int) -> Iterator[tuple[str, Count]]:
-    """Each kind of table, of the same flights."""
-    paths = draw(np.random.default_rng(seed), flights)
-    for number, (name, kind) in enumerate(KINDS.items()):
-        if only in name:
-            count = Count()
-            for place, path in enumerate(paths):
-                sheet = kind(log_of(path, np.random.default_rng([seed, number, place])))
-                _judge(count, f"{name} {place}", sheet.text(), sheet.maps, path.readouts())
-            yield name, count
-
-
-def _files(only: str) -> Iterator[tuple[str, Count]]:
-    """Each change of a file, to every sample log that has a flight with samples."""
-    for name, change in FILES.items():
-        if only in name:
-            count = Count()
-            for file in sorted(SAMPLES.iterdir()):
-                for first in _recorded(file.read_bytes(), ())[:1]:
-                    truth = {readout: figure.value for readout, figure in first.figures.items()}
-                    _judge(count, f"{name}, {file.name}", change(file.read_bytes()), (), truth)
-            yield name, count
+def _counted(kind: tuple[str, int, int]) -> Count:
+    """The variants of one kind, of some flights and by a seed: a table of each flight, or every sample log changed."""
+    name, flights, seed = kind
+    count = Count()
+    if name in KINDS:
+        for place, path in enumerate(draw(np.random.default_rng(seed), flights)):
+            sheet = KINDS[name](log_of(path, np.random.default_rng([seed, list(KINDS).index(name), place])))
+            _judge(count, f"{name} {place}", sheet.text(), sheet.maps, (sheet.path or path).readouts())
+    else:
+        for file in sorted(SAMPLES.iterdir()):
+            for first in _recorded(file.read_bytes(), ())[:1]:
+                truth = {readout: figure.value for readout, figure in first.figures.items()}
+                _judge(count, f"{name}, {file.name}", FILES[name](file.read_bytes()), (), truth)
+    return count
 
 
 def _recorded(log: bytes, maps: Sequence[str]) -> list[Recorded]:
-    """The flights in a log; none if it is refused, which names the file."""
+    """The flights in a log; none if a message that names the file says why."""
     try:
         imported = read(log, "log.csv", lambda motor: None, None, [read_choice(maps)] if maps else [])
     except FieldkitError as error:
         if "log.csv" not in str(error):
             raise
         return []
-    return [one for one in imported.recorded if one is not None]
+    found = [one for one in imported.recorded if one is not None and one.figures]
+    if not found and not imported.rejected and not imported.flights:
+        raise AssertionError(f"a log with neither a flight nor a message: {imported.notes}")
+    return found
 
 
 def _judge(count: Count, name: str, log: bytes, maps: Sequence[str], truth: Mapping[str, float]) -> None:

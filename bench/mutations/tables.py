@@ -27,13 +27,18 @@ class Sheet:
     below: str = ""
     maps: tuple[str, ...] = ()
     """What the user writes after `--map`."""
+    units: str = ""
+    """A row between the names and the cells."""
+    encoding: str = "utf-8"
+    path: Path | None = None
+    """The flight that it shows, if it is another one."""
 
     def text(self) -> bytes:
         """The bytes of the file."""
         rows = zip(*(cells for _, cells in self.columns), strict=True)
         names = self.separator.join(name for name, _ in self.columns)
-        body = "\n".join([names, *(self.separator.join(row) for row in rows)])
-        return f"{self.above}{body}\n{self.below}".encode()
+        body = "\n".join([names, *([self.units] if self.units else []), *(self.separator.join(row) for row in rows)])
+        return f"{self.above}{body}\n{self.below}".encode(self.encoding)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +50,7 @@ class Log:
     felt: Float[Array, "row"]
     speed: Float[Array, "row"]
     ground: float
+    path: Path = field(repr=False)
     rng: np.random.Generator = field(repr=False)
 
     @property
@@ -53,9 +59,9 @@ class Log:
         return height_pressure(self.height + self.ground)
 
 
-def log_of(path: Path, rng: np.random.Generator) -> Log:
-    """The rows of a flight by a barometer and an accelerometer on one clock."""
-    time = np.arange(-WAIT, path.landing + REST, 1 / RATE)
+def log_of(path: Path, rng: np.random.Generator, rate: float = RATE, wait: float = WAIT) -> Log:
+    """The rows of a flight by a barometer and an accelerometer on one clock, and the time on the pad. [1/s], [s]"""
+    time = np.arange(-wait, path.landing + REST, 1 / rate)
     height = sampled(path, time, path.height, 0.0) + rng.normal(0, HEIGHT_NOISE, time.size)
     felt = sampled(path, time, path.push, GRAVITY)
     free = path.ejection if path.ejection is not None else path.apogee_time
@@ -63,7 +69,7 @@ def log_of(path: Path, rng: np.random.Generator) -> Log:
     felt = np.where(hangs, 0.5 * GRAVITY + rng.normal(0, SWING, time.size), felt)
     felt = felt + rng.normal(0, FELT_NOISE, time.size)
     speed = np.gradient(sampled(path, time, path.height, 0.0), time)
-    return Log(time, height, felt, speed, float(pressure_height(np.array([path.station]))[0]), rng)
+    return Log(time, height, felt, speed, float(pressure_height(np.array([path.station]))[0]), path, rng)
 
 
 def cells(values: Float[Array, "row"], decimals: int = 3) -> list[str]:
@@ -194,6 +200,58 @@ def grouped(log: Log, mark: str) -> Sheet:
     return replace(sheet, columns=(sheet.columns[0], ("altitude (ft)", feet), sheet.columns[2]))
 
 
+def grouped_by_commas(log: Log) -> Sheet:
+    """Heights above the sea in feet, with commas between their thousands and quotes around them."""
+    feet = [f'"{one:,.1f}"' for one in ((log.height + 400) / FOOT).tolist()]
+    return renamed_height(log, "altitude (ft)", feet)
+
+
+def texts(values: Float[Array, "row"], form: str) -> list[str]:
+    """Times [s] as hours, minutes and seconds, or as minutes and seconds."""
+    return [
+        form.format(h=int(one // 3600), m=int(one // 60 % 60), mm=int(one // 60), s=one % 60)
+        for one in np.round(values, 3).tolist()
+    ]
+
+
+def twice(log: Log, pause: float) -> Sheet:
+    """A second flight of a lower rocket below the first, on one clock. [s]"""
+    second = replace(log, height=0.7 * log.height, felt=GRAVITY + 0.7 * (log.felt - GRAVITY))
+    later = replace(
+        plain(second), columns=(("", cells(log.time + float(np.ptp(log.time)) + pause)), *plain(second).columns[1:])
+    )
+    return below(plain(log), later)
+
+
+def below(sheet: Sheet, more: Sheet) -> Sheet:
+    """The rows of two tables."""
+    pairs = zip(sheet.columns, more.columns, strict=True)
+    return replace(sheet, columns=tuple((name, [*one, *other]) for (name, one), (_, other) in pairs))
+
+
+def tumbling(path: Path) -> Path:
+    """A flight whose parachute stayed in: after its top it falls at 14 m/s, in v = u tanh(g t / u)."""
+    fall, top = 14.0, float(path.height.max())
+    since = np.maximum(path.time - path.apogee_time, 0.0)
+    fell = np.maximum(top - fall**2 / GRAVITY * np.log(np.cosh(GRAVITY * since / fall)), 0.0)
+    after = path.time > path.apogee_time
+    landing = float(path.time[after & (fell <= 0)][0])
+    return replace(path, height=np.where(after, fell, path.height), ejection=None, landing=landing)
+
+
+def fallen(log: Log, *, felt: bool) -> Sheet:
+    """A flight without a parachute, by a barometer and perhaps an accelerometer."""
+    path = tumbling(log.path)
+    sheet = replace(plain(log_of(path, log.rng)), path=path)
+    return sheet if felt else without(sheet, "acceleration (g)")
+
+
+def heading_again(log: Log) -> Sheet:
+    """The heading once more in the middle, as a logger that restarts its file writes it."""
+    sheet, middle = plain(log), log.time.size * 3 // 4
+    return replace(sheet, columns=tuple((name, [*one[:middle], name, *one[middle:]]) for name, one in sheet.columns))
+
+
 def rows(sheet: Sheet, order: Int[Integers, "row"]) -> Sheet:
     """Some of the rows, in an order."""
     places = order.tolist()
@@ -295,6 +353,57 @@ KINDS: Mapping[str, Kind] = {
     "an acceleration that is late": lambda log: plain(replace(log, felt=np.interp(log.time - 1.2, log.time, log.felt))),
     "a column that the user excludes": lambda log: replace(
         beside(log, "alt b (m)", log.height + 40 * np.sin(log.time)), maps=("exclude=alt b (m)",)
+    ),
+    "hours, minutes and seconds": lambda log: clock(log, "time", texts(log.time + WAIT, "{h:02}:{m:02}:{s:06.3f}")),
+    "minutes and seconds": lambda log: clock(log, "time", texts(log.time + 1_700, "{mm:02}:{s:04.1f}")),
+    "a time of day and a date": lambda log: clock(
+        log, "timestamp", [f"2025-06-14T{one}Z" for one in texts(log.time + 40_000, "{h:02}:{m:02}:{s:06.3f}")]
+    ),
+    "tabs and decimal commas": lambda log: replace(swapped_marks(plain(log)), separator="\t"),
+    "spaces between columns": lambda log: replace(
+        renamed(plain(log), time="time_s", altitude="altitude_m", acceleration="accel_g"), separator="  "
+    ),
+    "thousands with commas in quotes": grouped_by_commas,
+    "UTF-16": lambda log: replace(plain(log), encoding="utf-16"),
+    "a heading after fifty comments": lambda log: replace(
+        plain(log), above="".join(f"# setting {one}: {one * 3 % 7}\n" for one in range(50))
+    ),
+    "units in a row below the names": lambda log: replace(
+        renamed(plain(log), time="time", altitude="altitude", acceleration="acceleration"), units="s,m,g"
+    ),
+    "feet in a row below the names": lambda log: replace(
+        renamed(renamed_height(log, "altitude", cells(log.height / FOOT, 1)), time="time", acceleration="acceleration"),
+        units="(s),(ft),(g)",
+    ),
+    "the heading again among the rows": heading_again,
+    "empty columns": lambda log: plain(log, ("temperature (C)", [""] * log.time.size), ("", [""] * log.time.size)),
+    "a column of words": lambda log: plain(
+        log, ("state", ["BOOST" if 0 < one < log.path.burnout else "IDLE" for one in log.time.tolist()])
+    ),
+    "two flights on one clock": lambda log: twice(log, 60.0),
+    "two flights with hardly a pause": lambda log: twice(log, 5.0),
+    "once a second": lambda log: plain(log_of(log.path, log.rng, 1.0)),
+    "a thousand times a second": lambda log: plain(log_of(log.path, log.rng, 1000.0)),
+    "an hour on the pad": lambda log: plain(log_of(log.path, log.rng, 10.0, 3600.0)),
+    "a barometer alone, an hour on the pad": lambda log: without(
+        plain(log_of(log.path, log.rng, 10.0, 3600.0)), "acceleration (g)"
+    ),
+    "no time on the pad": lambda log: rows(plain(log), np.flatnonzero(log.time >= 0)),
+    "a descent without a parachute": lambda log: fallen(log, felt=True),
+    "a barometer alone, no parachute": lambda log: fallen(log, felt=False),
+    "heights below the sea": lambda log: plain(replace(log, height=log.height - 420)),
+    "heights below the pad's zero": lambda log: plain(replace(log, height=log.height - 35)),
+    "a pad at 3,000 m, pressures": lambda log: by_pressure(replace(log, ground=3000.0), "pressure (hPa)", 100.0, 2),
+    "a pad at 3,000 m, heights above the sea in feet": lambda log: renamed_height(
+        log, "altitude msl (ft)", cells((log.height + 3000) / FOOT, 1)
+    ),
+    "heights in inches": lambda log: renamed_height(log, "altitude (in)", cells(log.height / FOOT * 12, 0)),
+    "satellites that start from zero": lambda log: without(
+        renamed_height(log, "gps altitude (m)", cells(log.height + log.rng.normal(0, 1.5, log.time.size), 1)),
+        "acceleration (g)",
+    ),
+    "a filtered height beside the raw one": lambda log: beside(
+        log, "filtered altitude (m)", np.convolve(log.height, np.ones(9) / 9, "same")
     ),
 }
 """Kinds of variants by what was done."""
