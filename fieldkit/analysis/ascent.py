@@ -18,9 +18,10 @@ from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
 from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, settled
 from fieldkit.analysis.records import Event, Sightings
-from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.robust_statistics import mad_sd, median_step
 from fieldkit.analysis.samples import Marks, Samples, samples_on
 from fieldkit.analysis.smooth import Grid, apply, unlagged
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 DRAWS = 200
@@ -49,6 +50,13 @@ _MIN_WEIGHT = 0.02
 """Smallest probability of a lag that counts. [1]"""
 _LONG_LAG = 0.2
 """Shortest lag that makes a boost look much smoother: process noises are also estimated for one of these. [s]"""
+_ON_COURSE, _OPENED, _OPENED_SAMPLES = 2.0, 5.0, 3
+"""How far below their coast heights may be that are on it, and how far they are in the median after a parachute opened,
+in their noise; and the fewest of those. [1]"""
+_OPENING_ROUNDS = 6
+"""Rounds in which the opening of a parachute is located. [1]"""
+_SEEN_OPENING = 0.5
+"""How long after the highest heights an earlier opening is still looked for. [s]"""
 _MAX_EVIDENCE_LOSS = 10.0
 """Log evidence by which two lags in a row are behind the most probable one if longer lags are not tried. [1]"""
 
@@ -122,6 +130,12 @@ def ascend(
         lift, ended.time if ended else seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf
     )
     start = _fit_start(track, seen, grid, near, push, marks, sighted)
+    for _ in range(_OPENING_ROUNDS):  # without the samples after the opening the coast fits those before it better
+        opened = _opened(start, marks, seen)
+        if opened > marks.released - grid.step:
+            break
+        marks = replace(marks, released=opened, charge=min(marks.charge, opened))
+        start = _fit_start(track, seen, grid, near, push, marks, sighted)
     slow = near & ~_near_sound(track, grid, start.guess)
     shocked = track.is_barometric and seen.transonic and not start.fused
     disturbed = fallen.any() or track.disturbed or shocked
@@ -145,6 +159,30 @@ def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
     """Earliest time when a parachute may be out: a felt charge, a marked apogee, or the top. [s]"""
     free = blow if blow is not None else marked
     return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
+
+
+def _opened(start: FitStart, marks: Marks, seen: Outline) -> float:
+    """When heights leave their coast downward and stay below it past their top, because a parachute opened that
+    early; the known release if they do not. [s]
+
+    In the second half of a coast nothing else slows a rocket down that much.
+    """
+    coast, own = start.coast, start.samples.is_own
+    if coast is None or not seen.down:
+        return marks.released
+    time, height = start.samples.time[own], start.samples.height[own]
+    coasts = (time > (marks.burnout + seen.top) / 2) & (time < seen.top + _SEEN_OPENING)
+    left = height[coasts] - np.interp(time[coasts], coast.time, coast.height)
+    if left.size < _MIN_SAMPLES:
+        return marks.released
+    noise = max(start.samples.noise, mad_sd(left))
+    on_course = np.flatnonzero(left > -_ON_COURSE * noise)
+    begins = int(on_course[-1]) + 1 if on_course.size else 0
+    below = left[begins:]
+    if begins == 0 or below.size < _OPENED_SAMPLES or float(np.median(below)) > -_OPENED * noise:
+        return marks.released
+    seen_after = float(np.sqrt(_ON_COURSE * noise / GRAVITY))  # at a braking of 2 g
+    return min(marks.released, float(time[coasts][begins - 1]) - seen_after)
 
 
 def _fit_start(

@@ -16,10 +16,12 @@ from fieldkit.flight.recovery import DESCENT_SPEED
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
 
-_DELAY_SD, _BRAKED_SLACK = 1.0, 2.0
+_DELAY_SD, _BRAKED_SLACK, _BRAKED_SAMPLES = 1.0, 2.0, 5
 """Standard deviation of the time from apogee to an undetected charge: delays come in steps of two or three seconds and
 are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent
-speed plus this slack does not reveal when it was braked."""
+speed plus this slack does not reveal when it was braked, nor does one within the samples that show its speed [1]."""
+_SAME_HEIGHT = 3.0
+"""Heights closer than this many standard deviations may be of a rocket at rest. [1]"""
 _MIN_LINE_SAMPLES, _MAX_LINE_SAMPLES, _LINES, _BENT = 6, 200, 2, 0.4
 """Fewest and most samples of the last line of a descent, the number of lines, each up to the landing that the one
 before it shows [1], and how long before that a filter or small vents may bend the descent [s]."""
@@ -150,13 +152,13 @@ def _speed_noise(track: Heights, seen: Outline, half_width: int, even: Float[Arr
     return 3 * mad_sd((smooth[half_width:] - smooth[:-half_width]) / (half_width * step))
 
 
-def _from_unseen_ejection(slowest: float, height: float, lasts: float) -> tuple[float, float]:
+def _from_unseen_ejection(slowest: float, height: float, lasts: float, step: float) -> tuple[float, float]:
     """Mean speed from an unseen ejection, and its standard deviation, from the mean speed since apogee. [m/s]
 
     The delay is normal around apogee. Until ejection the rocket fell freely; after a longer fall the braking would have
-    been visible.
+    been visible, unless it falls between samples that are a `step` apart [s].
     """
-    latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY, lasts / 2)
+    latest = min((1.5 * slowest + _BRAKED_SLACK) / GRAVITY + _BRAKED_SAMPLES * step, lasts / 2)
     after = np.linspace(-3 * _DELAY_SD, latest, 41)
     weight = np.exp(-((after / _DELAY_SD) ** 2) / 2)
     speeds = (height - GRAVITY * after**2 / 2) / (lasts - after)
@@ -181,7 +183,7 @@ def descent_speed(
         if known:
             sd = value * np.hypot(begin.sd, end.sd) / (end.time - start)
         else:
-            value, sd = _from_unseen_ejection(value, upper - level, end.time - start)
+            value, sd = _from_unseen_ejection(value, upper - level, end.time - start, median_step(track.time))
             sd = np.hypot(sd, value * end.sd / (end.time - start))
         sd = np.hypot(sd, 2 * track.noise / (end.time - start))
         return Figure(value, float(sd), track.source) if value > 0 else None
@@ -189,6 +191,12 @@ def descent_speed(
     gone, rest, way = float(track.time[-1]) - 0.5 - start, last - seen.pad, upper - seen.pad
     if gone < 2 or upper - last < 0.2 * way:
         return None
+    # it may have landed before, if it is as low earlier as the sensor tells heights apart
+    low = seen.calm < last + _SAME_HEIGHT * float(np.hypot(track.noise, slow_error_sd(track, seen)))
+    higher = np.flatnonzero(~low)
+    rested = max(float(track.time[-1]) - 0.5 - float(track.time[higher[-1]]), 0.0) if higher.size else 0.0
+    gone -= rested / 2
     value = (upper - last) / gone
     unseen = float(np.clip(rest / way, 0, 1)) / 2
-    return Figure(value, float(value * np.sqrt(0.03**2 + unseen**2 + (begin.sd / gone) ** 2)), track.source)
+    timing = np.hypot(begin.sd, rested / np.sqrt(12)) / gone
+    return Figure(value, float(value * np.sqrt(0.03**2 + unseen**2 + timing**2)), track.source)

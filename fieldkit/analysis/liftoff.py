@@ -82,7 +82,7 @@ def _by_push(push: Push, track: Heights, seen: Outline) -> Event | None:
     step, strong = median_step(time), float(np.median(felt[pushed]))
     time, felt = time[: pushed.stop], felt[: pushed.stop]
     bar = level + max(0.2 * (strong - level), 5 * noise, 2.0)
-    if strong < bar + 1 or felt[0] >= bar:
+    if strong < bar + 1 or felt[0] >= bar or level > _THRUST - GRAVITY:  # it may begin in the boost
         return None
     width = max(1, round(0.05 / step))
     lasting = np.convolve(felt >= bar, np.ones(width), "full")[width - 1 :] >= 0.8 * width

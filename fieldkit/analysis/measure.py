@@ -208,7 +208,9 @@ def _best_trusted(every: Iterable[Push], track: Heights, seen: Outline, start: f
     the check of the first one found. `start` is about when the climb begins [s]."""
     found: list[tuple[_Trust, Outline]] = []
     for push in every:
-        found.append(_trusted(push, at_its_end(push, start, seen.fastest), track, seen))
+        boost = felt_boost(push, seen)  # the heights may show its start late
+        begin = min(start, boost.lift) if boost is not None and boost.lift is not None else start
+        found.append(_trusted(push, at_its_end(push, begin, seen.fastest), track, seen))
         trust, shown = found[-1]
         if trust.push is not None:
             others = tuple(note for one, _ in found[:-1] for note in one.notes)

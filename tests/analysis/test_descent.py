@@ -29,7 +29,7 @@ pytestmark = pytest.mark.fast
 def test_an_unseen_ejection_up_to_one_and_a_half_seconds_early_is_within_the_uncertainty(after: float) -> None:
     height, lasts = 177.0, 25.0
     true = (height - GRAVITY * after**2 / 2) / (lasts - after)
-    mean, sd = _from_unseen_ejection(height / lasts, height, lasts)
+    mean, sd = _from_unseen_ejection(height / lasts, height, lasts, 0.05)
     assert abs(mean - true) < 2.5 * sd
     assert sd < 0.08 * mean
 

@@ -1,6 +1,7 @@
 """The speeds under a drogue and a main, and where the main opened: both measured, and neither invented."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +9,13 @@ import pytest
 from fieldkit.analysis import measure
 from fieldkit.analysis.records import Recorded
 from fieldkit.flight import Series
+from fieldkit.importing.read import read
 from fieldkit.shapes import Array
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
 from tests.analysis.test_real_logs import LOGS, flown
 
 pytestmark = pytest.mark.fast
+SAMPLES = Path(__file__).parents[2] / "sample_logs"
 DUAL = replace(LARGE, delay=16.0, sink=22.0, main_sink=5.0, main_height=200.0)
 TRUTH = fly(DUAL)
 BARO = Logger(start=0.0, rate=10.0)
@@ -198,3 +201,16 @@ def test_real_logs_on_two_devices_show_both_speeds(name: str) -> None:
 def test_real_logs_of_one_descent_show_one_speed(name: str) -> None:
     _, recorded = flown(name)
     assert "drogue_speed" not in recorded.figures
+
+
+def test_a_descent_that_slows_all_the_way_has_no_well_known_speed() -> None:
+    """One device descends at one speed, so the mean of a trend may be off by half of its range."""
+    rows = (SAMPLES / "altos_csv__version_5_with_cells_too_many.csv").read_text().splitlines(keepends=True)
+    found = [
+        next(
+            one for one in read("".join(rows[:count]).encode(), "a.csv", lambda motor: None).recorded if one is not None
+        )
+        for count in (len(rows), len(rows) * 9 // 10)
+    ]
+    whole, cut = (one.figures["descent_speed"] for one in found)
+    assert abs(whole.value - cut.value) < 2 * cut.sd

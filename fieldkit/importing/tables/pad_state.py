@@ -6,7 +6,7 @@ import numpy as np
 
 from fieldkit.analysis.channels import Push, is_clipped
 from fieldkit.integrals import running_integral
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Bool, Flags, Float
 from fieldkit.units import STANDARD_GRAVITY
 
 REST = (0.8, 1.15)
@@ -52,6 +52,9 @@ BOOST = 0.4
 """Averaging time that distinguishes a boost from the shock of a charge, which is stronger and shorter. [s]"""
 BOOST_FORCE = 2.0 * STANDARD_GRAVITY
 """Smallest specific force of a boost. [m/s^2]"""
+_LEAST_SEEN = 0.1
+"""Smallest part of the acceleration, squared, along the axes that are not saturated, for which they show it: their
+noise counts up to three times. [1]"""
 ONE_G_RANGE = (0.6, 1.2)
 """Reading of an accelerometer on the pad along the direction of the later thrust. [g]"""
 
@@ -59,9 +62,12 @@ ONE_G_RANGE = (0.6, 1.2)
 def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Float[Array, "row"] | None:
     """Acceleration along the rocket from three axes in any mounting: along the strongest sustained thrust. [m/s^2]
 
-    None if there is no such thrust, or if gravity on the pad is not along it.
+    Where an axis is at the end of its range, the others show the acceleration, by their parts of its direction; if they
+    are nearly across it, it is the largest that all three show. None if there is no such thrust, or if gravity on the
+    pad is not along it.
     """
-    whole = np.isfinite(axes).all(axis=0) & np.isfinite(time)
+    full = _is_full(time, axes)
+    whole = np.isfinite(axes).all(axis=0) & np.isfinite(time) & ~full.any(axis=0)
     if whole.sum() < 20:
         return None
     clock, felt = time[whole], axes[:, whole]
@@ -79,19 +85,20 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
         if not ONE_G_RANGE[0] <= level <= ONE_G_RANGE[1]:
             return None
     along: Float[Array, "row"] = direction @ axes
-    full = _is_full(time, axes)
-    if full.any():  # a saturated axis hides part of the acceleration: use the largest
-        along[full] = np.nanmax(along)
+    seen = direction**2 @ np.where(full, 0.0, 1.0)
+    others = (direction @ np.where(full, 0.0, axes)) / np.maximum(seen, _LEAST_SEEN)
+    hidden = full.any(axis=0)
+    along[hidden] = np.where(seen >= _LEAST_SEEN, others, np.nanmax(along[hidden], initial=0.0))[hidden]
     return along
 
 
-def _is_full(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Flags:
-    """Samples at which an axis is at the end of its range."""
-    full = np.zeros(time.size, bool)
-    for axis in axes:
+def _is_full(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Bool[Array, "axis row"]:
+    """Which axes are at the end of their range, by sample."""
+    full = np.zeros(axes.shape, bool)
+    for place, axis in enumerate(axes):
         magnitude = np.abs(axis)
         there = np.isfinite(magnitude) & np.isfinite(time)
         pushed = magnitude[there].max(initial=0.0) > BOOST_FORCE
         if pushed and is_clipped(Push(time[there], magnitude[there], False, ""), -np.inf, np.inf):
-            full |= magnitude >= np.nanmax(magnitude)
+            full[place] = magnitude >= np.nanmax(magnitude)
     return full

@@ -34,6 +34,17 @@ def test_the_axis_is_found_however_it_is_mounted(direction: tuple[float, float, 
     assert np.abs(found - felt)[climbing].max() < 0.03 * np.abs(felt).max()
 
 
+@pytest.mark.parametrize("direction", MOUNTED[3:])
+def test_axes_that_are_not_saturated_show_what_a_saturated_one_hides(direction: tuple[float, float, float]) -> None:
+    time, axes, felt = felt_on(direction)
+    limit = 0.85 * float(np.abs(axes).max())
+    found = along_thrust(time, np.clip(axes, -limit, limit))
+    assert found is not None
+    pushed = felt > 0.95 * felt.max()
+    assert (np.abs(axes[:, pushed]).max(axis=0) > limit).all()
+    assert found[pushed].mean() == pytest.approx(felt[pushed].mean(), rel=0.05)
+
+
 def test_no_axis_is_found_if_gravity_was_across_the_thrust() -> None:
     time, axes, _ = felt_on((0.0, 0.0, 1.0))
     axes[:, time < 0] = np.array([[STANDARD_GRAVITY], [0.0], [0.0]])
