@@ -10,6 +10,7 @@ from fieldkit.model.rocket_model import base_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import catalogue
 from fieldkit.physics.history import History, history_of
+from tests.recorded_curves import recorded as recorded_curve
 
 MOTORS = ("F24-4W", "E35-5W")
 READOUTS = ("apogee", "top_speed", "coast_to_apogee")
@@ -18,8 +19,8 @@ READOUTS = ("apogee", "top_speed", "coast_to_apogee")
 def history(
     count: int, *, wear: float = 0.0, scatter: float = 0.02, seed: int = 0, recorded: tuple[str, ...] = READOUTS
 ) -> History:
-    """A rocket on two motors and the plan to fly the first again; drag grows by the fraction `wear` per flight, and
-    single flights have the standard deviation `scatter` in drag and thrust."""
+    """A rocket on two motors, with their curves as recorded, and the plan to fly the first again; drag grows by the
+    fraction `wear` per flight, and single flights have the standard deviation `scatter` in drag and thrust."""
     rng = np.random.default_rng(seed)
     plans = [
         Flight(
@@ -33,7 +34,7 @@ def history(
         )
         for number in range(count + 1)
     ]
-    found = [catalogue().resolve(plan.motor) for plan in plans]
+    found = [recorded_curve(catalogue().resolve(plan.motor)) for plan in plans]
     model = base_model(history_of(plans, found, flown=count), CERTIFIED_PRIOR)
     truth = np.array([[term.mean for term in model.terms]])
     drag = np.log1p(wear * np.arange(count + 1)) + scatter * rng.normal(size=count + 1)
