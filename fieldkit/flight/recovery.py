@@ -10,7 +10,7 @@ from typing import Literal
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight.columns import Column
+from fieldkit.flight.columns import BY_NAME, Column
 from fieldkit.flight.flight import Flight
 from fieldkit.messages import marked, message
 from fieldkit.spelled_units import rounded, with_unit
@@ -57,6 +57,9 @@ LIMITS = {
 """Lowest and highest possible number of each recovery column, in SI."""
 IN_EVERY_FIT = ("opening_time", "wind_aloft", "wind_aloft_height", "wind_aloft_turn")
 """Recovery columns that change the simulated apogee of a past flight."""
+UNCERTAIN_WEATHER = {"temperature": 15.0, "pressure": 3000.0, "wind": 5.0}
+"""Conditions whose recorded standard deviation is used, with the largest: about that of the weather of a year. [K, Pa,
+m/s]"""
 MAX_STABILITY = 100.0
 """Upper limit on a static margin: many times the length of the longest rocket. [body diameters]"""
 STABILITY = "stability_cal"
@@ -238,6 +241,7 @@ class LaunchConditions:
     `rail_direction` is as in the function of this name [rad]; `wind_aloft` [m/s] at `wind_aloft_height` [m] is turned
     to the right of the wind at the pad by `wind_aloft_turn` [rad]. `opening_time` is the time from the charge to an
     open parachute [s], `stability` the static margin [body diameters], and `dual` whether a main opens after a drogue.
+    `weather_sd` has the standard deviation of each of `UNCERTAIN_WEATHER`, 0 if not recorded. [K, Pa, m/s]
     """
 
     rail_direction: float = 0.0
@@ -247,6 +251,7 @@ class LaunchConditions:
     opening_time: float = OPENING_TIME
     stability: float | None = None
     dual: bool = False
+    weather_sd: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
 AS_USUAL = LaunchConditions()
@@ -272,7 +277,14 @@ def launch_conditions(flight: Flight) -> LaunchConditions:
         OPENING_TIME if opening is None else max(opening, 0.0),
         margin,
         recovery_column(flight, "main_altitude") is not None,
+        tuple([_weather_sd(flight, name, most) for name, most in UNCERTAIN_WEATHER.items()]),
     )
+
+
+def _weather_sd(flight: Flight, name: str, most: float) -> float:
+    """The recorded standard deviation of a recorded condition, at most that of ignorance; 0 without one."""
+    sd = measured_sd(flight, BY_NAME[name]) if flight.number(name) is not None else None
+    return min(sd, most) if sd is not None and sd > 0 else 0.0
 
 
 def rail_direction(flight: Flight) -> float:

@@ -236,7 +236,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     for a flight without a dry mass.
     """
     part, values, rng = fitted.model, fitted.values, fitted.rng
-    scale = {"scatter": fitted.scales[:, :1], "motors": fitted.scales[:, 2:]}
+    scale = {"scatter": fitted.scales[:, :1], "motors": fitted.scales[:, 2:], "": np.ones((len(values), 1))}
     shape = (len(values), len(part.flights))
 
     def draw() -> Array:
@@ -278,7 +278,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
             model=fitted.name,
             left_out=fitted.left_out,
             random_draws=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
-            **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # every field is an array of draws
+            **{name: values[:, i] for name, values in figures.items()},  # every field is an array of draws
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
     ]

@@ -21,6 +21,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedModel
 from fieldkit.files import read_own
+from fieldkit.flight.recovery import UNCERTAIN_WEATHER
 from fieldkit.model.scale import Scale, scale_grid
 from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
@@ -120,8 +121,11 @@ class Hyperprior:
             return np.ones(len(self.scales()[0]))
         return scale_grid(self.unknown_scales)[-2]
 
-    def scale_of(self, quantity: str) -> Literal["scatter", "motors"]:
-        """Which scale the scatter of single flights in a quantity has."""
+    def scale_of(self, quantity: str) -> Literal["scatter", "motors", ""]:
+        """Which scale the scatter of single flights in a quantity has; empty for recorded weather, whose error is
+        stated."""
+        if quantity in UNCERTAIN_WEATHER:
+            return ""
         return "motors" if self.motors and quantity in self.scaled_by_motors else "scatter"
 
     @property

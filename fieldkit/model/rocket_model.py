@@ -62,7 +62,7 @@ def strength_term(name: TermName, effect: Effect, weight: Float[Array, "flight"]
 class Scatter:
     """A random effect of single flights: what it changes, and its standard deviation around zero in that unit."""
 
-    bends: Bends | Literal["apogee"]
+    bends: str
     sd: float
 
 
@@ -100,12 +100,13 @@ class Model:
 
     @property
     def scatter(self) -> tuple[Scatter, ...]:
-        """The random effects of single flights."""
-        return scatter_of(self.hyperprior)
+        """The random effects of single flights, with the errors of their recorded weather in standard deviations."""
+        return (*scatter_of(self.hyperprior), *(Scatter(name, 1.0) for name in self.history.uncertain))
 
     def scatter_scales(self) -> Float[Array, "scale scatter"]:
         """The scale of each random effect of single flights, for every point of the grid of scales. [1]"""
-        grids = {"scatter": self.hyperprior.scales()[0], "motors": self.hyperprior.motor_scales()}
+        scatter = self.hyperprior.scales()[0]
+        grids = {"scatter": scatter, "motors": self.hyperprior.motor_scales(), "": np.ones_like(scatter)}
         return np.stack([grids[self.hyperprior.scale_of(one.bends)] for one in self.scatter], axis=-1)
 
     def recorded(self, name: str) -> Float[Array, "flight"]:
@@ -249,7 +250,7 @@ def shared_names(model: Model) -> list[TermName]:
 
 def scatter_of(hyperprior: Hyperprior) -> tuple[Scatter, ...]:
     """The random effects of single flights, including those of days with one flight."""
-    kinds: tuple[Bends | Literal["apogee"], ...] = ("thrust", "drag", "stretch", "delay", "tilt")
+    kinds = ("thrust", "drag", "stretch", "delay", "tilt")
     return tuple(Scatter(kind, sd) for kind in kinds if (sd := hyperprior.sd(kind, "flight")))
 
 

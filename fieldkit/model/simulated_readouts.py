@@ -15,6 +15,7 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.model.sources import has_log
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.logged import burn_impulse, coast_drag
+from fieldkit.physics.setups import in_other_weather
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import FORECAST_RESOLUTION, Resolution
 from fieldkit.physics.unique import fly_unique
@@ -34,8 +35,8 @@ def shown(
 ) -> dict[str, Float[Array, "draw flight"]]:
     """Altimeter readouts of every flight, in SI, and a few figures that it does not show.
 
-    `scatter` acts on single flights. A flight that does not leave the pad is nan throughout. Raises ImpossibleFlight
-    for a flight without a dry mass.
+    `scatter` acts on single flights; errors of `UNCERTAIN_WEATHER` are in standard deviations. A flight that does not
+    leave the pad is nan throughout. Raises ImpossibleFlight for a flight without a dry mass.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
     flown = fly_unique(setup)
@@ -70,7 +71,10 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
     def bend(what: str) -> Array:
         return np.asarray(bent(model, values, what) + scatter.get(what, 0.0))
 
-    setup = model.history.setup(COARSE_RESOLUTION if model.coarse else FORECAST_RESOLUTION)
+    history = model.history
+    setup = history.setup(COARSE_RESOLUTION if model.coarse else FORECAST_RESOLUTION)
+    if off := {name: scatter[name] * history.weather_sd(name) for name in history.uncertain if name in scatter}:
+        setup = in_other_weather(setup, history.flights, off)
     setup = setup.with_changes(
         drag_area=setup.drag_area * np.exp(bend("drag")),
         thrust_factor=np.exp(bend("thrust")),

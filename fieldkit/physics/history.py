@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.further import drag_switches, names_a_device, text_under
-from fieldkit.flight.recovery import LaunchConditions, launch_conditions
+from fieldkit.flight.recovery import UNCERTAIN_WEATHER, LaunchConditions, launch_conditions
 from fieldkit.motors import Found
 from fieldkit.motors.lots import lots, recorded_lot
 from fieldkit.physics import setups
@@ -37,6 +37,8 @@ class History:
     used_in_fit: tuple[bool, ...]
     conditions: tuple[LaunchConditions, ...]
     own_area: Float[Array, "flight"] | None = None
+    uncertain: tuple[str, ...] = ()
+    """Which of `UNCERTAIN_WEATHER` have a standard deviation on some flight, also of a part."""
     _known: dict[object, Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @property
@@ -73,6 +75,11 @@ class History:
     def drag_switches(self) -> tuple[bool | None, ...]:
         """Whether the drag of each flight switches, as the flyer recorded it; None if not."""
         return self.once("drag switches", lambda: tuple(drag_switches(flight) for flight in self.flights))
+
+    def weather_sd(self, name: str) -> Float[Array, "flight"]:
+        """Recorded standard deviation of one of `UNCERTAIN_WEATHER`, 0 if there is none. [K, Pa, m/s]"""
+        place = tuple(UNCERTAIN_WEATHER).index(name)
+        return self.once(("sd", name), lambda: np.array([one.weather_sd[place] for one in self.conditions]))
 
     def setup(self, resolution: Resolution = FORECAST_RESOLUTION) -> Setup:
         """The flights as recorded, to be simulated with the drag of a coefficient of 1; errors as in
@@ -120,7 +127,11 @@ def history_of(
     used = [flight.clean for flight in flights[:count]] if used_in_fit is None else used_in_fit
     order = range(len(flights)) if flight_index is None else flight_index
     conditions = tuple(launch_conditions(flight) for flight in flights)
-    return History(tuple(flights), tuple(found), count, tuple(order), tuple(map(bool, used)), conditions)
+    uncertain = [
+        name for place, name in enumerate(UNCERTAIN_WEATHER) if any(one.weather_sd[place] for one in conditions)
+    ]
+    every = tuple(flights), tuple(found), count, tuple(order), tuple(map(bool, used)), conditions
+    return History(*every, uncertain=tuple(uncertain))
 
 
 def flown_and_planned(

@@ -6,7 +6,7 @@ strongly this rocket weathercocks. Among flights with a recorded wind, one witho
 calm air.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -153,6 +153,20 @@ def _standard_density(elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"
     """Density of standard air at a height above sea level [m]. [kg/m^3]"""
     unknown = np.full((), np.nan)
     return pad_air(elevation, unknown, unknown, unknown).density
+
+
+def in_other_weather(setup: Setup, flights: Sequence[Flight], off: Mapping[str, Float[Array, "*draw flight"]]) -> Setup:
+    """The setup with errors of the recorded temperature [K], pressure [Pa] and wind [m/s], by name; what was not
+    recorded stays as it is."""
+    elevation, humidity = recorded(flights, "site_elevation"), recorded(flights, "humidity")
+    temperature, pressure, wind = (
+        recorded(flights, name) + off.get(name, 0.0) for name in ("temperature", "pressure", "wind")
+    )
+    return setup.with_changes(
+        air=pad_air(elevation, temperature, pressure, humidity),
+        altimeter_gain=altimeter_gain(elevation, temperature, pressure),
+        recorded_wind=np.nan_to_num(np.maximum(wind, 0.0), nan=USUAL_WIND),
+    )
 
 
 def turn_lengths(flights: Sequence[Flight], conditions: Sequence[LaunchConditions]) -> Float[Array, "flight"]:

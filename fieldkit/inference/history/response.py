@@ -170,7 +170,7 @@ def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], o
     at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
     at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
     slope = slopes(model.terms, moved)
-    scatter = [moved[kind.bends] * kind.sd for kind in model.scatter]
+    scatter = [moved.get(kind.bends, np.zeros(moved[""].shape)) * kind.sd for kind in model.scatter]
     return Tangent(at, moved[""], slope, np.stack(scatter, axis=-1))
 
 

@@ -20,7 +20,7 @@ from fieldkit.inference.history.placed_effects import Candidates, PlacedEffect
 from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter, scatter_of
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import bent, shown
 from fieldkit.model.term_names import TermName
@@ -183,7 +183,7 @@ class _World:
                     values.append(own)
             for bends, shift in lacks.pattern.items():
                 self.scatter[bends][draw, rows] += shift
-        for kind in one.model.scatter:
+        for kind in scatter_of(prior):
             tailed = rng.normal(size=(self.draws, width))
             self.scatter[kind.bends][:, rows] += kind.sd * scales[prior.scale_of(kind.bends)][:, None] * tailed
 

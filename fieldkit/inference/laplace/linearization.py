@@ -22,7 +22,6 @@ BOTH_WAYS = {"delay": 0.08}
 """Central steps about as large as the scatter of single flights: readouts have a kink when ejection is at apogee, and a
 small step would see only one side of it."""
 _PERTURBATIONS = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_WAYS.items() for side in (1, -1)))
-"""The property changed in each row after a lane's point, and the step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +33,12 @@ class Tangent:
     values: Float[Array, "flight readout"]
     slope: Float[Array, "flight readout term"]
     scatter_slope: Float[Array, "flight readout scatter"]
+
+
+def _perturbations(model: Model) -> tuple[tuple[str, float], ...]:
+    """The property changed in each row after a lane's point, and the step: 1 for the standard deviation of recorded
+    weather."""
+    return (*_PERTURBATIONS, *((name, 1.0) for name in model.history.uncertain))
 
 
 def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
@@ -81,10 +86,11 @@ def tangents(
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)
-    bends = {kind: np.zeros((count, len(model.flights))) for kind, _ in _PERTURBATIONS}
+    steps = _perturbations(model)
+    bends = {kind: np.zeros((count, len(model.flights))) for kind, _ in steps}
     firsts = np.cumsum([0, *(len(block.values) for block in blocks)])
     for first in firsts[:-1]:
-        for row, (kind, step) in enumerate(_PERTURBATIONS, start=first + 1):
+        for row, (kind, step) in enumerate(steps, start=first + 1):
             bends[kind][row] = step
     readings = _stacked(shown(model, np.concatenate([block.values for block in blocks]), bends))
     parts = np.split(readings, firsts[1:-1])
@@ -95,7 +101,7 @@ def tangents(
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Rows to simulate for a lane: its point, a step in each of `_PERTURBATIONS`, a step in the strengths of each slot.
+    """Rows to simulate for a lane: its point, a step in each of `_perturbations`, a step in the strengths of each slot.
 
     `slots` has the row of every strength of an effect, and its step. Flights are independent, so strengths that act on
     different flights share a row.
@@ -108,6 +114,7 @@ class _Block:
 
 def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
     slots: dict[int, tuple[int, float]] = {}
+    first = 1 + len(_perturbations(model))
     acting: list[Flags] = []
     for i, x in zip(terms, at, strict=True):
         term = model.terms[i]
@@ -116,8 +123,8 @@ def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
             slot = next((k for k, taken in enumerate(acting) if not (taken & acts).any()), len(acting))
             acting[slot:] = [acts if slot == len(acting) else acting[slot] | acts, *acting[slot + 1 :]]
             step = STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
-            slots[i] = 1 + len(_PERTURBATIONS) + slot, step
-    values = np.zeros((1 + len(_PERTURBATIONS) + len(acting), len(model.terms)))
+            slots[i] = first + slot, step
+    values = np.zeros((first + len(acting), len(model.terms)))
     values[:, list(terms)] = at
     for i, (row, step) in slots.items():
         values[row, i] += step
@@ -131,6 +138,7 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: 
     for number, (kind, step) in enumerate(BOTH_WAYS.items()):
         there, back = moved[1 + len(STEPS) + 2 * number :][:2]
         per_kind[kind] = (there - back) / (2 * step)
+    per_kind |= zip(model.history.uncertain, moved[1 + len(_PERTURBATIONS) :], strict=False)
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
     scatter = [per_kind.get(kind.bends, angle_slope) * kind.sd for kind in model.scatter]
     slope = (
