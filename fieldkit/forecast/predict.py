@@ -239,7 +239,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
     scale = {"scatter": fitted.scales[:, :1], "motors": fitted.scales[:, 2:], "": np.ones((len(values), 1))}
     shape = (len(values), len(part.flights))
 
-    def draw() -> Array:
+    def draw(rng: np.random.Generator = rng) -> Array:
         drawn = rng.normal(size=(shape[0], 1) if paired else shape)
         return np.broadcast_to(drawn, shape)
 
@@ -250,7 +250,9 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
         return np.broadcast_to(draw() * mixed, shape)
 
     kinds = {kind.bends: kind.sd for kind in part.scatter}
-    normal = {name: draw() for name in (*kinds, *({"delay"} - set(kinds)))}
+    (weather,) = rng.spawn(1)  # of its own, so that uncertain weather leaves the other draws as they are
+    own_rng = dict.fromkeys(part.history.uncertain, weather)
+    normal = {name: draw(own_rng.get(name, rng)) for name in (*kinds, *({"delay"} - set(kinds)))}
     scatter: dict[str, Array] = {
         name: normal[name] * sd * scale[part.hyperprior.scale_of(name)] for name, sd in kinds.items()
     }

@@ -122,4 +122,5 @@ def test_a_wind_that_is_known_poorly_widens_the_landing_of_a_plan(run: Run, tmp_
         (made,) = run("predict", "--flights", tmp_path / "plans.csv", "--json").document["predictions"]
         away = made["landing"]["away_m"]
         spreads.append(away["p95"] - away["p05"])
-    assert spreads[0] == spreads[1] < 0.7 * spreads[2]
+    assert spreads[0] == pytest.approx(spreads[1], rel=0.01)
+    assert spreads[1] < 0.7 * spreads[2]
