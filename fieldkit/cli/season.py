@@ -1,6 +1,5 @@
 """`fieldkit season`: a contest season step by step, from the kit to the finals."""
 
-import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -9,7 +8,6 @@ from fieldkit.cli.numbers import finite, length
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import RocketLength, about_plan, planning, season_rule, season_year
 from fieldkit.cli.screen import AsJson, print_json, say, say_wrapped, system
-from fieldkit.paths import data_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,39 +35,21 @@ def season(
 
     Each step states what is done, what is missing and which command does it.
     """
-    from fieldkit.planning.contest import score
     from fieldkit.planning.contest_day import read_declared
-    from fieldkit.planning.contest_limits import allowed, approved_motors
-    from fieldkit.planning.finals import finals_table, finals_targets, trials
-    from fieldkit.planning.outlook import outlook
-    from fieldkit.planning.practice import final_scores, practice, setting
     from fieldkit.presentation.season_text import season_steps
+    from fieldkit.services.season_guide import season_guide
 
     names = read_declared(declared or "")
     long = length("--rocket-length", rocket_length, "mm")
     with planning(context, given) as plan:
-        found = plan.motor()
-        rule = season_rule(season_year(year))
-        scored = score(rule, plan.ledger.flights(plan.flight.rocket))
-        flown = trials(plan.rocket, plan.flight, found, rule)
-        table = finals_table(flown, rule, finals_targets(rule))
-        plans, shared_sd = practice(plan.rocket, plan.flight, found, rule, flown, table)
-        now = setting(flown, flown.best(rule), shared_sd)
-        ready = plan.flight.with_changes(dry_mass=now.row.mass)
-        ahead = outlook(rule, plan.rocket, ready, found, now.row.area)
-        lines = [
-            *plan.safety(ahead.forecast, now.row.area),
-            *allowed(rule, ready, found, long, approved_motors(rule.year, data_file("seasons"))),
-        ]
-    by_id = {flight.flight_id: points for flight, points in scored}
-    known = [points for name in names if not math.isnan(points := by_id.get(name, math.nan))]
-    scores = final_scores(rule, known, ahead.points, max(rule.declared - len(names), 0))
-    steps = season_steps(plan.flight, found, rule, scored, names, lines, now, plans, ahead, scores, cut, system())
+        found, rule = plan.motor(), season_rule(season_year(year))
+        one = season_guide(plan.ledger, plan.rocket, plan.flight, found, rule, names, long, plan.safety)
+    steps, now = season_steps(plan.flight, found, one, names, cut, system()), one.now
     if json:
         document: dict[str, Any] = {
             "season": rule.year,
             "motor": found.motor.designation,
-            "declared": [{"flight_id": name, "points": by_id.get(name)} for name in names],
+            "declared": [{"flight_id": name, "points": one.points.get(name)} for name in names],
             "setting": {
                 "dry_mass_g": now.row.mass * 1e3,
                 "dry_mass_sd_g": now.mass_sd * 1e3,
@@ -77,14 +57,14 @@ def season(
                 "parachute_area_sd": now.area_sd,
                 "points": now.row.points,
             },
-            "practice": [_document(one) for one in plans.plans],
-            "next_practice": [_document(one) for one in plans.single],
-            "score": None if scores is None else {"mean": float(scores.mean())},
+            "practice": [_document(flown) for flown in one.practice.plans],
+            "next_practice": [_document(flown) for flown in one.practice.single],
+            "score": None if one.scores is None else {"mean": float(one.scores.mean())},
             "steps": [{"step": name, "state": state, "lines": list(texts)} for name, state, texts in steps],
         }
-        if cut is not None and scores is not None:
-            document["qualifies"] = {"cut": cut, "chance": float((scores <= cut).mean())}
-        print_json(document | about_plan(ahead.forecast, lines))
+        if cut is not None and one.scores is not None:
+            document["qualifies"] = {"cut": cut, "chance": float((one.scores <= cut).mean())}
+        print_json(document | about_plan(one.ahead.forecast, one.lines))
         return
     for number, (name, state, texts) in enumerate(steps, start=1):
         say(f"{number}. {name}: {state}" if state else f"{number}. {name}")

@@ -15,6 +15,7 @@ from fieldkit.planning.practice import Practice, PracticePlan, Setting
 from fieldkit.planning.quantiles import three_of_all
 from fieldkit.presentation.forecast_text import motor_in_words
 from fieldkit.quantities import ShownUnits, counted, in_system, percent
+from fieldkit.services.season_guide import SeasonGuide
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
@@ -25,26 +26,20 @@ SeasonStep = tuple[str, str, tuple[str, ...]]
 def season_steps(
     plan: Flight,
     found: Found,
-    rule: Season,
-    scored: Sequence[tuple[Flight, float]],
+    guide: SeasonGuide,
     declared: Sequence[str],
-    lines: Sequence[SafetyCheck],
-    now: Setting,
-    practice: Practice,
-    ahead: Outlook,
-    scores: Float[Array, "draw"] | None,
     cut: float | None,
     system: str = "SI",
 ) -> list[SeasonStep]:
     """The steps of a season, in order, in the units of a system; heights in feet, as in the rules."""
-    shown = ShownUnits(system)
+    shown, rule = ShownUnits(system), guide.rule
     return [
         _rules(rule),
-        _limits(plan, found, lines, system),
-        _tests(scored, rule),
-        _setting(plan, found, now, ahead, shown),
-        _practice(practice, shown),
-        _qualification(rule, scored, declared, scores, cut),
+        _limits(plan, found, guide.lines, system),
+        _tests(guide.scored, rule),
+        _setting(plan, found, guide.now, guide.ahead, shown),
+        _practice(guide.practice, shown),
+        _qualification(rule, guide.scored, declared, guide.scores, cut),
         _finals(plan, rule),
     ]
 

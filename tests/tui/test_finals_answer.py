@@ -33,3 +33,20 @@ async def test_finals_have_a_table_for_each_target(tmp_path: Path, monkeypatch: 
     assert masses == sorted(masses, reverse=True)
     loaded = catalogue().resolve("AeroTech F39T").motor.loaded_mass * 1e3
     assert all(abs(float(row[3]) - float(row[1]) - loaded) < 1 for row in rows)
+
+
+@pytest.mark.thorough
+async def test_a_season_has_its_steps_with_the_declared_flights(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = at_home(tmp_path, monkeypatch)
+    with Ledger.open(file) as ledger:
+        assert keep_day(ledger, 2027, Day(cut=60.0, declared=("1",)))
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "left")
+        shown = str(pilot.app.screen.query_one("#answer", Static).content)
+    steps = [line for line in shown.splitlines() if line[:1].isdecimal()]
+    assert len(steps) == 7
+    assert steps[5].startswith("6. qualification: 1 of 3 declared")
+    assert "chance of a score up to 60" in shown
+    assert "± " in shown.partition("mass and parachute together")[2]

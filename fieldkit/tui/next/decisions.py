@@ -40,8 +40,10 @@ from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import against_the_bar, histogram
+from fieldkit.presentation.season_text import season_steps
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
+from fieldkit.services.season_guide import season_guide
 from fieldkit.services.track_record import replayed
 from fieldkit.shapes import Array, Float
 from fieldkit.tui.next import large_figures
@@ -251,6 +253,25 @@ class Decision:
         points = ahead.points.ravel()
         return of_points(large_figures.of_points(answer, points), points)
 
+    def season(self, ledger: Ledger, year: int, day: Day) -> Answer:
+        """A season's steps: what is done, what is missing, and what to do next."""
+        found, rule = Found(self.motor, None), rule_of(year)
+        one = season_guide(ledger, self.rocket, self.plan, found, rule, day.declared, day.length, self._checks)
+        words = [f"Season {year}: {self.plan.rocket}"]
+        for number, (name, state, texts) in enumerate(
+            season_steps(self.plan, found, one, day.declared, day.cut, self.system), start=1
+        ):
+            words += ["", f"{number}. {name}" + (f": {state}" if state else ""), *(f"   {text}" for text in texts)]
+        lines = [*worst_first(one.lines)]
+        return Answer(
+            tuple(words), tuple(safety_text(lines, self.system)), folded=tuple(folded(one.lines, self.system))
+        )
+
+    def _checks(self, prediction: Prediction, area: float) -> list[SafetyCheck]:
+        """The safety checks of a forecast with a fraction of the parachute's area. [1]"""
+        fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
+        return safety_lines(prediction, self.site, fall, self.limits)
+
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
@@ -318,8 +339,7 @@ class Decision:
     ) -> Answer:
         """An answer beside the conditions of a forecast and its safety checks, with a fraction of the parachute's
         area. [1]"""
-        fall = fall_of(self.rocket.history, prediction.plan, prediction.found).on_area(area)
-        lines = [*safety_lines(prediction, self.site, fall, self.limits), *more]
+        lines = [*self._checks(prediction, area), *more]
         conditions = (*conditions_in_words(prediction.plan, self.rocket.known, self.system), "")
         return Answer(
             words,

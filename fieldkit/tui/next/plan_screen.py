@@ -89,16 +89,16 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
     )
 
 
-VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Finals")
+VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Season", "Finals")
 """Names of the answers."""
-FINALS = VIEWS.index("Finals")
-"""The index of the table of finals among the answers. [1]"""
+SEASON, FINALS = VIEWS.index("Season"), VIEWS.index("Finals")
+"""The index of the steps of a season, and of the table of finals, among the answers. [1]"""
 AREA_RATIOS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Fractions of the parachute's area to choose from. [1]"""
 
 
 class PlanScreen(PageScreen):
-    """Seven answers in one place; left and right, or their names, switch between them."""
+    """Eight answers in one place; left and right, or their names, switch between them."""
 
     NAME = "next_flight"
     TITLE = "Decide"
@@ -107,7 +107,8 @@ class PlanScreen(PageScreen):
         "when each delay, as sold or drilled with its maker's tool, would fire, and the speed at that time. Ballast: "
         "the mass to add or remove to meet the target (g). Contest: the expected points by a "
         "season's rule. Landing: where it lands relative to the field, and the best rail angle. Saved: your saved "
-        "forecasts. Score: how good they were. Finals: mass and parachute for each target that finals may announce. "
+        "forecasts. Score: how good they were. Season: a contest season step by step. Finals: mass and "
+        "parachute for each target that finals may announce. "
         "Forecasts are advice: the range safety officer decides.",
         (
             ("delay", "The best delay is the one least likely to deploy too fast for the parachute."),
@@ -126,6 +127,12 @@ class PlanScreen(PageScreen):
                 "e to enter the announced target and window, the cut (for the chance of qualifying), the declared "
                 "flights, the length of the rocket, and the field size and ceiling of the site for the safety checks.",
             ),
+            (
+                "season",
+                "The American Rocketry Challenge (TARC) from kit to finals: limits, mass and parachute together "
+                "with their uncertainty, the practice flight that narrows the finals most, qualification. e to enter "
+                "the declared flights and the cut.",
+            ),
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
             (
                 "score",
@@ -139,6 +146,7 @@ class PlanScreen(PageScreen):
             "fieldkit contest --season 2027 --motor F24 --parachute 85% --target 785ft --window 37-40 --cut 60",
             "fieldkit contest --season 2027 --declared 4,5,6",
             "fieldkit sites FIELD --size 400m --ceiling 3000ft",
+            "fieldkit season --season 2027 --motor F24 --declared 4,5 --cut 60",
             "fieldkit finals --motor F24 --season 2027 --card finals.pdf",
             "fieldkit predictions",
             "fieldkit score",
@@ -261,6 +269,8 @@ class PlanScreen(PageScreen):
             return decision.noted(decision.contest(ledger, self._season, AREA_RATIOS[self._area_ratio], day))
         if view == 3:
             return decision.noted(decision.landing())
+        if view == SEASON:
+            return decision.noted(decision.season(ledger, self._season, day))
         if view == FINALS:
             return decision.noted(finals_answer(decision, self._season, day))
         if view == 4:
@@ -290,7 +300,7 @@ class PlanScreen(PageScreen):
         """Choose the next or previous season, and show the points by its rule unless the answer depends on a season."""
         years = seasons(data_file("seasons"))
         self._season = years[(years.index(self._season) + by) % len(years)]
-        points = self._view == FINALS or (self._view == 1 and AIMS[self._aim] == "points")
+        points = self._view in (SEASON, FINALS) or (self._view == 1 and AIMS[self._aim] == "points")
         self.action_view(self._view if points else 2)
 
     def action_area(self, by: int) -> None:
