@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,7 @@ from fieldkit.cli.numbers import length
 from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
-from fieldkit.errors import FieldkitError, NoFlights, UnknownMotor
+from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, Verdict
@@ -107,15 +106,11 @@ def _in_season(
 
 
 def _boxed(plan: PlanContext) -> dict[str, int]:
-    """How many of each motor are in the flyer's range box; a name that no motor has any more is left out."""
+    """How many of each motor are in the flyer's range box."""
     from fieldkit.planning.motor_guide import label
+    from fieldkit.services.flyer_card import motors_in_box
 
-    found: dict[str, int] = {}
-    for one in read_settings().flyer.box:
-        with suppress(FieldkitError):
-            name = label(plan.motors.resolve(one.motor).motor)
-            found[name] = found.get(name, 0) + one.count
-    return found
+    return {label(motor): count for motor, count in motors_in_box(read_settings().flyer, plan.motors).items()}
 
 
 def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:

@@ -1,12 +1,15 @@
 """The flyer's card as texts to edit, and their values."""
 
 import re
+from collections import Counter
+from contextlib import suppress
 
 from fieldkit import units
-from fieldkit.errors import BadValue
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.motors import Catalogue, Motor
 from fieldkit.planning.rules import governing, known_rules, read_authorities
 from fieldkit.quantities import ShownUnits
-from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, Settings
+from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, FlyerCard, Settings
 
 CARD = ("certification", "born", "rules", "rails", "box")
 """The entries of the card."""
@@ -65,3 +68,12 @@ def _boxed(text: str) -> BoxedMotors:
     if found is None or not 0 < count <= MOST_IN_BOX:
         raise BadValue(f"found {text[:40]!r}, expected motors such as 3 x C6-5, 2 x D12-5 lot 0412")
     return BoxedMotors(found["motor"], count, found["lot"] or "")
+
+
+def motors_in_box(card: FlyerCard, motors: Catalogue) -> Counter[Motor]:
+    """How many of each motor are in the range box; a name that no motor has any more is left out."""
+    found = Counter[Motor]()
+    for one in card.box:
+        with suppress(FieldkitError):
+            found[motors.resolve(one.motor).motor] += one.count
+    return found

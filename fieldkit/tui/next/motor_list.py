@@ -1,6 +1,6 @@
 """The motors of the Next page: their selection, order and forecasts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -29,15 +29,19 @@ class MotorList:
     known: dict[Motor, MotorChoice] = field(default_factory=dict)
     quick: dict[Motor, QuickChoice] = field(default_factory=dict)
     fitting: bool = True
+    box: Mapping[Motor, int] | None = None
+    """How many of each motor are in the flyer's range box, to list only these; None lists all."""
     exact: set[Motor] = field(default_factory=set)
     """Motors with a forecast at full precision, as it would be saved; the others have fewer draws."""
 
     def find(self, motors: Catalogue, text: str) -> list[Motor]:
         """All matches of a text, those that fit first; without a text, only those that fit unless all are requested."""
         found, plan = motors.search(text), self.plan
+        if self.box is not None:
+            found = [motor for motor in found if motor in self.box]
         if plan is None:
             return found
-        if self.fitting and not text.strip():
+        if self.fitting and self.box is None and not text.strip():
             return [motor for motor in found if plan.wanted.fits(motor)]
         return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
 
@@ -116,4 +120,5 @@ class MotorList:
         every = "" if fit == len(self.found) else f" of {len(self.found)}"
         unit = spelled(unit_of(cards.APOGEE, system))
         word = "quick" if left <= sum(isinstance(self.shown(motor), QuickChoice) for motor in self.found) else "left"
-        return f"{fit}{every} fit" + (f", {left} {word}" if left > 0 else "") + f" · apogee in {unit}"
+        boxed = "" if self.box is None else " · your box"
+        return f"{fit}{every} fit{boxed}" + (f", {left} {word}" if left > 0 else "") + f" · apogee in {unit}"

@@ -66,6 +66,7 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
         one = motors.shown(motor)
         called = f"{motor.maker} {motor.designation}" if with_maker else motor.designation
         called = f"{called} {motor.maker}" if not with_maker and shared[motor.designation] > 1 else called
+        called = f"{motors.box[motor]} × {called}" if motors.box else called
         name = f"{_state(motors, motor)}{called}"
         if one is None:
             return [name, "…", *[""] * (len(columns) - 1)]

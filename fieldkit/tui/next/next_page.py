@@ -25,6 +25,7 @@ from fieldkit.motors import Motor
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
 from fieldkit.planning.quick_guide import QuickChoice, quick_guide
 from fieldkit.safe_text import printable
+from fieldkit.services.flyer_card import motors_in_box
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import WAIT, or_why
@@ -48,7 +49,8 @@ from fieldkit.tui.widgets.table import Table
 NEXT_HELP = Help(
     "Plan the next flight. The table lists every motor on sale that fits the rocket (no wider than the widest it has "
     "flown, and strong enough to lift it) with its forecast apogee; the forecast of the motor under the cursor is "
-    "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it. "
+    "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it, "
+    "B only the motors in your range box (Ctrl+P, Your card), each with its count. "
     "With a target (g), the motors nearest to it come first. Press Enter to save a forecast; when you add the flight, "
     "the two are compared. Forecasts are advice: the range safety officer decides.",
     (
@@ -210,6 +212,7 @@ class NextScreen(PageScreen):
             show=False,
         ),
         Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
+        Binding("x", "toggle_box", "Box", show=False, tooltip="Only the motors in your range box, or all"),
         Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Motors that fit, or every one"),
     ]
     DEFAULT_CSS = """
@@ -382,6 +385,15 @@ class NextScreen(PageScreen):
     def action_toggle_fit(self) -> None:
         """Show only motors that fit, or all."""
         self._motors.fitting = not self._motors.fitting
+        self._search_again()
+
+    def action_toggle_box(self) -> None:
+        """Show only the motors in the range box, or all."""
+        box = motors_in_box(self.resources.settings.flyer, self.resources.motors)
+        if not box:
+            self.complain("Your range box is empty. Ctrl+P, then Your card, to enter its motors")
+            return
+        self._motors.box = None if self._motors.box is not None else box
         self._search_again()
 
     def action_unfold(self) -> None:
