@@ -24,11 +24,17 @@ IMPORT_HELP = Help(
             "design",
             "A design (.ork, .rkt, .CDX1) adds no flight: mass, diameter and Cd are the start of a rocket.",
         ),
+        (
+            "weather",
+            "Saved weather (Open-Meteo, Meteostat, METAR, winds aloft, tables) fills in the conditions of flights at "
+            "its site by date and hour, each with its standard deviation; u undoes it.",
+        ),
     ),
     (
         "fieldkit import FILE ... --dry-run",
         "fieldkit import FILE --format NAME --set rocket=Astra --map 'altitude=Alt (ft)'",
         "fieldkit ork FILE.ork --rocket Lark --config A",
+        "fieldkit weather FILE --site Moor --timezone -5",
     ),
 )
 MAPPING_ABOUT = (

@@ -20,7 +20,9 @@ from fieldkit.quantities import counted, in_system
 from fieldkit.rocket import Configuration
 from fieldkit.safe_text import printable
 from fieldkit.services.imports import Receipt, gather, take_in
+from fieldkit.services.weather import NamedWeather
 from fieldkit.tui.flights import logged
+from fieldkit.tui.imports.weather_file import weather_of_file
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.design_look import SUFFIXES, design_at
 from fieldkit.tui.widgets import cards
@@ -38,13 +40,14 @@ PARENT_FOLDER = Path("..")
 @dataclass(frozen=True, slots=True)
 class Look:
     """The preview of a file: its recognized format and the receipt of a dry run, or why it cannot be read; for a
-    design, the `start` of a rocket, described in `words`."""
+    design, the `start` of a rocket, or the `weather` that was saved in it, described in `words`."""
 
     path: Path
     format: str
     receipt: Receipt | None
     trouble: str = ""
     start: Configuration | None = None
+    weather: NamedWeather | None = None
     words: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
     """The flights in it that can be imported, including duplicates."""
@@ -98,11 +101,21 @@ def look_at(resources: Resources, path: Path, reading: ReadOptions) -> Look:
             return Look(path, "a design", None, start=start, words=words)
         receipt, flights = _bring_in(resources, path, reading, dry_run=True)
     except FieldkitError as error:
-        return Look(path, "", None, by_keys(str(error)))
+        return _weather(path) or Look(path, "", None, by_keys(str(error)))
+    if not flights and (saved := _weather(path)):
+        return saved
     if (count := len(reading.together(path))) > 1:
         return Look(path, f"{count} files together", receipt, flights=flights)
     formats = dict.fromkeys(f"{one.title} ({one.format})" for one in receipt.files)
     return Look(path, ", ".join(formats), receipt, flights=flights, owner=_owner(resources, flights))
+
+
+def _weather(path: Path) -> Look | None:
+    """The preview of a file of saved weather; None for another."""
+    with suppress(FieldkitError):
+        title, weather, words = weather_of_file(path)
+        return Look(path, title, None, weather=weather, words=words)
+    return None
 
 
 def _owner(resources: Resources, flights: tuple[Flight, ...]) -> str:
@@ -155,10 +168,11 @@ def what_it_brings(look: Look, given: Mapping[str, str], system: str) -> Content
     """The format of a file, how many flights it would add, and notes; or why it cannot be read."""
     parts: cards.Styled = [(printable(look.path.name), "b $primary")]
     receipt = look.receipt
-    if look.start is not None:
+    if look.start is not None or look.weather is not None:
+        does = "save it as this rocket's starting point" if look.start else "fill in the weather of flights"
         parts += ["\n", ("recognized as  ", "$text-muted"), (look.format, "b")]
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
-        return Content.assemble(*parts, ("\nEnter to save it as this rocket's starting point", "b"))
+        return Content.assemble(*parts, (f"\nEnter to {does}", "b"))
     if receipt is None:
         parts += [
             ("\n✗ ", "b $error"),

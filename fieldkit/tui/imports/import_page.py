@@ -53,6 +53,7 @@ from fieldkit.tui.imports.import_look import (
     what_it_holds,
 )
 from fieldkit.tui.imports.mapping_form import OTHER_ROWS, MappingForm, MappingList
+from fieldkit.tui.imports.weather_file import ask_weather_file
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import KeyBar
@@ -254,6 +255,8 @@ class ImportScreen(PageScreen):
             self.go(path)
         elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
             self.change(lambda: self.resources.ledger.keep_design(start), self._kept)
+        elif self._look is not None and self._look.path == path and (weather := self._look.weather) is not None:
+            ask_weather_file(self, weather)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
             await self._store(path, self._look)
         elif self._look is not None:

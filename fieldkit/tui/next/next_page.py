@@ -212,7 +212,7 @@ class NextScreen(PageScreen):
             show=False,
         ),
         Binding("c", "compare", "Compare", tooltip="All columns for all motors"),
-        Binding("x", "toggle_box", "Box", show=False, tooltip="Only the motors in your range box, or all"),
+        Binding("B", "toggle_box", "Box", show=False, tooltip="Only the motors in your range box, or all"),
         Binding("asterisk", "toggle_fit", "All", key_display="*", show=False, tooltip="Motors that fit, or every one"),
     ]
     DEFAULT_CSS = """

@@ -18,7 +18,7 @@ QUESTIONS = (
     Question("rules", "Rules", "Rules of sites without their own: NAR,FAA or UKRA. Empty: NAR, FAA."),
     Question("rails", "Rods and rails", "Lengths that you own: 3ft, 1.8m. Plans without a rail have the longest."),
     Question(
-        "box", "Range box", "Motors that you have: 3 x C6-5, 2 x D12-5 lot 0412. x on the Fly page lists only these."
+        "box", "Range box", "Motors that you have: 3 x C6-5, 2 x D12-5 lot 0412. B on the Fly page lists only these."
     ),
 )
 
