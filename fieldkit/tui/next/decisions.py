@@ -258,10 +258,10 @@ class Decision:
         found, rule = Found(self.motor, None), rule_of(year)
         one = season_guide(ledger, self.rocket, self.plan, found, rule, day.declared, day.length, self._checks)
         words = [f"Season {year}: {self.plan.rocket}"]
-        for number, (name, state, texts) in enumerate(
+        for step, (name, state, texts) in enumerate(
             season_steps(self.plan, found, one, day.declared, day.cut, self.system), start=1
         ):
-            words += ["", f"{number}. {name}" + (f": {state}" if state else ""), *(f"   {text}" for text in texts)]
+            words += ["", f"{step}. {name}" + (f": {state}" if state else ""), *(f"   {text}" for text in texts)]
         lines = [*worst_first(one.lines)]
         return Answer(
             tuple(words), tuple(safety_text(lines, self.system)), folded=tuple(folded(one.lines, self.system))
