@@ -191,7 +191,7 @@ def descent_speed(
     gone, rest, way = float(track.time[-1]) - 0.5 - start, last - seen.pad, upper - seen.pad
     if gone < 2 or upper - last < 0.2 * way:
         return None
-    # it may have landed before, if it is as low earlier as the sensor tells heights apart
+    # it may have landed before, if it is as low earlier as the sensor can distinguish
     low = seen.calm < last + _SAME_HEIGHT * float(np.hypot(track.noise, slow_error_sd(track, seen)))
     higher = np.flatnonzero(~low)
     rested = max(float(track.time[-1]) - 0.5 - float(track.time[higher[-1]]), 0.0) if higher.size else 0.0
