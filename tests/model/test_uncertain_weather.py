@@ -95,7 +95,7 @@ def strength(sd: str) -> tuple[float, float]:
     return float(mean[place]), float(spread[place])
 
 
-def test_the_less_a_wind_is_known_the_less_it_tells_of_weathercocking() -> None:
+def test_the_less_a_wind_is_known_the_less_it_shows_of_weathercocking() -> None:
     assert strength("0.001") == pytest.approx(strength(""), rel=0.01)
     sds = [strength(sd)[1] for sd in ("", "1", "3")]
     assert sds[0] < sds[1] < sds[2]
