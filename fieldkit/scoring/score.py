@@ -9,6 +9,9 @@ from scipy.special import ndtr
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
 from fieldkit.shapes import Array, Flags, Float
 
+_CRPS_STEPS = 240
+"""Steps of the midpoint rule in a score: a twentieth of the spread of a forecast. [1]"""
+
 
 @dataclass(frozen=True, slots=True)
 class Forecasts:
@@ -26,6 +29,22 @@ class Forecasts:
     def below(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
         """Cumulative probability of a log apogee. [1]"""
         return np.asarray((self.weight * ndtr((values - self.mean) / self.sd)).sum(axis=0))
+
+    def crps(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
+        """The continuous ranked probability score of each log apogee, the integral of the squared difference of both
+        cumulative distributions: about a relative error. [1]
+
+        Source: Gneiting and Raftery, Strictly Proper Scoring Rules, Prediction, and Estimation, 2007, section 4.2.
+        """
+        middle = (self.weight * self.mean).sum(axis=0)
+        spread = np.sqrt((self.weight * (self.sd**2 + (self.mean - middle) ** 2)).sum(axis=0))
+        low, high = (np.fmin(values, middle - 6 * spread), np.fmax(values, middle + 6 * spread))
+        step = (high - low) / _CRPS_STEPS
+        total = np.zeros(values.shape)
+        for number in range(_CRPS_STEPS):
+            at = low + (number + 0.5) * step
+            total += (self.below(at) - (at >= values)) ** 2 * step
+        return total
 
     @staticmethod
     def pick(options: Sequence["Forecasts"]) -> "Forecasts":

@@ -83,6 +83,24 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
     return _mixed(states, posterior.hypotheses[0].fit.model.hyperprior.tail)
 
 
+def that_pay(
+    before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], seen: Flags, *, forward: bool = False
+) -> tuple[Forecasts, bool]:
+    """The averaged forecasts while they pay, the plain ones otherwise; and whether the next flight is averaged.
+
+    They pay if the sum of their continuous ranked probability scores over flights with an apogee is not larger. If
+    forecasts are `forward` in time, each flight's are chosen by the earlier ones. Otherwise all flights choose, because
+    a choice by all but one is adverse: where both are nearly as good, leaving out a flight on which one of them fails
+    makes that one the choice for it. The gain of one choice out of two is small.
+    """
+    gain = np.where(seen, before.crps(truth) - after.crps(truth), 0.0)
+    pays = bool(gain.sum() >= 0)
+    if not forward:
+        return after if pays else before, pays
+    earlier = np.cumsum(gain) - gain
+    return Forecasts.pick([after if own >= 0 else before for own in earlier.tolist()]), pays
+
+
 def _by_state(one: Hypothesis, forecasts: _ByHypothesis) -> list[_ByHypothesis]:
     """The forecasts of a hypothesis for each state of an effect that only a flight's own log shows.
 
@@ -185,7 +203,9 @@ def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead
     tail = fit.model.hyperprior.tail
     states = [state for one, own in zip(some, forecasts, strict=True) for state in _by_state(one, own)]
     chosen = tuple(name if there else "" for name, there in zip(_most_probable(some, forecasts), judged, strict=True))
-    return Ahead(_mixed([forecasts[plain]], tail), _mixed(states, tail), judged, chosen)
+    before = _mixed([forecasts[plain]], tail)
+    after, _ = that_pay(before, _mixed(states, tail), fit.data.values[:, 0], judged, forward=True)
+    return Ahead(before, after, judged, chosen)
 
 
 def _followed(posterior: SetPosterior) -> list[Hypothesis]:

@@ -15,7 +15,7 @@ from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
-from fieldkit.selection.averaged import left_out
+from fieldkit.selection.averaged import left_out, that_pay
 from fieldkit.selection.candidates import Averaged, Candidate, Place, effect_candidates
 from fieldkit.selection.hypotheses import SetPosterior
 from fieldkit.selection.logged_forces import LoggedForces
@@ -31,7 +31,8 @@ MIN_AVERAGED = 0.02
 """Minimum posterior probability of a hypothesis in the average. [1]"""
 MAX_AVERAGED = 8
 """Maximum number of hypotheses in the average. [1]"""
-_NOT_YET = "; held-out flights do not show it yet: check again after more flights"
+PLAIN: Averaged = ((1.0, ()),)
+"""The average of the plain model alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +69,9 @@ class Diagnosis:
     """The result of the search: the plain model, everything tried, the verdict, and leave-one-out errors before and
     after.
 
-    `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses, and
-    `fits` is the check of what these leave in the readouts.
+    `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses where
+    that pays (`that_pay`), and `fits` is the check of what these leave in the readouts. `averaged` is the plain model
+    alone if averaging does not pay and no effect was given.
     """
 
     model: Model
@@ -100,8 +102,11 @@ class Diagnosis:
     @property
     def why(self) -> str:
         """The verdict in a sentence."""
-        yet = self.after.mae > self.before.mae and self.accepted
-        return self.verdict.why + (_NOT_YET if yet else "")
+        plain = self.averaged == PLAIN
+        if not self.accepted or not (plain or self.after.mae > self.before.mae):
+            return self.verdict.why
+        use = ", so forecasts stay with the plain model" if plain else ""
+        return f"{self.verdict.why}; held-out flights do not show it yet{use}: check again after more flights"
 
     @property
     def also(self) -> tuple[str, ...]:
@@ -152,7 +157,9 @@ def diagnose(
     if not given:
         named = verdict_that_fits(named, fits, posterior.nothing)
     before = left_out(SetPosterior((plain,)))
-    after = left_out(forecast_by, part(on_progress, 0.85, 0.15))
+    after, pays = left_out(forecast_by, part(on_progress, 0.85, 0.15)), True
+    if not given:
+        after, pays = that_pay(before, after, truth, seen)
     return Diagnosis(
         model=model,
         data=data,
@@ -160,7 +167,7 @@ def diagnose(
         posterior=posterior,
         ranking=_ranking(posterior, families, truth, seen),
         verdict=named,
-        averaged=averaged(forecast_by),
+        averaged=averaged(forecast_by) if pays else PLAIN,
         before=score(before, truth, seen),
         after=score(after, truth, seen),
         forecasts_before=before,

@@ -27,7 +27,7 @@ from fieldkit.selection.verdict import NAMING_PROBABILITY
 EVALUATION = (
     "leave-one-flight-out, effects reweighted within every fold "
     "(Pareto-smoothed importance sampling, refitted without the flight if that is unreliable; "
-    "the set of effects averaged over was chosen with all flights)"
+    "the set of effects averaged over, and whether to average, was chosen with all flights)"
 )
 CANDIDATE_EVALUATION = (
     "leave-one-flight-out, each effect alone in the place that all flights chose, "

@@ -82,3 +82,12 @@ def test_an_absurd_forecast_has_a_finite_score() -> None:
     assert np.isfinite(score(Forecasts(450 * one, one, one), np.full(2, 5.0), np.ones(2, bool)).rmse)
     usual = score(Forecasts(np.log([[110.0, 80.0]]), one, one), np.log([100.0, 100.0]), np.ones(2, bool))
     assert (usual.rmse, usual.mae) == (pytest.approx(np.sqrt(250)), pytest.approx(15))
+
+
+def test_the_crps_of_a_mixture_of_normals_is_that_of_its_draws() -> None:
+    rng = np.random.default_rng(5)
+    mean, sd, weight = np.array([[5.0], [5.3]]), np.array([[0.05], [0.1]]), np.array([[0.7], [0.3]])
+    which = rng.choice(2, size=40_000, p=weight[:, 0])
+    draws = rng.normal(mean[which, 0], sd[which, 0])
+    for flown in (4.7, 5.02, 5.3):
+        assert Forecasts(mean, sd, weight).crps(np.array([flown])) == pytest.approx(crps(draws, flown), rel=0.02)

@@ -12,9 +12,9 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.history import history_of
-from fieldkit.scoring.score import score
+from fieldkit.scoring.score import Forecasts, score
 from fieldkit.selection import averaged
-from fieldkit.selection.averaged import MAX_REFITS, left_out
+from fieldkit.selection.averaged import MAX_REFITS, left_out, that_pay
 from fieldkit.selection.candidates import Candidate, Place, Switched, effect_terms
 from fieldkit.selection.diagnose import by_state
 from fieldkit.selection.extended_model import rocket_model
@@ -111,3 +111,16 @@ def test_brakes_that_a_controller_opens_do_not_spoil_forecasts() -> None:
     without = error()
     assert error(strength) > 1.2 * without
     assert error(strength, state) < 1.15 * without
+
+
+def test_effects_are_averaged_in_only_while_that_forecasts_held_out_flights_no_worse() -> None:
+    truth, seen, one = np.log([200.0, 210.0, 190.0, 205.0]), np.ones(4, bool), np.ones((1, 4))
+    plain = Forecasts(np.log(200.0) * one, 0.05 * one, one)
+    near, far = (Forecasts(truth + error * one, 0.05 * one, one) for error in (0.0, 0.2))
+    assert that_pay(plain, near, truth, seen) == (near, True)
+    assert that_pay(plain, far, truth, seen) == (plain, False)
+    once = replace(near, mean=np.where(np.arange(4) == 1, near.mean + 0.2, near.mean))  # far off on one flight
+    forward, _ = that_pay(plain, once, truth, seen, forward=True)
+    assert (forward.mean[0, :2] == once.mean[0, :2]).all()
+    assert (forward.mean[0, 2:] == plain.mean[0, 2:]).all()
+    assert that_pay(plain, far, truth, np.zeros(4, bool)) == (far, True)  # without an apogee the evidence decides
