@@ -8,7 +8,7 @@ brakes: the drag that the loop finds, and the errors of the apogee with the stat
 import argparse
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -36,15 +36,6 @@ MASSES = {"12_23": 0.588, "2_7": 0.594, "2_15": 0.551, "2_26": 0.551}
 VERTICAL = ColumnChoice({"acceleration": "vertical acceleration (m/s^2)"})
 PARTS = 6
 """Number of parts of a coast in a row of the table. [1]"""
-
-
-@dataclass(frozen=True)
-class Level:
-    """Drag of a coast [1/m], constant along it, with its standard deviation, and the sensors."""
-
-    value: float
-    sd: float
-    source: str
 
 
 def main() -> None:
@@ -84,19 +75,16 @@ def recordings(folder: Path) -> Iterator[Sequence[str]]:
         if profile is None:
             continue
         heights = profile_of(replace(reading, series=tuple(without_accelerometer(reading))))
-        both, alone = level(profile), level(heights) if heights is not None else None
+        (value, sd), alone = profile.level, heights.level if heights is not None else None
         steps = drag_steps([LoggedDrag(path.stem, profile, profile.reference, SCATTER)], log_prior_odds([DRAG_STEP]))
         assert steps is not None
-        gap = (
-            abs(both.value - alone.value) / np.hypot(both.sd, alone.sd)
-            if alone and alone.source != both.source
-            else None
-        )
+        own = heights is not None and heights.source != profile.source
+        gap = abs(value - alone[0]) / np.hypot(sd, alone[1]) if alone and own else None
         yield (
             path.stem,
-            both.source,
-            f"{1e3 * both.value:.2f} ± {1e3 * both.sd:.2f}",
-            f"{1e3 * alone.value:.2f} ± {1e3 * alone.sd:.2f}" if alone else "",
+            profile.source,
+            f"{1e3 * value:.2f} ± {1e3 * sd:.2f}",
+            f"{1e3 * alone[0]:.2f} ± {1e3 * alone[1]:.2f}" if alone else "",
             f"{gap:.1f}" if gap is not None else "",
             f"{steps.flights[0].member:.0%}",
         )
@@ -120,13 +108,6 @@ def without_accelerometer(reading: Reading) -> Iterator[Series]:
 def profile_of(reading: Reading) -> DragProfile | None:
     """The drag profile of a reading."""
     return drag_profile(reading.clocks, measure(reading.clocks, reading.events))
-
-
-def level(profile: DragProfile) -> Level:
-    """The drag of a coast as if it were constant: least squares with the covariances of the most probable noise."""
-    likely = profile.likelihoods[0].with_any_ports()
-    whole = float(likely.precision.sum())
-    return Level(profile.reference * float(likely.shift.sum()) / whole, profile.reference * whole**-0.5, profile.source)
 
 
 def brakes(folder: Path) -> Iterator[str]:

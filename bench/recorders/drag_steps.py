@@ -127,15 +127,13 @@ def _profile(path: Path, recorder: Recorder, rng: np.random.Generator) -> DragPr
 
 def _level(profile: DragProfile, launch: Launch) -> float:
     """Error of the drag of a coast without a step, in its standard deviations."""
-    likely = profile.likelihoods[0].with_any_ports()
-    whole = float(likely.precision.sum())
-    value, sd = float(likely.shift.sum()) / whole, whole**-0.5
+    value, sd = profile.level
     station = station_pressure(launch.air.qnh, launch.air.elevation)
     density = station / (GAS * launch.air.temperature)
     mass = launch.dry_mass + launch.motor.total_mass - launch.motor.propellant_mass
     area = np.pi / 4 * launch.airframe.diameter**2
     truth = density * launch.drag.cd * launch.drag.power_off * area / (2 * mass)
-    return float((value - truth / profile.reference) / sd)
+    return float((value - truth) / sd)
 
 
 HEAD = [

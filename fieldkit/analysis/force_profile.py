@@ -86,7 +86,8 @@ _THRUST_LEFT, _LEAST_LEFT, _FADE_TIMES = 0.15, 3.0, (0.12, 0.4)
 times of what is then left, of which half of that is the standard deviation. [s]"""
 _TILT = 0.17
 """Horizontal speed as a fraction of the first speed of the coast: a path 10 degrees off vertical. Drag along a path at
-the speed V is V/v times that by its upward speed v, and a wrong axis hides part of gravity. [1]"""
+the speed V is V/v times that by its upward speed v; an accelerometer on the axis feels V/v times that again, and one
+whose gravity was removed along a wrong axis hides part of it. [1]"""
 _TILT_SD = (0.5**2 + 0.5) ** 0.5
 """Root mean square of V/v - 1 over the variance of the angle, if that is normal: V/v is 1 + half of its square. [1]"""
 _MOST_SLOWED = 25.0
@@ -183,6 +184,19 @@ class DragProfile:
     def edges(self) -> Float[Array, "edge"]:
         """Boundaries of the intervals, from lift-off. [s]"""
         return np.append(self.time_from_liftoff - self.length / 2, self.time_from_liftoff[-1] + self.length / 2)
+
+    @property
+    def level(self) -> tuple[float, float]:
+        """Drag b of the coast as if it were constant, and its standard deviation, averaged over the settings of the
+        noise and the error of static ports [1/m]."""
+        each = [one.with_any_ports() for one in self.likelihoods]
+        precision = np.array([one.precision.sum() for one in each])
+        shift = np.array([one.shift.sum() for one in each])
+        weight = np.array([one.log_weight for one in each]) + 0.5 * (shift**2 / precision - np.log(precision))
+        weight = np.exp(weight - np.logaddexp.reduce(weight))
+        mean = float(weight @ (shift / precision))
+        variance = float(weight @ (1 / precision + (shift / precision - mean) ** 2))
+        return self.reference * mean, self.reference * variance**0.5
 
 
 def drag_profile(clocks: Sequence[Series], recorded: Recorded) -> DragProfile | None:
@@ -501,7 +515,9 @@ class _Covariances:
         if both:
             bias = _BIAS_SD if coast.zeroed else _UNLEVELLED_BIAS_SD
             fades = [coast.fade * np.exp(-(time - time[0]) / lasts) for lasts in _FADE_TIMES]
-            shapes = (np.full(count, bias), -_GAIN_SD * linear.drag, *fades, GRAVITY / 2 * tilt)
+            at_rest = GRAVITY if coast.zeroed and coast.weighs else 0.0  # where its error of gain is zero
+            slanted = -linear.drag / 2 if coast.weighs else GRAVITY / 2
+            shapes = (np.full(count, bias), -_GAIN_SD * (linear.drag + at_rest), *fades, slanted * tilt)
             push = np.stack(shapes, axis=-1)
             columns.append(np.concatenate([np.zeros_like(push), push]))
         self._columns = np.concatenate(columns, axis=-1)

@@ -19,14 +19,15 @@ def coast_log(
     rate: float = 50.0,
     felt: bool = True,
     bias: float = 0.2,
+    gain: float = 1.0,
     ports: float = 0.0,
     lag: float = 0.0,
     speed: float = SPEED,
 ) -> tuple[tuple[Series, ...], Recorded]:
     """Samples of a flight whose drag b [1/m] is a function of the time from lift-off, and its measurement.
 
-    The boost is constant. The accelerometer has a bias and noise, the heights noise, a pressure error of static ports
-    as a fraction of the dynamic pressure, and a first-order lag.
+    The boost is constant. The accelerometer has a gain, a bias and noise, the heights noise, a pressure error of
+    static ports as a fraction of the dynamic pressure, and a first-order lag.
     """
     rng, step = np.random.default_rng(seed), 1e-3
     times = np.arange(-2.0, 30.0, step)
@@ -53,7 +54,7 @@ def coast_log(
     noise = rng.normal(0, 0.3, time.size)
     series = Series(time=time, altitude=seen[::every] + noise)
     if felt:
-        own = push_[::every] + bias + rng.normal(0, 0.15, time.size)
+        own = gain * push_[::every] + bias + rng.normal(0, 0.15, time.size)
         series = Series(time=time, altitude=seen[::every] + noise, felt=own)
     top = float(times[int(np.argmax(height_))])
     flown = (time >= 0) & (time <= top)

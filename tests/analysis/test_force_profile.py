@@ -20,17 +20,10 @@ def profile(seed: int, felt: bool = True, ports: float = 0.0, lag: float = 0.0, 
     return found
 
 
-def level(one: DragProfile) -> tuple[float, float]:
-    """Constant drag and its standard deviation. [1/m]"""
-    likely = one.likelihoods[0].with_any_ports()
-    whole = float(likely.precision.sum())
-    return one.reference * float(likely.shift.sum()) / whole, one.reference * whole**-0.5
-
-
 @pytest.mark.parametrize("felt", [True, False])
 @pytest.mark.parametrize("rate", [20.0, 100.0])
 def test_a_constant_drag_is_found_within_its_standard_deviation(felt: bool, rate: float) -> None:
-    found = np.array([level(profile(seed, felt, rate=rate)) for seed in SEEDS])
+    found = np.array([profile(seed, felt, rate=rate).level for seed in SEEDS])
     off = (found[:, 0] - OWN) / found[:, 1]
     assert np.abs(off).max() < 3
     assert np.sqrt(np.mean(off**2)) < 1.5
@@ -39,12 +32,23 @@ def test_a_constant_drag_is_found_within_its_standard_deviation(felt: bool, rate
 @pytest.mark.parametrize(("ports", "lag"), [(0.05, 0.0), (-0.05, 0.0), (0.0, 0.15)])
 def test_the_error_of_ports_and_a_lag_are_within_the_standard_deviation(ports: float, lag: float) -> None:
     for felt in (True, False):
-        off = [(value - OWN) / sd for value, sd in (level(profile(seed, felt, ports, lag)) for seed in SEEDS)]
+        off = [(value - OWN) / sd for value, sd in (profile(seed, felt, ports, lag).level for seed in SEEDS)]
         assert np.abs(np.mean(off)) < 2
 
 
+@pytest.mark.parametrize("gain", [0.96, 1.04])
+def test_a_gain_that_is_right_on_the_pad_alone_is_within_the_standard_deviation(gain: float) -> None:
+    # zeroed where it feels 1 g, an accelerometer that is 4% off is 0.4 m/s^2 off in free fall
+    found = []
+    for seed in SEEDS:
+        one = drag_profile(*coast_log(lambda time: OWN, seed, gain=gain))
+        assert one is not None
+        found.append((one.level[0] - OWN) / one.level[1])
+    assert np.abs(np.mean(found)) < 1.1
+
+
 def test_an_accelerometer_shows_the_drag_better_than_heights() -> None:
-    assert level(profile(0))[1] < 0.6 * level(profile(0, felt=False))[1]
+    assert profile(0).level[1] < 0.6 * profile(0, felt=False).level[1]
 
 
 def test_drag_that_doubles_shows_when_it_doubles() -> None:
