@@ -91,8 +91,11 @@ def readouts(track: Track, air: Air, device: Altimeter, rng: np.random.Generator
     for name, value in true.items():
         if name in device.sds:
             fixed, ratio = device.sds[name]
-            value += device.bias[name] if name == "apogee_to_eject_s" else value * np.expm1(device.bias[name])
-            value += np.hypot(fixed, ratio * value) * float(rng.standard_t(TAIL))
+            error = float(rng.standard_t(TAIL))
+            if name == "apogee_to_eject_s":
+                value += device.bias[name] + fixed * error
+            else:
+                value *= np.exp(device.bias[name] + np.hypot(fixed / value, ratio) * error)
         elif name == "avg_accel_g":
             value = shown["top_speed_mps"] / (GRAVITY * max(shown["burn_time_s"], 0.05)) * (1 + 0.01 * jitter[name])
         elif name in ("apogee_m", "eject_altitude_m"):
