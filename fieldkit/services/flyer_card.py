@@ -3,13 +3,16 @@
 import re
 from collections import Counter
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 from fieldkit import units
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.motors import Catalogue, Motor
 from fieldkit.planning.rules import governing, known_rules, read_authorities
 from fieldkit.quantities import ShownUnits
 from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, FlyerCard, Settings
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Catalogue, Motor
 
 CARD = ("certification", "born", "rules", "rails", "box")
 """The entries of the card."""
@@ -70,9 +73,9 @@ def _boxed(text: str) -> BoxedMotors:
     return BoxedMotors(found["motor"], count, found["lot"] or "")
 
 
-def motors_in_box(card: FlyerCard, motors: Catalogue) -> Counter[Motor]:
+def motors_in_box(card: FlyerCard, motors: "Catalogue") -> "Counter[Motor]":
     """How many of each motor are in the range box; a name that no motor has any more is left out."""
-    found = Counter[Motor]()
+    found: Counter[Motor] = Counter()
     for one in card.box:
         with suppress(FieldkitError):
             found[motors.resolve(one.motor).motor] += one.count
