@@ -91,7 +91,7 @@ def that_pay(
     They pay if the sum of their continuous ranked probability scores over flights with an apogee is not larger. If
     forecasts are `forward` in time, each flight's are chosen by the earlier ones. Otherwise all flights choose, because
     a choice by all but one is adverse: where both are nearly as good, leaving out a flight on which one of them fails
-    makes that one the choice for it. The gain of one choice out of two is small.
+    makes that one the choice for it. The gain of one choice out of two is small. `truth` has the flown apogees. [log m]
     """
     gain = np.where(seen, before.crps(truth) - after.crps(truth), 0.0)
     pays = bool(gain.sum() >= 0)
