@@ -3,8 +3,8 @@
 Lengths are in inches, weights in pounds. A file has the outline of the rocket and no masses of its parts, but a
 simulation states its launch weight and the center of gravity with its motor. Without its motor, which ends where the
 rocket does and balances in its middle, the rocket has the mass m = M - m_motor and its center at
-(M x - m_motor x_motor) / m. A fin's place is that of its leading edge ahead of the aft end of its tube. Source: the
-elements of RASAero II files, as OpenRocket's importer documents them.
+(M x - m_motor x_motor) / m. A fin's place is that of its leading edge ahead of the aft end of its tube. The
+names of the elements are from memory of RASAero II files: none was at hand to compare with.
 """
 
 import math
@@ -72,6 +72,7 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
             SubElement(motor, "designation").text = named["name"] if named else text
             SubElement(motor, "manufacturer").text = MAKERS.get(named["maker"] or "", named["maker"]) if named else ""
     length = sum(number(one, "length") for one in body)
+    notes.append("not tried on a file of RASAero yet: compare mass, length and margin with what it shows")
     return document, [*notes, *_weigh(stage, engines, length)]
 
 

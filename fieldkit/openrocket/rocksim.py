@@ -1,8 +1,8 @@
 """RockSim designs (`.rkt`) in the terms of an OpenRocket design, so that the same code reads both.
 
 Lengths are in mm, masses in g. RockSim stores the mass that it computed for each part, which is used unless one was
-entered; the density is used only without both. A place from the base of the parent counts toward the nose. Source: the
-elements of RockSim 9 files, as OpenRocket's importer documents them.
+entered; the density is used only without both. A place from the base of the parent counts toward the nose. The
+names of the elements are from memory of RockSim 9 files: none was at hand to compare with.
 """
 
 from collections.abc import Callable, Iterator
@@ -46,6 +46,7 @@ def from_rocksim(root: Element) -> tuple[Element, list[str]]:
             _override(stage, whole, number(design, f"{name[:6]}CG") * MM, below=True)
         _into(SubElement(stage, "subcomponents"), parts, unread)
     notes = ["the motors of a RockSim file are not read; state one with --motor"]
+    notes.append("not tried on a file of RockSim yet: compare mass, length and margin with what it shows")
     if unread:
         notes.append(f"not read: {', '.join(unread)}; their mass and lift are missing")
     return document, notes
