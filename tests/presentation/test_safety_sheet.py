@@ -37,6 +37,12 @@ def test_the_sheet_is_one_page(suffix: str, run: Run, tmp_path: Path) -> None:
     assert suffix != ".pdf" or content.count(b"/Type /Page ") + content.count(b"/Type /Page\n") == 1
 
 
+def test_a_sheet_explains_what_is_unverified_if_anything_is() -> None:
+    assert not any("no source" in line for line in sheet_text(LINES))
+    marked = [*LINES, SafetyCheck("age", "ok", "from 18 years on", "", mark="U")]
+    assert any(line.startswith("Unverified: no source of it was at hand") for line in sheet_text(marked))
+
+
 def test_a_sheet_is_refused_with_another_suffix(run: Run, tmp_path: Path) -> None:
     body = ("--rocket", "R", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm")
     assert "sheet.txt" in run("landing", *body, "--safety-sheet", tmp_path / "sheet.txt", status=1).err

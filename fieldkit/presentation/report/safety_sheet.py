@@ -18,6 +18,8 @@ SIGNATURES = (
     "Range safety officer ______________________________   date and time ____________________   flies: yes / no",
 )
 """What is filled in by hand."""
+UNVERIFIED = "unverified"
+"""The mark of a rule that was written down from memory."""
 TOP, FOOT_OF_PAGE = 0.965, 0.09
 """Highest position of the text and the room for signatures, as fractions of the page's height. [1]"""
 
@@ -42,6 +44,8 @@ def sheet_text(lines: Sequence[SafetyCheck], system: str = "SI") -> Iterator[str
     for one in by_eye:
         yield f"  [ ] {one.name}: {in_system(message(one.finding), system).partition(': ')[2]}"
     yield ""
+    if any(UNVERIFIED in f"{one.finding}{one.suffix}" for one in lines):
+        yield f"{UNVERIFIED.capitalize()}: no source of it was at hand; read the current code."
     yield ADVICE_NOTE
 
 
