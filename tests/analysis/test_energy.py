@@ -1,8 +1,14 @@
 """A top speed agrees with the climb after burnout, whatever sensors measured it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from bench.recorders.flights import draw
+from bench.recorders.judge import read
+from bench.recorders.models import Recorder
+from bench.recorders.record import written
 from fieldkit.analysis.possible import by_energy, speed_of_coast
 from fieldkit.analysis.records import Figure
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -68,3 +74,44 @@ def test_a_top_speed_that_fits_is_unchanged() -> None:
     after, notes = by_energy(before, 20.0)
     assert not notes
     assert after["top_speed"].value == pytest.approx(60.0, abs=0.05)
+
+
+SENSORS = {
+    "barometer": Recorder(),
+    "pressure": Recorder(column="pressure_pa", resolution=1),
+    "slow barometer": Recorder(baro=2),
+    "satellites": Recorder(baro=0, gps=5),
+    "barometer and satellites": Recorder(gps=5),
+    "barometer and accelerometer": Recorder(accel=100),
+    "three axes": Recorder(accel=100, axes=3),
+    "saturated accelerometer": Recorder(accel=100, accel_range=4),
+    "accelerometer of half scale": Recorder(accel=100, scale=0.5),
+    "late accelerometer": Recorder(accel=100, late=1.6),
+    "derived acceleration": Recorder(derived=True, speed=True),
+    "satellites and accelerometer": Recorder(baro=0, gps=5, accel=100),
+}
+FAULTS: dict[str, dict[str, float]] = {
+    "none": {},
+    "slow heights": {"lag": 0.5},
+    "static ports": {"static": 0.15},
+    "spikes": {"spikes": 0.03},
+}
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("sensors", SENSORS)
+def test_no_combination_of_sensors_and_faults_reports_a_speed_that_the_climb_excludes(sensors: str, fault: str) -> None:
+    """In vacuum a coast rises v²/2g, so with drag the speed is higher; and a mean is never above its peak."""
+    random = np.random.default_rng(8)
+    recorder = replace(SENSORS[sensors], **FAULTS[fault])  # type: ignore[arg-type]
+    for path in draw(random, 1):
+        found = read(written(path, recorder, random))
+        speed, mean, peak = (found.figures.get(name) for name in ("top_speed", "avg_accel", "peak_accel"))
+        if speed is not None:
+            burnout = float(np.interp(path.burnout, path.time, path.height))
+            least = np.sqrt(2 * GRAVITY * max(path.readouts()["apogee"] - burnout, 0.0))
+            assert speed.value > least - 3 * max(speed.sd, 0.02 * least)
+            assert abs(speed.value - path.readouts()["top_speed"]) < 5 * max(speed.sd, 0.02 * speed.value)
+        if mean is not None and peak is not None:
+            assert mean.value <= peak.value

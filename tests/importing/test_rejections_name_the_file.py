@@ -10,7 +10,9 @@ from fieldkit.errors import FieldkitError
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.read import open_file, read_plans, read_recordings
 from fieldkit.importing.recognize import parsers
+from fieldkit.importing.tables.mapping import remember
 from fieldkit.services.imports.mappings import table_columns
+from tests.commands import Run
 
 SAVED = (
     ColumnChoice({"apogee": "how high [m]", "rocket": "craft"}, ("when", "how high", "craft")),
@@ -62,3 +64,16 @@ def test_every_way_in_rejects_a_file_by_its_name(what: str, tmp_path: Path) -> N
         *(lambda of=of: table_columns(file, of) for of in ("", "samples", "flights")),  # type: ignore[misc]
     ]
     assert all("junk.csv" in message for message in map(rejection, ways) if message)
+
+
+@pytest.mark.parametrize("choices", [(), SAVED], ids=["no mappings", "saved mappings"])
+@pytest.mark.parametrize("what", BROKEN)
+def test_import_and_inspect_reject_a_file_by_its_name(
+    what: str, choices: tuple[ColumnChoice, ...], tmp_path: Path, run: Run
+) -> None:
+    for choice in choices:
+        remember(choice)
+    file = tmp_path / "junk.csv"
+    file.write_bytes(BROKEN[what])
+    for command in ("import", "inspect"):
+        assert "junk.csv" in run(command, file, status=1).err

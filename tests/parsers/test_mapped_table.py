@@ -124,6 +124,33 @@ def test_a_header_of_another_quantity_is_not_a_channel(spelled: str) -> None:
     assert channel(heading(spelled)) == ""
 
 
+@pytest.mark.parametrize("height", ["altitude (m)", "alt", "height_agl (m)"])
+def test_heights_of_a_tracker_that_start_at_zero_are_those_of_satellites(height: str) -> None:
+    (series,), line = found(table(f"time (s),latitude,longitude,{height}", "{t:.2f},47.1,8.2,{h:.1f}"))
+    assert series.gps_altitude_msl is not None
+    assert series.altitude is None
+    assert "beside a position, and no barometer" in line
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("time (s),latitude,longitude,baro altitude (m)", "{t:.2f},47.1,8.2,{h:.1f}"),
+        ("time (s),latitude,longitude,altitude (m),pressure (Pa)", "{t:.2f},47.1,8.2,{h:.1f},{p:.1f}"),
+        ("time (s),latitude,longitude,altitude (m),temperature (C)", "{t:.2f},47.1,8.2,{h:.1f},20"),
+    ],
+)
+def test_heights_of_a_barometer_beside_a_position_stay_its_own(header: str, row: str) -> None:
+    (series,), _ = found(table(header, row))
+    assert series.altitude is not None
+    assert series.gps_altitude_msl is None
+
+
+def test_the_only_heights_of_a_tracker_without_a_unit_are_asked_for() -> None:
+    with pytest.raises(DamagedLog, match=r"--map 'gps_altitude_msl=#2 \[m\]'"):
+        found(table("time (s),gps altitude", "{t:.2f},{h:.1f}"))
+
+
 def test_a_sensor_that_starts_late_does_not_hide_the_table() -> None:
     log = table("time_s,altitude_m", "{t:.2f},{h:.2f}").decode().split("\n")
     log[1:6] = [f"{line.partition(',')[0]},NaN" for line in log[1:6]]

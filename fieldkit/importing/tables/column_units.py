@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.column_choice import REQUIRED_CHANNELS, Pick, to_si
-from fieldkit.importing.tables.headings import QUANTITIES, unit_named
+from fieldkit.importing.tables.headings import QUANTITIES, barometric, heading, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
@@ -65,7 +65,8 @@ def units_of(
     left_out: dict[str, str] = {}
     for name, pick in by_channel.items():
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
-        if name not in units and (pick.chosen or (name in REQUIRED_CHANNELS and not spare)):
+        only = name == "gps_altitude_msl" and not by_channel.keys() & {"altitude", "altitude_msl", "pressure"}
+        if name not in units and (pick.chosen or only or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that implies one"
             raise DamagedLog(
@@ -76,7 +77,7 @@ def units_of(
             left_out[pick.name] = NO_UNIT
     if "felt?" in units and not _settle_kind(values, units):
         left_out[by_channel["felt?"].name] = NO_KIND
-    _settle_zero(values, units)
+    _settle_zero(values, units, by_channel)
     return units, left_out
 
 
@@ -167,8 +168,10 @@ def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[
     return True
 
 
-def _settle_zero(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
-    """Rename heights that do not start at the pad."""
+def _settle_zero(
+    values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]], picks: Mapping[str, Pick]
+) -> None:
+    """Rename heights that do not start at the pad, and those of a tracker, which has a position and no barometer."""
     if "altitude" in units and "altitude_msl" not in units:
         height = to_si(units["altitude"][0], values["altitude"])
         start = height[np.isfinite(height)][:20]
@@ -177,9 +180,13 @@ def _settle_zero(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[
             values["altitude_msl"] = values["altitude"]
             del units["altitude"]
     position, others = {"latitude", "longitude"} <= units.keys(), {"felt", "acceleration", "felt_total", *AXES}
-    alone = position and not ({"pressure", "temperature"} & values.keys() or others & units.keys())
-    if (
-        alone and "altitude_msl" in units and "gps_altitude_msl" not in units
-    ):  # a tracker, whose heights are of satellites
-        units["gps_altitude_msl"] = *units.pop("altitude_msl")[:2], "beside a position, and no barometer"
-        values["gps_altitude_msl"] = values["altitude_msl"]
+    alone = (
+        position
+        and "gps_altitude_msl" not in units
+        and not ({"pressure", "temperature"} & values.keys() or others & units.keys())
+    )
+    height = next((name for name in ("altitude_msl", "altitude") if name in units), None)
+    pick = picks.get("altitude", picks.get("altitude_msl"))
+    if alone and height and pick and not pick.chosen and not barometric(heading(pick.name)):
+        units["gps_altitude_msl"] = *units.pop(height)[:2], "beside a position, and no barometer"
+        values["gps_altitude_msl"] = values[height]
