@@ -11,6 +11,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.tables.mapping import remember, remembered
 from fieldkit.ledger import Ledger
+from tests.importing.test_rejections_name_the_file import BROKEN, SAVED
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed
 
 pytestmark = pytest.mark.fast
@@ -48,6 +49,20 @@ async def test_a_mistake_in_the_columns_is_named_and_corrected_where_it_was_type
         assert "found the column 'tick' for time and" in shown(pilot)
         await press(pilot, "m")
         assert [field.value for field in pilot.app.screen.query(Input)][:2] == ["tick [ms]", "tick [m]"]
+
+
+async def test_the_import_page_says_beside_its_name_what_is_wrong_with_a_file(file: Path) -> None:
+    for choice in SAVED:
+        remember(choice)
+    async with opened(file, (120, 36), page="import_files") as pilot:
+        for number, what in enumerate(BROKEN):
+            junk = file.parent / f"junk{number}.csv"
+            junk.write_bytes(BROKEN[what])
+            pilot.app.screen.go(file.parent, junk)
+            await press(pilot)
+            seen = shown(pilot)
+            assert f"junk{number}.csv" in seen, what
+            assert "found" in seen or "no parser" in seen, (what, seen)
 
 
 async def test_a_note_does_not_repeat_the_name_of_its_file_whose_end_is_never_cut(file: Path) -> None:
