@@ -20,8 +20,9 @@ _DELAY_SD, _BRAKED_SLACK, _BRAKED_SAMPLES = 1.0, 2.0, 5
 """Standard deviation of the time from apogee to an undetected charge: delays come in steps of two or three seconds and
 are off by up to 1.5 s (NFPA 1125) [s]. Slack in the speed of a fall [m/s]: a fall to less than 1.5 times the descent
 speed plus this slack does not reveal when it was braked, nor does one within the samples that show its speed [1]."""
-_SAME_HEIGHT = 3.0
-"""Heights closer than this many standard deviations may be of a rocket at rest. [1]"""
+_SAME_HEIGHT, _LAST_SECOND = 3.0, 1.0
+"""Heights closer than this many standard deviations may be of a rocket at rest [1]; the end of a log whose median is
+its last height [s]."""
 _MIN_LINE_SAMPLES, _MAX_LINE_SAMPLES, _LINES, _BENT = 6, 200, 2, 0.4
 """Fewest and most samples of the last line of a descent, the number of lines, each up to the landing that the one
 before it shows [1], and how long before that a filter or small vents may bend the descent [s]."""
@@ -187,14 +188,15 @@ def descent_speed(
             sd = np.hypot(sd, value * end.sd / (end.time - start))
         sd = np.hypot(sd, 2 * track.noise / (end.time - start))
         return Figure(value, float(sd), track.source) if value > 0 else None
-    last = float(np.median(track.height[track.time > track.time[-1] - 1]))
-    gone, rest, way = float(track.time[-1]) - 0.5 - start, last - seen.pad, upper - seen.pad
+    last = float(np.median(track.height[track.time > track.time[-1] - _LAST_SECOND]))
+    gone, rest, way = float(track.time[-1]) - _LAST_SECOND / 2 - start, last - seen.pad, upper - seen.pad
     if gone < 2 or upper - last < 0.2 * way:
         return None
-    # it may have landed before, if it is as low earlier as the sensor can distinguish
-    low = seen.calm < last + _SAME_HEIGHT * float(np.hypot(track.noise, slow_error_sd(track, seen)))
-    higher = np.flatnonzero(~low)
-    rested = max(float(track.time[-1]) - 0.5 - float(track.time[higher[-1]]), 0.0) if higher.size else 0.0
+    # it may have landed before, if it is as low for longer than a descent through heights that the sensor cannot distinguish
+    same = _SAME_HEIGHT * float(np.hypot(track.noise, slow_error_sd(track, seen)))
+    higher = np.flatnonzero(seen.calm >= last + same)
+    since = float(track.time[-1] - track.time[higher[-1]]) if higher.size else 0.0
+    rested = max(since - _LAST_SECOND - same * gone / (upper - last), 0.0)
     gone -= rested / 2
     value = (upper - last) / gone
     unseen = float(np.clip(rest / way, 0, 1)) / 2
