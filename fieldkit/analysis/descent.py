@@ -192,7 +192,8 @@ def descent_speed(
     gone, rest, way = float(track.time[-1]) - _LAST_SECOND / 2 - start, last - seen.pad, upper - seen.pad
     if gone < 2 or upper - last < 0.2 * way:
         return None
-    # it may have landed before, if it is as low for longer than a descent through heights that the sensor cannot distinguish
+    # it may have landed before, if it is as low for longer than it falls through heights that the sensor cannot
+    # distinguish
     same = _SAME_HEIGHT * float(np.hypot(track.noise, slow_error_sd(track, seen)))
     higher = np.flatnonzero(seen.calm >= last + same)
     since = float(track.time[-1] - track.time[higher[-1]]) if higher.size else 0.0

@@ -185,8 +185,8 @@ def _settle_zero(
         and "gps_altitude_msl" not in units
         and not ({"pressure", "temperature"} & values.keys() or others & units.keys())
     )
-    height = next((name for name in ("altitude_msl", "altitude") if name in units), None)
+    own = next((name for name in ("altitude_msl", "altitude") if name in units), None)
     pick = picks.get("altitude", picks.get("altitude_msl"))
-    if alone and height and pick and not pick.chosen and not barometric(heading(pick.name)):
-        units["gps_altitude_msl"] = *units.pop(height)[:2], "beside a position, and no barometer"
-        values["gps_altitude_msl"] = values[height]
+    if alone and own and pick and not pick.chosen and not barometric(heading(pick.name)):
+        units["gps_altitude_msl"] = *units.pop(own)[:2], "beside a position, and no barometer"
+        values["gps_altitude_msl"] = values[own]
