@@ -31,7 +31,7 @@ MIN_AVERAGED = 0.02
 """Minimum posterior probability of a hypothesis in the average. [1]"""
 MAX_AVERAGED = 8
 """Maximum number of hypotheses in the average. [1]"""
-PLAIN: Averaged = ((1.0, ()),)
+NO_EFFECTS: Averaged = ((1.0, ()),)
 """The average of the plain model alone."""
 
 
@@ -102,7 +102,7 @@ class Diagnosis:
     @property
     def why(self) -> str:
         """The verdict in a sentence."""
-        plain = self.averaged == PLAIN
+        plain = self.averaged == NO_EFFECTS
         if not self.accepted or not (plain or self.after.mae > self.before.mae):
             return self.verdict.why
         use = ", so forecasts stay with the plain model" if plain else ""
@@ -167,7 +167,7 @@ def diagnose(
         posterior=posterior,
         ranking=_ranking(posterior, families, truth, seen),
         verdict=named,
-        averaged=averaged(forecast_by) if pays else PLAIN,
+        averaged=averaged(forecast_by) if pays else NO_EFFECTS,
         before=score(before, truth, seen),
         after=score(after, truth, seen),
         forecasts_before=before,

@@ -52,7 +52,7 @@ def season_guide(
     """The guide of a plan through a season, with the flights `declared` so far and the rocket's length [m].
 
     `safety` has the checks of a forecast with a fraction of the parachute's area. Raises ImpossibleFlight for a plan
-    without a mass or with too little thrust.
+    without a mass or with too little thrust, BadValue for a recovery or a record of a flight that cannot be read.
     """
     scored = score(rule, ledger.flights(plan.rocket))
     flown = trials(rocket, plan, found, rule)
