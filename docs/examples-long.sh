@@ -17,9 +17,5 @@ fieldkit learn anna.csv ben.csv --check --out club.json
 fieldkit learn anna.csv ben.csv --keep
 # the track of a logger with satellite positions, for a map
 fieldkit track flight-dd2afbb08f --out track.kml
-# the network of whole histories behind loop --quick; after an interruption it continues
-fieldkit train --recipe history --schedule published --seed 1 --n-train 13100 --out DIR
 # the reference paper's ensemble again: needs the extra `train`
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again
-# a network that knows only two effects
-fieldkit train --recipe history --effects wind,mass_offset --out wind-and-mass

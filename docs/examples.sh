@@ -62,7 +62,7 @@ fieldkit simulate --motor F24-4W --dry-mass 322g --diameter 66mm --cd 0.6 --alph
 
 # show only: the model does not change
 fieldkit loop --rocket Astra --dry-run
-# the same at once, from the network
+# the same at once, provisional
 fieldkit loop --rocket Astra --quick
 fieldkit model --rocket Astra
 # go back to the plain model

@@ -22,26 +22,26 @@ from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import IMPULSE_SCATTER
-from fieldkit.inference.network.ensemble import read_card
 from fieldkit.ledger import Ledger
 from fieldkit.motors.delay_tolerance import RELATIVE_DELAY_TOLERANCE
 from fieldkit.motors.motor import BURN_THRUST_FRACTION
 from fieldkit.physics.flight import fly
 from fieldkit.physics.paper import paper_setup
 from fieldkit.physics.single import at_the_edge
-from fieldkit.plugins import trained_folder
 from fieldkit.tui import page, screens
+from studies.quick_network import page as quick_page
 from tests.commands import Run
 from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
-from tools import benchmarks, history_report
+from tools import benchmarks
 from tools.manual import pages
 from tools.strings import listed
 
 CHECK_SHAPES = False
 
 ROOT = Path(__file__).parents[1]
+QUICK = ROOT / "docs" / "measured" / "quick_network.json"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
 ALTIMETERS = ("altimetertwo", "perfectflite", "altos", "eggtimer", "rrc3", "blue-raven")
@@ -223,9 +223,9 @@ def test_the_page_of_speed_is_of_the_latest_saved_runs() -> None:
     assert PAGES["speed"] == text, "python tools/benchmarks.py --page writes it again"
 
 
-def test_the_page_of_measurements_is_up_to_date() -> None:
-    text = "\n".join(history_report.report(read_card(trained_folder("history")))).rstrip() + "\n"
-    assert history_report.REPORT.read_text(encoding="utf-8") == text, f"python {history_report.__file__} writes it"
+def test_the_page_of_quick_answers_is_up_to_date() -> None:
+    text = "\n".join(quick_page.page(json.loads(QUICK.read_text(encoding="utf-8")))).rstrip() + "\n"
+    assert PAGES["quick-answers"] == text, "python -m studies.quick_network page writes it"
 
 
 def test_the_first_page_links_to_all_others_like_the_site() -> None:

@@ -33,8 +33,6 @@ SOURCED = (
 """Packages whose functions compute by formulas of physics and statistics."""
 NO_FORMULA = {
     "analysis/labels.py": "converts units",
-    "inference/history/shards.py": "arranges figures in a table",
-    "inference/history/unexplained_patterns.py": "draws patterns that are invented on purpose",
     "inference/network/posterior.py": "looks up what was recorded",
     "model/features.py": "arranges what was recorded",
     "model/sources.py": "looks up how a readout was recorded",
@@ -63,10 +61,9 @@ function raises itself are to be documented."""
 OWN_ARGUMENTS = frozenset({"unit"})
 """Functions that raise an error for a name that only the program writes."""
 NOT_RAISED = {
-    "inference/history/shards.py:simulate_table": "an unknown effect: these are the names of all effects",
     "ledger/book.py:add": "a flight that cannot be stored is a conflict",
     "reference/flights.py:reference": "the flights are shipped",
-    "reference/report.py:history_forecasts": "the flights are shipped",
+    "reference/report.py:pass_forecasts": "the flights are shipped",
     "reference/report.py:report": "the flights are shipped",
     "services/demo.py:demo": "the flights are shipped",
 }

@@ -176,14 +176,14 @@ def model_cards() -> str:
     parts = [_card(name, read_card(trained_folder(name))) for name in trained()]
     return f"""# The trained ensembles
 
-Networks that estimate drag and thrust from altimeter readouts. Each is one ONNX graph, never a pickle, whose digest
-is in its card: a graph that differs is refused. `fieldkit --version` prints the digests. They were trained only on
-simulated flights. [The evaluation of the history network](history-network.md) shows how good it is; the end of this
-page states what the ensembles are for. {WRITTEN_BY}
+The reference paper's network, which estimates drag and thrust from one apogee. It is one ONNX graph, never a pickle,
+whose digest is in its card: a graph that differs is refused. `fieldkit --version` prints the digest. It was trained
+only on simulated flights. Everything else is answered by the model itself: [quick answers](quick-answers.md) says why.
+{WRITTEN_BY}
 
 {(chr(10) * 2).join(parts)}
 
-## What they are for
+## What inference is for
 
 For model rockets on certified single-use and reloadable motors up to class I, one stage, one motor, below the speed
 of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight with a readout that the model's

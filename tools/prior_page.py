@@ -98,7 +98,7 @@ The log frontal area of a rocket without a recorded diameter has a standard devi
 {card.opening[0]:g} ± {card.opening[1]:g} s.
 
 [The effects](effects.md) have the priors of their strengths, and [the trained ensembles](models.md) those of the
-networks' simulated flights. The card of the history network has the hyperprior of its training.
+simulated flights of the paper's network.
 
 ## Training data
 

@@ -64,7 +64,10 @@ def predict(
     ] = ModelVersion.after,
     quick: Annotated[
         bool,
-        typer.Option("--quick", help="From the network if a check confirms it; not saved, and without safety checks."),
+        typer.Option(
+            "--quick",
+            help="At once, from one linear pass if a check confirms it; not saved, and without safety checks.",
+        ),
     ] = False,
     json: AsJson = False,
     **given: str | None,
@@ -127,7 +130,7 @@ def _predicted(
 
 
 def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]", *, json: bool) -> None:
-    """Print the network's forecasts."""
+    """Print quick forecasts."""
     from fieldkit.presentation.quick_look import forecast_document, forecast_line
     from fieldkit.services.quick_look import predict_quickly
 

@@ -46,7 +46,7 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
-    points; with `quick`, only the network's forecasts."""
+    points; with `quick`, only quick forecasts."""
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
@@ -338,7 +338,7 @@ def print_quick_guide(
     *,
     json: bool,
 ) -> None:
-    """Print the network's forecasts. Raises NoFlights for a rocket that has not flown."""
+    """Print quick forecasts. Raises NoFlights for a rocket that has not flown."""
     from fieldkit.planning.motor_guide import by_closeness
     from fieldkit.planning.quick_guide import quick_guide
     from fieldkit.presentation.quick_look import EVALUATION
@@ -352,7 +352,7 @@ def print_quick_guide(
         return
     shown = ShownUnits(system())
     name = " ".join(part for part in (plan.flight.rocket, plan.flight.config) if part)
-    say(f"{name}: quick forecasts by the network on {counted(len(found), 'motor')}; nothing is saved")
+    say(f"{name}: provisional forecasts by a linear pass on {counted(len(found), 'motor')}; nothing is saved")
     headers = ("motor", "shown", "90%", "T:W", "avg", "top")
     rows = []
     for one in found:

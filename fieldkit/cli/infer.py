@@ -15,10 +15,10 @@ from fieldkit.quantities import in_system
 app = typer.Typer()
 
 
-class EnsembleName(StrEnum):
-    """The forecast model's network, or the reference paper's."""
+class InferenceName(StrEnum):
+    """The forecast model, or the reference paper's network."""
 
-    history = "history"
+    field = "field"
     paper = "paper"
 
 
@@ -29,7 +29,7 @@ def infer(
         list[str] | None,
         typer.Argument(metavar="FLIGHT...", help="Default: all.", show_default=False, autocompletion=flight_ids),
     ] = None,
-    model: Annotated[EnsembleName, typer.Option(help="The ensemble to use.")] = EnsembleName.history,
+    model: Annotated[InferenceName, typer.Option(help="The model to use.")] = InferenceName.field,
     json: AsJson = False,
 ) -> None:
     """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""

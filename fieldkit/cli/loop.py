@@ -39,9 +39,7 @@ def loop(
     ] = False,
     quick: Annotated[
         bool,
-        typer.Option(
-            "--quick", help="Probabilities at once, by the network and closed forms; do not change the model."
-        ),
+        typer.Option("--quick", help="Provisional probabilities at once, without a search; do not change the model."),
     ] = False,
     fleet: Annotated[
         bool, typer.Option("--fleet", help="Look at all rockets: a motor type or lot, a day, a site, an altimeter.")

@@ -111,7 +111,7 @@ def motors(
         bool,
         typer.Option(
             "--quick",
-            help="Apogees from the network, at once; without delays and safety checks.",
+            help="Provisional apogees, at once; without delays and safety checks.",
             rich_help_panel=GUIDE,
         ),
     ] = False,

@@ -25,7 +25,7 @@ def paper(json: AsJson = False) -> None:
         return
     units = ShownUnits(system())
     _flights(found, units)
-    _histories(found, units)
+    _passes(found, units)
     _errors(found, units)
     _synthetic(found)
     _rules(found, units)
@@ -61,16 +61,16 @@ def _signed(units: "ShownUnits", value: float) -> str:
     return units.difference(value).split()[0]
 
 
-def _histories(report: "PaperReport", units: "ShownUnits") -> None:
-    headers = ("flight", "motor", "apogee", "one apogee", "history", "90%", "Cd", "alpha")
-    say(f"Each flight left out [{units.length_unit}]: from one apogee at a time, and by the history network")
+def _passes(report: "PaperReport", units: "ShownUnits") -> None:
+    headers = ("flight", "motor", "apogee", "one apogee", "linear pass", "90%", "Cd", "alpha")
+    say(f"Each left out [{units.length_unit}]: from one apogee at a time, and by a linear pass")
     say()
-    print_table(headers, (_history(one, units) for one in report.flights), numbers=headers[2:])
+    print_table(headers, (_pass_row(one, units) for one in report.flights), numbers=headers[2:])
     say()
 
 
-def _history(one: dict[str, Any], units: "ShownUnits") -> tuple[str, ...]:
-    forecast = one["history_network"]
+def _pass_row(one: dict[str, Any], units: "ShownUnits") -> tuple[str, ...]:
+    forecast = one["linear_pass"]
     apogees = [one["apogee_m"], one["next_flight_m"], forecast["apogee_m"]["p50"]]
     interval = units.lengths(*(forecast["apogee_m"][key] for key in ("p05", "p95"))).rpartition(" ")[0]
     name = f"{one['flight_id']} {one['config']}{'' if one['valid'] else ' *'}"
@@ -84,7 +84,7 @@ def _errors(report: "PaperReport", units: "ShownUnits") -> None:
         ("rebuilt, here", *_three(report.reconstruction, units)),
         ("rebuilt, published", *_three(report.published["reconstruction"], units)),
         ("next flight, left out, here", *_three(report.next_flight, units)),
-        ("left out, by the history network", *_three(report.history_network, units)),
+        ("left out, by a linear pass", *_three(report.linear_pass, units)),
         ("OpenRocket column, recomputed", *_three(report.openrocket, units)),
         ("OpenRocket, as stated", *(_length(units, stated[f"openrocket_{key}_m"]) for key in ("mae", "rmse")), ""),
     ]

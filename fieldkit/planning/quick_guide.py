@@ -1,7 +1,4 @@
-"""The motor guide at once: quick forecasts of a plan on many motors by the history network, which no fit has checked.
-
-Derivation: quantiles of the network's answer, and of the linear fit with its Cd and alpha.
-"""
+"""The motor guide at once: quick forecasts of a plan on many motors from one linear pass, which no fit has checked."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +7,7 @@ from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.at_once import forecasts_at_once
-from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.inference.history.quick_forecast import QuickAnswer
 from fieldkit.motors import Found
 from fieldkit.motors.motor import Motor
 from fieldkit.planning.forecasts import RocketData
@@ -59,8 +56,8 @@ def quick_guide(rocket: RocketData, plan: Flight, motors: Sequence[Motor]) -> li
     """Quick forecasts of a plan on motors, in the same order, from one batch; nothing is saved.
 
     Left out are clusters, motors that would not lift the rocket off a rod (`lifts`), and all motors if the rocket has
-    not flown: for these the network has no answer. Raises ImpossibleFlight for a flight without a dry mass, BadValue
-    for a recovery figure or rail direction that cannot be read, DamagedModel if the network cannot be loaded.
+    not flown: for these there is no quick answer. Raises ImpossibleFlight for a flight without a dry mass, BadValue
+    for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     mass = plan.dry_mass or math.nan
     single = [motor for motor in motors if not motor.parts and lifts(motor, mass)]

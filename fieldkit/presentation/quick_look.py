@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.forecast.prediction import Prediction, median
-from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
-from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.inference.history.quick_forecast import MODEL, QuickAnswer
 from fieldkit.presentation.json_values import finite
 from fieldkit.presentation.loop_text import candidate_row
 from fieldkit.quantities import ShownUnits, counted, in_system, strength_in_words
@@ -17,23 +16,22 @@ from fieldkit.services.forecast_record import apogee_summary
 from fieldkit.services.quick_look import QuickForecast
 
 EVALUATION = "amortized"
+"""The name that scripts know for an answer without a search."""
 READOUT_KEYS = {"ejection_s": "apogee_to_eject", "coast_s": "coast_to_apogee", "top_speed_mps": "top_speed"}
 """Other forecast medians by their keys in JSON."""
-DRAWS = 1000
-"""Number of equally likely apogees for mean and standard deviation. [1]"""
 
 
 def quick_document(found: QuickLook) -> dict[str, Any]:
     """The keys of a closed loop, with probabilities instead of a search."""
-    before, answer = finite(found.before.json()), found.answer
-    low, middle, high = (answer.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    before, chances = finite(found.before.json()), found.probabilities
+    low, middle, high = (found.again.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
         "rocket": found.rocket,
         "n_flights": found.flights,
         "base_model": "field",
-        "model": answer.model,
+        "model": MODEL,
         "residual": {"before": before, "pattern": []},
-        "probabilities": {"none": answer.none, "unexplained": answer.unexplained, **answer.inclusion},
+        "probabilities": {"none": chances.none, "unexplained": chances.unexplained, **chances.inclusion},
         "candidates": [
             {
                 "effect": one.effect,
@@ -53,21 +51,20 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
         "before": before,
         "after": finite(found.after.json()),
         "same_flight_again": {"apogee_m": {"p05": low, "p50": middle, "p95": high}},
-        "untrained": list(found.untrained),
-        "beyond_training": found.beyond_training,
+        "provisional": True,
         "evaluation": EVALUATION,
     }
 
 
 def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     """Probabilities in descending order, and the verdict, in the units of a system."""
-    answer = found.answer
-    yield f"{found.rocket}: {counted(found.flights, 'clean flight')}, quick look by the network; nothing is saved"
+    chances = found.probabilities
+    yield f"{found.rocket}: {counted(found.flights, 'clean flight')}, provisional, by a linear pass; nothing is saved"
     yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
     yield ""
     yield "  candidate effect                  probability  evidence   strength"
-    yield from candidate_row("none", f"{answer.none:11.0%}")
-    yield from candidate_row("unexplained", f"{answer.unexplained:11.0%}")
+    yield from candidate_row("none", f"{chances.none:11.0%}")
+    yield from candidate_row("unexplained", f"{chances.unexplained:11.0%}")
     for one in found.candidates:
         strength = strength_in_words(one.mean, one.sd, one.unit, system)
         yield from candidate_row(one.place, f"{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}")
@@ -75,10 +72,6 @@ def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     yield f"  verdict: {found.effect} ({found.confidence:.0%}): {in_system(found.why, system)}"
     if found.also:
         yield f"  or {', '.join(found.also)}, which these flights do not rule out"
-    if found.untrained:
-        yield f"  the network was not trained with {', '.join(found.untrained)}"
-    if found.beyond_training:
-        yield f"  the network was trained with at most {MAX_FLIGHTS} flights of a rocket: trust the full search instead"
     yield f"  `fieldkit loop --rocket {quote(found.rocket)}` runs the full search and saves the result"
 
 
@@ -90,7 +83,7 @@ def forecast_document(found: QuickForecast) -> dict[str, Any]:
         "flight_id": found.plan.flight_id,
         "motor": found.plan.motor,
         "config": found.plan.config,
-        **(_by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)),
+        **(_by_the_pass(found.answer) if found.fitted is None else _by_the_fit(found.fitted)),
         "check": {
             "agrees": checked.agrees,
             "pareto_k": checked.pareto_k if np.isfinite(checked.pareto_k) else None,
@@ -100,16 +93,16 @@ def forecast_document(found: QuickForecast) -> dict[str, Any]:
     }
 
 
-def _by_the_network(answer: QuickAnswer) -> dict[str, Any]:
-    draws = answer.apogee_draws(DRAWS)
+def _by_the_pass(answer: QuickAnswer) -> dict[str, Any]:
+    draws = answer.apogees
     low, middle, high = (answer.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
         "apogee_m": {"mean": float(draws.mean()), "sd": float(draws.std()), "p05": low, "p50": middle, "p95": high},
         **{key: answer.readouts[name][1] if name in answer.readouts else None for key, name in READOUT_KEYS.items()},
         "cd": {"median": float(np.exp(answer.log_cd[0])), "log_sd": answer.log_cd[1]},
         "alpha": {"median": float(np.exp(answer.log_alpha[0])), "log_sd": answer.log_alpha[1]},
-        "rests_on": int(answer.summary.data.seen.any(axis=1).sum()),
-        "model": answer.model,
+        "rests_on": answer.rests_on,
+        "model": MODEL,
         "evaluation": EVALUATION,
     }
 
@@ -129,16 +122,16 @@ def _by_the_fit(prediction: Prediction) -> dict[str, Any]:
 
 
 def forecast_line(found: QuickForecast, system: str = "SI") -> str:
-    """A forecast in one line, and whether it comes from the network or the fit."""
+    """A forecast in one line, and whether it comes from a linear pass or the fit."""
     shown = ShownUnits(system)
-    answer = _by_the_network(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
+    answer = _by_the_pass(found.answer) if found.fitted is None else _by_the_fit(found.fitted)
     apogee = answer["apogee_m"]
     name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
-    source = "by the network, checked by the fit"
+    source = "by a linear pass, checked with the simulator"
     if found.fitted is not None and found.check.agrees:
-        source = "by the fit, because the network does not use drag and impulse from logs"
+        source = "by the fit, because a linear pass does not use drag and impulse from logs"
     elif found.fitted is not None:
-        source = "by the fit, because the network's answer failed its check"
+        source = "by the fit, because the answer of a linear pass failed its check"
     return (
         f"{name}{found.plan.motor}: {shown.length(apogee['p50'])}, 90% interval "
         f"{shown.lengths(apogee['p05'], apogee['p95'])}, "

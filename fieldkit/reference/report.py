@@ -1,4 +1,4 @@
-"""The report of `fieldkit paper`, computed from the twelve flights and the shipped networks.
+"""The report of `fieldkit paper`, computed from the twelve flights and the paper's network.
 
 Leave-one-out forecasts of a flight, by rules from the simplest to a hierarchical fit.
 """
@@ -218,7 +218,7 @@ FRESH_SEED = 20_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class HistoryForecast:
+class PassForecast:
     """The network's leave-one-out forecast of one flight: apogee at 5, 50 and 95% [m], and the median Cd and alpha
     [1]."""
 
@@ -238,7 +238,7 @@ class HistoryForecast:
         }
 
 
-def history_forecasts(flights: Reference) -> list[HistoryForecast]:
+def pass_forecasts(flights: Reference) -> list[PassForecast]:
     """Forecasts of every flight from all other valid flights, in the order flown."""
     flown = [(flight, catalogue().resolve(flight.motor)) for flight in flights.flights]
     found = []
@@ -248,11 +248,11 @@ def history_forecasts(flights: Reference) -> list[HistoryForecast]:
         forecast = forecast_at_once(others, (plan, motor))
         low, middle, high = (forecast.apogee_at(level) for level in (0.05, 0.5, 0.95))
         cd, alpha = (float(np.exp(mean)) for mean, _ in (forecast.log_cd, forecast.log_alpha))
-        found.append(HistoryForecast(flight.flight_id, (low, middle, high), cd, alpha))
+        found.append(PassForecast(flight.flight_id, (low, middle, high), cd, alpha))
     return found
 
 
-def history_errors(flights: Reference, found: list[HistoryForecast]) -> dict[str, float]:
+def pass_errors(flights: Reference, found: list[PassForecast]) -> dict[str, float]:
     """Errors of the medians over the valid flights [m], and the fraction of these in their 90% intervals. [1]"""
     low, middle, high = np.array([one.apogee for one in found])[flights.valid].T
     flown = flights.apogee[flights.valid]
@@ -267,7 +267,7 @@ class PaperReport:
     reconstruction: dict[str, float]
     published: dict[str, dict[str, float]]
     next_flight: dict[str, float]
-    history_network: dict[str, float]
+    linear_pass: dict[str, float]
     synthetic: dict[str, Any]
     bayes_limit: dict[str, float]
     openrocket: dict[str, float]
@@ -291,9 +291,9 @@ def report(ensemble: Ensemble | None = None) -> PaperReport:
     curves = paper.paper_burns()
     rebuilt = heights(flights, found.cd, found.alpha, curves)
     left_out = leave_one_out(flights, carried_over(found.cd, found.alpha), np.arange(len(flights)))
-    by_history = history_forecasts(flights)
+    by_pass = pass_forecasts(flights)
     return PaperReport(
-        flights=_table(flights, found, rebuilt, left_out, by_history),
+        flights=_table(flights, found, rebuilt, left_out, by_pass),
         reconstruction=_errors(flights, rebuilt),
         published={
             "stated": dict(STATED_FIGURES),
@@ -301,7 +301,7 @@ def report(ensemble: Ensemble | None = None) -> PaperReport:
             "parameters_reflown": _simulated_again(flights),
         },
         next_flight=_errors(flights, left_out),
-        history_network=history_errors(flights, by_history),
+        linear_pass=pass_errors(flights, by_pass),
         synthetic=_synthetic(ensemble),
         bayes_limit=bayes_limit(),
         openrocket=_errors(flights, flights.published_openrocket),
@@ -328,7 +328,7 @@ def _table(
     found: Posterior,
     rebuilt: Float[Array, "flight"],
     left_out: Float[Array, "flight"],
-    by_history: list[HistoryForecast],
+    by_pass: list[PassForecast],
 ) -> list[dict[str, Any]]:
     return [
         {
@@ -344,7 +344,7 @@ def _table(
             "alpha_sd": float(found.alpha_sd[row]),
             "reconstructed_m": float(rebuilt[row]),
             "next_flight_m": float(left_out[row]),
-            "history_network": by_history[row].json(),
+            "linear_pass": by_pass[row].json(),
             "published_cd": float(flights.published_cd[row]),
             "published_alpha": float(flights.published_alpha[row]),
             "published_apogee_m": float(flights.published_apogee[row]),

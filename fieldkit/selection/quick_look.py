@@ -1,36 +1,32 @@
-"""The quick search for missing effects of a rocket by the history network.
+"""The quick search for missing effects of a rocket, from one linear pass.
 
-The probabilities are pooled from the network and closed-form evidence. Strengths, evidence and leave-one-out errors
-come from one linear fit, with each effect in its most probable place.
+Probabilities, strengths and leave-one-out errors are closed forms, with each effect in its most probable place; no fit
+has checked them.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import prod
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.flight.plan import repeated
-from fieldkit.inference.history.columns import families
-from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
+from fieldkit.inference.history.effect_probabilities import EffectProbabilities, effect_probabilities, families
 from fieldkit.inference.history.evidence import Trials
-from fieldkit.inference.history.features import HistorySummary
+from fieldkit.inference.history.quick_forecast import PreparedHistory, QuickAnswer, acting, answers, modeled
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import solve, used_readouts
-from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
 from fieldkit.messages import estimate, message
+from fieldkit.model.scale import scale_grid
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.history import flown_and_planned
 from fieldkit.scoring.score import Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.prior import UNEXPLAINED, inclusion_probabilities
 from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.verdict import NAMING_PROBABILITY
-
-if TYPE_CHECKING:
-    from fieldkit.inference.network.ensemble import Ensemble
 
 SIMILAR_ODDS = 0.5
 """Another effect is named as an alternative if the ratio of its probability to the verdict's is at least this. [1]"""
@@ -53,27 +49,22 @@ class QuickCandidate:
 
 @dataclass(frozen=True, slots=True)
 class QuickLook:
-    """The network's answer for a rocket; `candidates` are in descending order of probability.
+    """The answer of a linear pass for a rocket; `candidates` are in descending order of probability.
 
-    `effect`, `confidence`, `why` and `also` are as in a verdict of the loop. `before` are the plain model's
-    leave-one-out errors. `untrained` are installed effects that the network was not trained with.
+    `again` is the forecast of repeating the last flight. `effect`, `confidence`, `why` and `also` are as in a verdict
+    of the loop. `before` are the plain model's leave-one-out errors.
     """
 
     rocket: str
     flights: int
-    answer: QuickAnswer
+    probabilities: EffectProbabilities
+    again: QuickAnswer
     candidates: tuple[QuickCandidate, ...]
     effect: str
     confidence: float
     why: str
     also: tuple[str, ...]
     before: Score
-    untrained: tuple[str, ...]
-
-    @property
-    def beyond_training(self) -> bool:
-        """Whether there are more flights than in any history that the network was trained with."""
-        return self.flights > MAX_FLIGHTS
 
     @property
     def after(self) -> Score:
@@ -82,57 +73,53 @@ class QuickLook:
         return next((one.after for one in self.candidates if one.effect == first), self.before)
 
 
-def quick_look(
-    rocket: str,
-    flown: Sequence[tuple[Flight, Found]],
-    used_in_fit: Sequence[bool],
-    ensemble: "Ensemble | None" = None,
-) -> QuickLook:
-    """The network's answer for the flights of a rocket, in the order flown.
+def quick_look(rocket: str, flown: Sequence[tuple[Flight, Found]], used_in_fit: Sequence[bool]) -> QuickLook:
+    """The quick answer for the flights of a rocket, in the order flown.
 
-    Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the network cannot be loaded, BadValue for
-    a recovery figure or rail direction that cannot be read.
+    Raises ImpossibleFlight for a flight without a dry mass, BadValue for a recovery figure or rail direction that
+    cannot be read, DamagedModel if the hyperprior cannot be read.
     """
-    network = ensemble or load_history()
     last, motor = flown[-1]
     history = flown_and_planned(flown, [(repeated(last), motor)]).using(used_in_fit)
-    estimate = quick_answer(history, quick_candidates, ensemble=network)
-    truth, seen = estimate.summary.data.values[:, 0], estimate.summary.data.seen[:, 0]
-    before = score(forecasts_of(estimate.summary.left_out), truth, seen)
-    candidates = _candidates(estimate)
-    effect, confidence = _verdict(estimate)
+    ahead = modeled(history)
+    found = effect_probabilities(history, quick_candidates, inclusion_probabilities(), UNEXPLAINED, acting(ahead))
+    truth, seen = found.data.values[:, 0], found.data.seen[:, 0]
+    before = score(forecasts_of(found.left_out), truth, seen)
+    candidates = _candidates(found)
+    effect, confidence = _verdict(found)
     named = [one for one in candidates if one.effect in effect.split("+")]
     also = [
         one.effect
         for one in candidates
         if named and one not in named and one.probability > SIMILAR_ODDS * named[-1].probability
     ]
+    ready = PreparedHistory(history, ahead, found.response)
     return QuickLook(
         rocket,
         int(seen.sum()),
-        estimate,
+        found,
+        answers(ready, ready.flown)[0],
         candidates,
         effect,
         confidence,
         _because(effect, named),
         tuple(also),
         before,
-        untrained_effects(network),
     )
 
 
-def _verdict(estimate: QuickAnswer) -> tuple[str, float]:
+def _verdict(found: EffectProbabilities) -> tuple[str, float]:
     """The verdict of lowest expected cost, as in `fieldkit.selection.verdict`, and its probability.
 
-    The network gives the probability of each effect, not of several together, so they count as independent.
+    Only the probability of each effect is known, not of several together, so they count as independent.
     """
-    ranked = sorted(estimate.inclusion, key=lambda name: -estimate.inclusion[name])
-    likely = [name for name in ranked if estimate.inclusion[name] > NAMING_PROBABILITY]
+    ranked = sorted(found.inclusion, key=lambda name: -found.inclusion[name])
+    likely = [name for name in ranked if found.inclusion[name] > NAMING_PROBABILITY]
     if likely:
-        return "+".join(likely), prod(estimate.inclusion[name] for name in likely)
-    if 1 - estimate.none > NAMING_PROBABILITY:
-        return "unexplained", 1 - estimate.none
-    return "none", estimate.none
+        return "+".join(likely), prod(found.inclusion[name] for name in likely)
+    if 1 - found.none > NAMING_PROBABILITY:
+        return "unexplained", 1 - found.none
+    return "none", found.none
 
 
 def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
@@ -143,21 +130,16 @@ def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
     return message("; ".join(f"{one.place}: {estimate(one.mean, one.sd, one.unit)}" for one in named))
 
 
-def _candidates(estimate: QuickAnswer) -> tuple[QuickCandidate, ...]:
+def _candidates(found: EffectProbabilities) -> tuple[QuickCandidate, ...]:
     """Every effect that may act, most probable first."""
-    trials = estimate.summary.trials
-    found = [
-        _candidate(estimate, name, rows)
-        for name, rows in families(trials).items()
-        if name and name in estimate.inclusion
-    ]
-    return tuple(sorted(found, key=lambda one: -one.probability))
+    each = [_candidate(found, name, rows) for name, rows in families(found.trials).items() if name]
+    return tuple(sorted(each, key=lambda one: -one.probability))
 
 
-def _candidate(estimate: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCandidate:
-    summary, trials = estimate.summary, estimate.summary.trials
+def _candidate(found: EffectProbabilities, name: str, rows: Sequence[int]) -> QuickCandidate:
+    trials = found.trials
     leader = max(rows, key=lambda row: float(trials.weight[row]))
-    own = summary.candidates[trials.candidate[leader]]
+    own = found.candidates[trials.candidate[leader]]
     assert isinstance(own, Candidate)
     bends = own.terms[0].bends
     assert isinstance(bends, Effect)
@@ -165,8 +147,8 @@ def _candidate(estimate: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCa
     if bends.squared:
         mean, sd = _root(mean, sd)
     log_bayes = float(np.logaddexp.reduce(trials.log_bayes[rows] + trials.log_fraction[rows]))
-    after = _left_out_with(summary, trials, leader)
-    return QuickCandidate(name, estimate.inclusion[name], log_bayes, str(own.place), mean, sd, bends.unit, after)
+    after = _left_out_with(found, trials, leader)
+    return QuickCandidate(name, found.inclusion[name], log_bayes, str(own.place), mean, sd, bends.unit, after)
 
 
 def _root(mean: float, sd: float) -> tuple[float, float]:
@@ -175,11 +157,15 @@ def _root(mean: float, sd: float) -> tuple[float, float]:
     return float(np.sqrt(fitted)), float(sd / (2 * np.sqrt(fitted)))
 
 
-def _left_out_with(summary: HistorySummary, trials: Trials, row: int) -> Score:
-    """Leave-one-out errors with one trial's direction added to the model."""
-    linear, data = summary.selection, summary.data
-    model = linear.fit.model
-    own = summary.candidates[trials.candidate[row]].terms[0]
+def _left_out_with(found: EffectProbabilities, trials: Trials, row: int) -> Score:
+    """Leave-one-out errors with one trial's direction added to the model, at the most probable scales."""
+    linear, data = found.linear, found.data
+    model, scales = linear.fit.model, linear.fit.model.hyperprior.unknown_scales
+    best = int(np.argmax(linear.fit.log_weight))
+    values = [float(value[best]) for value in scale_grid(scales)[:-1]]
+    known = [replace(scale, grid=(value,)) for scale, value in zip(scales, values, strict=True)]
+    model = replace(model, hyperprior=model.hyperprior.with_scales(*known))
+    own = found.candidates[trials.candidate[row]].terms[0]
     term = replace(
         own,
         mean=float(trials.prior_mean[row]),

@@ -1,6 +1,6 @@
 """Drag and thrust of single flights, from the forecast model or from the reference paper's ensemble.
 
-Each flight is used alone, with the message of the user's other rockets: the history network gets a history with one
+Each flight is used alone, with the message of the user's other rockets: in one linear pass over a history of one
 flight. Warnings come from the model's prior for this rocket and motor.
 """
 
@@ -16,6 +16,7 @@ from fieldkit.flight.plausibility import implausible
 from fieldkit.flight.short_name import flight_label
 from fieldkit.forecast.at_once import each_at_once
 from fieldkit.inference.history.prior_predictive import InconsistentReadout, inconsistent_readout, without_data
+from fieldkit.inference.history.quick_forecast import MODEL
 from fieldkit.inference.network.ensemble import load
 from fieldkit.inference.network.posterior import infer_paper
 from fieldkit.ledger import Ledger
@@ -27,11 +28,11 @@ from fieldkit.services.fleet import fleet_priors
 from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
-    from fieldkit.inference.network.history import QuickAnswer
+    from fieldkit.inference.history.quick_forecast import QuickAnswer
     from fieldkit.model.shared_prior import SharedPrior
 
-InferenceModel = Literal["history", "paper"]
-"""The available models: the history network, the reference paper's ensemble."""
+InferenceModel = Literal["field", "paper"]
+"""The available models: that of forecasts, the reference paper's ensemble."""
 FIT_FRACTION = 0.5
 """Fraction of the progress for fitting the other rockets if none is cached. [1]"""
 UNINFORMATIVE_SD_RATIO = 0.8
@@ -86,7 +87,7 @@ def infer_flights(
     ledger: Ledger,
     motors: Catalogue,
     ids: Sequence[str],
-    model: InferenceModel = "history",
+    model: InferenceModel = "field",
     on_progress: ReportProgress = no_op,
 ) -> InferredFlights:
     """Cd and alpha of flights of a ledger, by default of all. Raises NoFlights, DamagedModel."""
@@ -96,7 +97,7 @@ def infer_flights(
         raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
     found = (
         FlightInference(ledger, motors).infer(flights, on_progress)
-        if model == "history"
+        if model == "field"
         else infer_by_paper(flights, motors)
     )
     own = [names[one.flight.rocket, one.flight.flight_id] for one in found.inferred]
@@ -104,7 +105,7 @@ def infer_flights(
 
 
 class FlightInference:
-    """Runs the network on flights of a ledger; the message of the other rockets is computed once per rocket."""
+    """Inference from single flights of a ledger; the message of the other rockets is computed once per rocket."""
 
     def __init__(self, ledger: Ledger, motors: Catalogue) -> None:
         self._ledger, self._motors = ledger, motors
@@ -129,9 +130,9 @@ class FlightInference:
         return Inferences(tuple(inferred), tuple(left_out))
 
     def answers(self, flights: Sequence[Flight], on_progress: ReportProgress = no_op) -> "list[QuickAnswer]":
-        """The network's answer for each flight alone; `infer` must not leave out any. Raises ImpossibleFlight for a
+        """The answer for each flight alone; `infer` must not leave out any. Raises ImpossibleFlight for a
         flight without a dry mass, BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if
-        the hyperprior or the network cannot be read.
+        the hyperprior cannot be read.
         """
 
         rockets = [name for name in dict.fromkeys(flight.rocket for flight in flights) if name not in self._shared]
@@ -185,17 +186,17 @@ def _doubted(flight: Flight, motors: Catalogue) -> str | None:
 def _with_answer(flight: Flight, answer: "QuickAnswer") -> Inferred:
     cd, cd_sd = _log_normal(*answer.log_cd) if flight.diameter else (np.nan, np.nan)
     alpha, alpha_sd = _log_normal(*answer.log_alpha)
-    return Inferred(flight, cd, cd_sd, alpha, alpha_sd, answer.model, warnings(flight, answer))
+    return Inferred(flight, cd, cd_sd, alpha, alpha_sd, MODEL, warnings(flight, answer))
 
 
 def warnings(flight: Flight, answer: "QuickAnswer") -> tuple[str, ...]:
-    """The reasons to doubt the network's answer for a single flight: an inconsistent readout, and what the flight does
+    """The reasons to doubt the answer for a single flight: an inconsistent readout, and what the flight does
     not constrain."""
     lines = []
-    linear = answer.summary.forecast
+    linear = answer.linear
     if found := inconsistent_readout(linear):
         lines.append(_inconsistent(found))
-    seen = answer.summary.data.seen[0]
+    seen = answer.data.seen[0]
     if seen[0] and seen.sum() == 1:
         lines.append("apogee alone cannot separate drag from thrust: alpha is mostly that of the motor's certificate")
     if answer.log_cd[1] > UNINFORMATIVE_SD_RATIO * without_data(linear).cd_sd[answer.plan]:
@@ -219,7 +220,7 @@ def _log_normal(mean: float, sd: float) -> tuple[float, float]:
 
 
 def draws(flight: Flight, answer: "QuickAnswer", count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
-    """The network's draws of a flight's drag area [m^2] and thrust factor [1]. Raises ImpossibleFlight for a flight
+    """Draws of a flight's drag area [m^2] and thrust factor [1]. Raises ImpossibleFlight for a flight
     without a dry mass.
     """
     sds = np.array([answer.log_cd[1], answer.log_alpha[1]])

@@ -16,9 +16,8 @@ from fieldkit.quantities import counted
 MIN_COMPARED = 3
 """Minimum number of flights for a median that shows outliers. [1]"""
 MAX_FITTED_FLIGHTS = 60
-"""Number of a rocket's latest flights that fits use, as many as the networks are trained with: of 60 apogees that
-scatter by 5% the mean is known to 0.65%, by which three altimeters in one flight differ. The work grows with the square
-of the number. [1]"""
+"""Number of a rocket's latest flights that fits use: of 60 apogees that scatter by 5% the mean is known to 0.65%,
+by which three altimeters in one flight differ. The work grows with the square of the number. [1]"""
 MAX_NAMED_FLIGHTS = 5
 """Number of flights that a note names; it counts the others. [1]"""
 

@@ -1,14 +1,14 @@
-"""Quick answers by the network: missing effects, and forecasts; nothing is saved."""
+"""Quick answers from one linear pass: missing effects, and forecasts; nothing is saved."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
-from fieldkit.forecast.at_once import answer_at_once, prepare_at_once
+from fieldkit.forecast.at_once import prepare_at_once
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.history.check import Check, check
-from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.inference.history.quick_forecast import QuickAnswer, answers
 from fieldkit.ledger import Ledger
 from fieldkit.model.sources import has_log
 from fieldkit.motors import Catalogue, Found
@@ -25,10 +25,10 @@ MIN_FLIGHTS = 4
 
 @dataclass(frozen=True, slots=True)
 class QuickForecast:
-    """A plan, completed from the last flight, and the network's answer for it.
+    """A plan, completed from the last flight, and the answer of a linear pass for it.
 
     `check` compares the answer with the model; if the check fails, or if flights show drag and impulse from a log,
-    which the network does not use, `fitted` is the fit's forecast.
+    which the pass does not use, `fitted` is the fit's forecast.
     """
 
     plan: Flight
@@ -39,7 +39,7 @@ class QuickForecast:
 
 
 def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
-    """The network's answer for a rocket's flights; the model in use does not change.
+    """The answer of a linear pass for a rocket's flights; the model in use does not change.
 
     Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel, BadValue for a recovery figure or
     rail direction that cannot be read.
@@ -57,7 +57,7 @@ def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
 def predict_quickly(
     ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], on_progress: ReportProgress = no_op
 ) -> list[QuickForecast]:
-    """The network's forecasts of planned flights, each as if it flew next, or the fit's if the check by importance
+    """Forecasts of planned flights by a linear pass, each as if it flew next, or the fit's if the check by importance
     sampling fails or the flights show drag and impulse from logs; nothing is saved.
 
     Effects accepted in the loop and the Cds of designs are not used: the network determines effects itself. Raises
@@ -74,7 +74,7 @@ def predict_quickly(
         shared = fleet_prior(ledger, motors, plan.rocket, on_progress)
         used = [flight.clean for flight in before]
         ready = prepare_at_once(history, [(whole, found)], used, shared=shared)
-        (answer,) = answer_at_once(ready, ready.flown)
+        (answer,) = answers(ready, ready.flown)
         checked = check(answer)
         logged = any(has_log(flight) for flight in before if flight.clean)
         fitted = predict_plans(ledger, motors, [plan], keep=False)[0] if logged or not checked.agrees else None

@@ -1,4 +1,4 @@
-"""The network's estimate while a flight is being entered: Cd, alpha and the next apogee from the values so far."""
+"""The estimate while a flight is being entered: Cd, alpha and the next apogee so far, by a linear pass."""
 
 import math
 from collections.abc import Sequence
@@ -9,9 +9,8 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.plan import repeated
 from fieldkit.flight.plausibility import implausible
-from fieldkit.forecast.at_once import answer_at_once, prepare_at_once
-from fieldkit.inference.history.features import PreparedHistory
-from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.forecast.at_once import prepare_at_once
+from fieldkit.inference.history.quick_forecast import NORMAL_95, PreparedHistory, QuickAnswer, answers
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import FlownFlights
@@ -21,15 +20,13 @@ from fieldkit.planning.quantiles import Three
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.plausible_flights import followed
 
-NORMAL_95 = 1.6448536
-"""The 95% quantile of the standard normal distribution. [1]"""
 SET_UP = {"motor": "motor", "dry_mass": "mass", "diameter": "diameter"}
 """Columns needed for a flight to constrain Cd, and their names in messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class TypedEstimate:
-    """The network's estimate from a rocket's flights and the one being entered.
+    """The provisional estimate from a rocket's flights and the one being entered.
 
     `cd` (on the body's frontal area) [1], `alpha` [1] and `next_apogee` [m] are for repeating the flight. All are None
     if `needs` names missing inputs, or `implausible_because` gives the reason the figures are impossible.
@@ -68,8 +65,8 @@ def set_up(flight: Flight) -> Flight:
 class TypedFlight:
     """The flight being entered, together with its rocket's flights in a ledger.
 
-    Results that do not depend on readouts are cached, so that a readout costs one linear pass and one run of the
-    network. Thread-safe; calls are answered one at a time.
+    Results that do not depend on readouts are cached, so that a readout costs one linear pass.
+    Thread-safe; calls are answered one at a time.
     """
 
     def __init__(self, ledger: Ledger, motors: Catalogue) -> None:
@@ -81,8 +78,8 @@ class TypedFlight:
         self._ready: PreparedHistory | None = None
 
     def estimate(self, typed: Flight) -> TypedEstimate:
-        """The estimate from the flight as entered so far; all values are finite. Raises DamagedModel if the network
-        cannot be loaded.
+        """The estimate from the flight as entered so far; all values are finite. Raises DamagedModel if the
+        hyperprior cannot be read.
         """
         with self._lock:
             self._turn_to(typed.rocket)
@@ -96,7 +93,7 @@ class TypedFlight:
             used = typed.clean and shows(typed)
             ready = self._prepared(typed, found, used)
             flights = [*(flight for flight, _ in self._flown), typed]
-            return _estimate(answer_at_once(ready, flights)[0])
+            return _estimate(answers(ready, flights)[0])
 
     def _motor(self, name: str) -> Found | None:
         try:
@@ -130,9 +127,7 @@ def _estimate(answer: QuickAnswer) -> TypedEstimate:
     cd, alpha = _interval(answer.log_cd), _interval(answer.log_alpha)
     if not all(map(math.isfinite, (low, middle, high, *cd, *alpha))):
         return TypedEstimate(implausible_because="these values are inconsistent")
-    return TypedEstimate(
-        cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=int(answer.summary.data.seen.any(axis=1).sum())
-    )
+    return TypedEstimate(cd=cd, alpha=alpha, next_apogee=(low, middle, high), flights=answer.rests_on)
 
 
 def _interval(logarithm: Sequence[float]) -> Three:

@@ -1,11 +1,12 @@
 """`python -m studies.quick_network.beside_fit FOLDER [--bench SETS]`: the closed forms beside the fit and the loop.
 
 Simulated histories, and with `--bench` sets of `python -m bench.make`, whose simulator is another one: the forecast of
-`predict`, the causes and probabilities of `loop`. One JSON line each, as they are done.
+`predict` and the causes of `loop` on the first, the probabilities of `loop` on the others. One JSON line each, as done.
 """
 
 import argparse
 import json
+import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -18,24 +19,33 @@ import numpy as np
 from fieldkit.flight.plan import repeated
 from fieldkit.forecast.one_offs import beside_others
 from fieldkit.forecast.predict import predict
-from fieldkit.inference.history.drawn_rockets import split_motors, stock
+from fieldkit.ledger import Ledger
 from fieldkit.model.causes import NAMES
 from fieldkit.model.hyperprior import START
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import FlownFlights
+from fieldkit.motors import catalogue
 from fieldkit.physics.history import flown_and_planned, history_of
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.prior import inclusion_probabilities
+from fieldkit.services.imports.add_files import bring_in
+from fieldkit.services.plausible_flights import followed
+from studies.quick_network.drawn_rockets import split_motors, stock
 from studies.quick_network.inputs import ClosedForms
 from studies.quick_network.scores import scored
 from studies.quick_network.tables import passes
 from studies.quick_network.world import WorldHistory, simulated_histories
-from tools.history_measurements import flights_of
 
 DRAWS = 1000
-FLIGHTS_OF_LOOP = 8
-"""Minimum number of flights of a simulated history that the loop searches. [1]"""
+
+
+def flights_of(path: Path) -> FlownFlights:
+    """The flights of a table, in the order flown, with their motors."""
+    motors = catalogue()
+    with tempfile.TemporaryDirectory() as home, Ledger.open(str(Path(home) / "ledger.db")) as ledger:
+        bring_in(ledger, [path], lambda _: None, motors=motors)
+        return followed(ledger.flights(), motors)
 
 
 def flown_of(one: WorldHistory) -> FlownFlights:
@@ -84,9 +94,6 @@ def beside(one: WorldHistory, own: ClosedForms) -> dict[str, Any]:
         "fit_usual": [1 - causes[i].probability for i in judged],
         "fit_chance": [[{c.cause: c.probability for c in causes[i].causes}.get(n, 0.0) for n in NAMES] for i in judged],
         "linear_chance": [own.causes[i].tolist() for i in judged],
-        "odds": own.odds,
-        "none_odds": own.none,
-        **(loop_of(flown) if len(judged) >= FLIGHTS_OF_LOOP else {}),
     }
 
 

@@ -1,13 +1,12 @@
 """What a network sees of a history: its flights relative to simulations, and the closed forms of one linear pass."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.history.columns import ranked
-from fieldkit.inference.history.evidence import weigh_placed
-from fieldkit.inference.history.features import effect_names
+from fieldkit.inference.history.effect_probabilities import families, odds_of
+from fieldkit.inference.history.evidence import Trials, weigh_placed
 from fieldkit.inference.history.linear_fit import (
     LinearFit,
     declared_terms,
@@ -17,12 +16,12 @@ from fieldkit.inference.history.linear_fit import (
     prepared_fit,
     robust,
 )
-from fieldkit.inference.history.moments import own_variance
+from fieldkit.inference.history.moments import apogee_mixture
 from fieldkit.inference.history.placed_effects import directions
-from fieldkit.inference.history.response import FlightResponse, moved_at, slopes
+from fieldkit.inference.history.response import FlightResponse, moved_at
 from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
-from fieldkit.inference.laplace.posterior import solve, term_sds
+from fieldkit.inference.laplace.posterior import solve
 from fieldkit.model.causes import signatures
 from fieldkit.model.documents import SEARCH_PRIOR, with_documents
 from fieldkit.model.hyperprior import Hyperprior
@@ -107,38 +106,41 @@ def closed_forms(
     candidates = quick_candidates(replace(search, history=on_one_new_motor(history)))
     data = history_data(read, history.used_in_fit, search.hyperprior)
     selection = robust(linear_fit(prepared_fit(search, history.flown), data, response))
-    placed, prior = directions(candidates), inclusion_probabilities()
-    every = ranked(weigh_placed(selection, placed))
+    placed, chances = directions(candidates), inclusion_probabilities()
+    prior = {**chances, "": chances[UNEXPLAINED]}
+    every = weigh_placed(selection, placed)
     exact_scales = selection.model.hyperprior.document_scales() == DOCUMENTS[0]
     exact_weight = np.where(exact_scales, selection.fit.log_weight, -1e4)
-    exact = ranked(weigh_placed(replace(selection, fit=replace(selection.fit, log_weight=exact_weight)), placed))
-    odds, none = set_odds(every.log_bayes, every.beside, prior)
-    exact_odds, exact_none = set_odds(exact.log_bayes, exact.beside, prior)
+    exact = weigh_placed(replace(selection, fit=replace(selection.fit, log_weight=exact_weight)), placed)
+    odds, none = odds_of(every, prior)
+    exact_odds, exact_none = odds_of(exact, prior)
     ahead = base_model(history, with_documents(forecast), shared)
     ahead = replace(ahead, hyperprior=scaled(ahead.hyperprior))
     ahead = ahead.with_terms(*usual_terms(ahead)).with_terms(*declared_terms(history.flights))
     ahead_data = history_data(read, history.used_in_fit, ahead.hyperprior)
     plain = robust(linear_fit(prepared_fit(ahead, history.flown), ahead_data, response, start=selection.offset))
     causes, miss = _causes(plain)
-    weight, mean, known, own = by_scale(plain)
+    mixture = apogee_mixture(plain)
+    weight, mean, known, own = mixture.weight, mixture.mean[:, 0], mixture.known[:, 0], mixture.own[:, 0]
     moved = moved_at(response, 0.0)
     columns = []
-    trials, leaders = every.trials, every.leaders
+    groups = families(every)
     for name in effect_names():
-        if name not in leaders:
+        if name not in groups:
             columns.append([0.0] * PER_EFFECT)
             continue
-        row = leaders[name]
+        rows = groups[name]
+        row = max(rows, key=lambda row: float(every.weight[row]))
         columns.append(
             [
                 1.0,
                 odds[name] / 4,
                 exact_odds[name] / 4,
-                np.arcsinh(every.log_bayes[name] / 4),
-                np.arcsinh(exact.log_bayes[name] / 4),
-                trials.mean[row] / trials.prior_sd[row],
-                trials.mean[row] / trials.sd[row] / 4,
-                np.log(sum(other == name for other in trials.family)) / 3,
+                _evidence(every, rows),
+                _evidence(exact, rows),
+                every.mean[row] / every.prior_sd[row],
+                every.mean[row] / every.sd[row] / 4,
+                np.log(len(rows)) / 3,
             ]
         )
     _, sd = float(weight @ mean), float(np.sqrt(weight @ (known + own)))
@@ -151,7 +153,7 @@ def closed_forms(
         mean,
         known,
         own,
-        {name: odds[name] for name in leaders if name},
+        {name: own for name, own in odds.items() if name},
         none,
         odds.get("", -MAX_ODDS),
         causes,
@@ -162,20 +164,14 @@ def closed_forms(
     )
 
 
-def set_odds(
-    log_bayes: Mapping[str, float], beside: Float[Array, "family family"], prior: dict[str, float]
-) -> tuple[dict[str, float], float]:
-    """Log odds of every family and of none from sets of at most two, with the prior of the loop. [nat]"""
-    names = list(log_bayes)
-    chance = np.array([prior[name or UNEXPLAINED] for name in names])
-    own = np.array([log_bayes[name] for name in names]) + np.log(chance / (1 - chance))
-    first, second = np.triu_indices(len(names), 1)
-    weight = np.r_[0.0, own, own[first] + own[second] + beside[first, second] - beside[first, first]]
-    has = np.vstack([np.zeros(len(names)), np.eye(len(names)), np.eye(len(names))[first] + np.eye(len(names))[second]])
-    there, absent = (
-        np.logaddexp.reduce(np.where(has == side, weight[:, None], -np.inf), axis=0) for side in (1.0, 0.0)
-    )
-    return dict(zip(names, (there - absent).tolist(), strict=True)), float(-np.logaddexp.reduce(weight[1:]))
+def effect_names() -> tuple[str, ...]:
+    """The effects that verdicts name, in alphabetical order."""
+    return tuple(sorted({spoken(name) for name in effects()}))
+
+
+def _evidence(trials: Trials, rows: Sequence[int]) -> float:
+    """The evidence of a family, compressed. [1]"""
+    return float(np.arcsinh(np.logaddexp.reduce(trials.weight[rows]) / 4))
 
 
 def _causes(linear: LinearFit) -> tuple[Float[Array, "flight cause"], Float[Array, "flight readout"]]:
@@ -190,20 +186,6 @@ def _causes(linear: LinearFit) -> tuple[Float[Array, "flight cause"], Float[Arra
         fit = solve(fit.model, data, fit.tangent)
         fit = solve(fit.model, replace(data, trust=outlier_weights(fit)), fit.tangent)
     return np.column_stack([found.cause, found.normal]), (found.miss / found.sd)[:, :READOUTS]
-
-
-def by_scale(
-    linear: LinearFit,
-) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """Weight, mean, variance of the terms and of a single flight of the plan's log apogee, for every point of the grid
-    of scales."""
-    fit, near, plan = linear.fit, linear.near, linear.flown
-    fresh_sds = term_sds(replace(linear.model, terms=linear.fresh, shared=None))
-    fresh = np.array([term.mean for term in linear.fresh])
-    row, fresh_row = near.slope[plan, 0], slopes(linear.fresh, linear.moved)[plan, 0]
-    known = ((row @ fit.covariance) * row).sum(axis=-1) + fresh_sds**2 @ fresh_row**2
-    mean = near.values[plan, 0] + (fit.mean - near.at) @ row + fresh_row @ fresh
-    return fit.weights, mean, known, own_variance(linear)[:, 0]
 
 
 def _flights(history: History, values: Array, seen: Flags, moved: dict[str, Array]) -> Float[Array, "flight raw"]:

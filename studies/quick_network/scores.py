@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.stats import rankdata
 
-from fieldkit.inference.validation.history import auc
 from fieldkit.model.causes import NAMES
 from fieldkit.scoring.proper_scores import crps
 from fieldkit.shapes import Array, Flags, Integers
@@ -16,6 +16,15 @@ from studies.quick_network.tables import WorldTable
 NORMAL_DRAWS = np.random.default_rng(0).normal(size=400)
 STUDENT_DRAWS = np.random.default_rng(0).standard_t(4, size=400)
 """Draws of standard distributions."""
+
+
+def auc(score: Array, there: Array) -> float:
+    """Probability that a case with the effect scores above one without, ties by half. [1]"""
+    present = there > 0.5
+    count, others = int(present.sum()), int((~present).sum())
+    if not count or not others:
+        return float("nan")
+    return float((rankdata(score)[present].sum() - count * (count + 1) / 2) / (count * others))
 
 
 def scored(draws: Array, flown: float) -> tuple[float, float, float, float]:

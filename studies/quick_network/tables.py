@@ -9,14 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, split_motors, stock
-from fieldkit.inference.history.features import effect_names
 from fieldkit.inference.history.response import respond
 from fieldkit.model.hyperprior import START
 from fieldkit.physics.history import together
 from fieldkit.selection.prior import inclusion_probabilities
 from fieldkit.shapes import Array, Float
-from studies.quick_network.inputs import ClosedForms, closed_forms, truth_flags
+from studies.quick_network.drawn_rockets import MAX_FLIGHTS, split_motors, stock
+from studies.quick_network.inputs import ClosedForms, closed_forms, effect_names, truth_flags
 from studies.quick_network.world import WorldHistory, simulated_histories
 
 ROCKETS = 10

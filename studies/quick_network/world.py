@@ -13,9 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.errors import FieldkitError
-from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, coast_time, draw_rocket
 from fieldkit.inference.history.placed_effects import PlacedEffect
-from fieldkit.inference.history.unexplained_patterns import unexplained_pattern
 from fieldkit.model.causes import (
     CAUSES,
     DEGREES_OF_LAUNCH_ANGLE,
@@ -36,6 +34,8 @@ from fieldkit.physics.history import History, history_of, together
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.shapes import Array, Float, Int, Integers
+from studies.quick_network.drawn_rockets import DrawnRocket, Stock, coast_time, draw_rocket
+from studies.quick_network.unexplained_patterns import unexplained_pattern
 
 DRAWS = 3
 """Histories of each rocket, which share its flights and the simulation of their response."""

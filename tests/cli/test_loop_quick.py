@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fieldkit.inference.history.check import Check
-from fieldkit.inference.history.features import effect_names
 from fieldkit.ledger import Ledger
+from fieldkit.physics.effect import effects, spoken
 from fieldkit.services import quick_look
 from tests.commands import Run
 
@@ -34,7 +34,7 @@ def test_every_effect_has_a_probability_and_nothing_is_saved(ledger: Path, run: 
     assert answer["evaluation"] == "amortized"
     assert answer["n_flights"] == 12
     chances = answer["probabilities"]
-    assert {"none", "unexplained"} < set(chances) <= {"none", "unexplained", *effect_names()}
+    assert {"none", "unexplained"} < set(chances) <= {"none", "unexplained", *map(spoken, effects())}
     assert all(0 <= chance <= 1 for chance in chances.values())
     ranked = [one["probability"] for one in answer["candidates"]]
     assert ranked == sorted(ranked, reverse=True)
@@ -54,15 +54,6 @@ def test_lines_for_a_flyer_name_the_verdict(run: Run) -> None:
     assert "verdict:" in out
     assert "none" in out
     assert "unexplained" in out
-
-
-@pytest.mark.usefixtures("ledger")
-def test_more_flights_than_in_training_give_a_warning(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    warning = "the network was trained with at most"
-    assert warning not in run("loop", "--quick").out
-    monkeypatch.setattr("fieldkit.selection.quick_look.MAX_FLIGHTS", 11)
-    assert warning in run("loop", "--quick").out
-    assert run("loop", "--quick", "--json").document["beyond_training"] is True
 
 
 def test_too_few_flights_and_options_of_a_search_are_refused(ledger: Path, run: Run) -> None:
@@ -99,7 +90,7 @@ def test_an_answer_is_marked_as_checked_only_if_the_check_passed_and_else_the_fi
     line = run(*PREDICT, "--quick").out
     assert document["check"]["agrees"] is agrees
     assert document["evaluation"] == ("amortized" if agrees else "fit")
-    assert ("by the network, checked by the fit" in line) is agrees
+    assert ("by a linear pass, checked with the simulator" in line) is agrees
     (fit,) = run(*PREDICT, "--json").document["predictions"]
     assert (document["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=1e-3)) is not agrees
 
@@ -123,11 +114,11 @@ def test_the_quick_motor_guide_lists_the_motors_of_the_guide_and_refuses_what_it
 
 
 def test_drag_from_a_log_is_left_to_the_fit(ledger: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The network does not use it, so its answer cannot agree with the fit's."""
+    """A linear pass does not use it, so its answer cannot agree with the fit's."""
     monkeypatch.setattr(quick_look, "check", lambda answer: Check(0.3, 0.5, 0.9, 400))
     with Ledger.open(ledger) as book:
         flight = book.flights()[0]
         book.edit(flight.flight_id, coast_drag=0.003, sd={"coast_drag": 1e-4}, source={"coast_drag": "accel"})
     (document,) = run(*PREDICT, "--quick", "--json").document["predictions"]
     assert document["evaluation"] == "fit"
-    assert "the network does not use drag and impulse from logs" in run(*PREDICT, "--quick").out
+    assert "a linear pass does not use drag and impulse from logs" in run(*PREDICT, "--quick").out

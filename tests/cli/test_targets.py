@@ -337,7 +337,6 @@ REPLACED_WHOLE = {
     "tui/crash.py": "a report with a new name",
     "parallel.py": "a result that only this item has",
     "inference/training/unfinished.py": "the work of one training",
-    "inference/training/history.py": "the work of one training",
     "cli/demo.py": "a new ledger",
     "motors/own.py": "a file that the flyer names, whatever it was before",
     "planning/kit_file.py": "kits, within the lock of `services/kits.py`",

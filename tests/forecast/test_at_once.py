@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from fieldkit.forecast.at_once import forecast_at_once
-from fieldkit.inference.history import features
+from fieldkit.inference.history import quick_forecast
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.fleet_drift import period_of
 from fieldkit.model.hyperprior import learned
@@ -15,7 +15,6 @@ CHECK_SHAPES = False
 
 
 def test_quick_answers_follow_a_fleet_that_gets_heavier(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The network was trained without this drift; then the linear fit that it corrects must have it."""
     rockets = fleet(RATE)
     period = period_of(one for own in rockets for one, _ in own)
     shared = shared_prior([rocket_fit(own, learned(), period) for own in rockets[1:]], period)
@@ -23,9 +22,8 @@ def test_quick_answers_follow_a_fleet_that_gets_heavier(monkeypatch: pytest.Monk
     assert last.apogee is not None
     plan = last.unflown(), MOTOR
     quick = forecast_at_once(earlier, plan, shared=shared)
-    assert quick.apogee_at(0.05) < last.apogee < quick.apogee_at(0.95)
     without = replace(learned(), sds={key: sd for key, sd in learned().sds.items() if key != "mass.drift"})
-    monkeypatch.setattr(features, "learned", lambda: without)
+    monkeypatch.setattr(quick_forecast, "learned", lambda: without)
     constant = forecast_at_once(earlier, plan, shared=shared)
     assert last.apogee < constant.apogee_at(0.05)
     assert abs(quick.apogee_at(0.5) - last.apogee) < 0.5 * abs(constant.apogee_at(0.5) - last.apogee)

@@ -18,7 +18,7 @@ from fieldkit.physics import paper
 from fieldkit.physics.single import paper_flight
 from fieldkit.reference.exact import bayes_limit, lowest, reconstructions
 from fieldkit.reference.flights import Reference, certified, heights, normalised, reference
-from fieldkit.reference.report import PaperReport, history_forecasts, leave_one_out, report, rules, scatter
+from fieldkit.reference.report import PaperReport, leave_one_out, pass_forecasts, report, rules, scatter
 from fieldkit.reference.text import findings
 
 CHECK_SHAPES = False
@@ -297,23 +297,21 @@ def test_the_papers_physics_has_only_its_own_motors() -> None:
         paper_flight(plan.with_changes(diameter=None), 0.6, 1.0)
 
 
-def test_the_history_network_forecasts_each_flight_without_its_own_apogee(flights: Reference) -> None:
+def test_the_linear_pass_forecasts_each_flight_without_its_own_apogee(flights: Reference) -> None:
     """Changing a flight's apogee changes the others' forecasts, but not its own."""
-    before = history_forecasts(flights)
+    before = pass_forecasts(flights)
     own = list(flights.flights)
-    own[1] = own[1].with_changes(apogee=1.3 * float(flights.apogee[1]))
-    after = history_forecasts(replace(flights, flights=tuple(own)))
+    own[1] = own[1].with_changes(apogee=1.1 * float(flights.apogee[1]))
+    after = pass_forecasts(replace(flights, flights=tuple(own)))
     assert after[1] == before[1]
     assert after[2].apogee[1] > before[2].apogee[1]
 
 
-def test_the_report_has_both_networks_side_by_side(found: PaperReport) -> None:
-    printed = [one["history_network"] for one in found.flights]
+def test_the_report_has_the_network_and_the_linear_pass_side_by_side(found: PaperReport) -> None:
+    printed = [one["linear_pass"] for one in found.flights]
     assert [one["flight_id"] for one in printed] == [one["flight_id"] for one in found.flights]
     for one in printed:
         low, middle, high = (one["apogee_m"][key] for key in ("p05", "p50", "p95"))
         assert 0 < low < middle < high
-    miss = np.array(
-        [one["history_network"]["apogee_m"]["p50"] - one["apogee_m"] for one in found.flights if one["valid"]]
-    )
-    assert found.history_network["mae_m"] == pytest.approx(np.abs(miss).mean())
+    miss = np.array([one["linear_pass"]["apogee_m"]["p50"] - one["apogee_m"] for one in found.flights if one["valid"]])
+    assert found.linear_pass["mae_m"] == pytest.approx(np.abs(miss).mean())

@@ -87,7 +87,7 @@ def infer_command(run: Run) -> Run:
     return partial(run, "infer")
 
 
-@pytest.mark.parametrize("model", ["history", "paper"])
+@pytest.mark.parametrize("model", ["field", "paper"])
 def test_infer_gives_drag_and_thrust_for_every_flight(model: str, infer_command: Run) -> None:
     flights = infer_command("--model", model, "--json").document["flights"]
     assert [one["flight_id"] for one in flights] == [str(number) for number in range(1, 13)]

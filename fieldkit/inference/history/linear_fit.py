@@ -22,38 +22,35 @@ from fieldkit.inference.laplace.posterior import Fit, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
 from fieldkit.model.rocket_model import Model, Term, base_model, strength_term, usual_terms
-from fieldkit.model.scale import Scale
+from fieldkit.model.scale import Scale, scale_grid
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.physics.effect import effects
 from fieldkit.physics.history import History
 from fieldkit.physics.setups import differs_from_zero
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 
-SCATTER_NODES, READING_NODES = (-1.6, -0.55, 0.55, 1.6), (-0.9, 0.9)
-"""Scales of scatter and readings in a one-pass fit, in prior standard deviations of their logarithm."""
+SCATTER, READING, DOCUMENTS = (0.2, 0.5, 1.0, 2.2), (0.4, 1.1), (0.15, 0.6, 2.0)
+"""Values of the scales in a one-pass fit, relative to their medians: a few over the bulk of their priors. [1]"""
 DRAG_ROUNDS = 2
 """Number of times the drag is moved to its posterior mean."""
 ROBUST_ROUNDS = 2
 """Number of updates of the weights of outliers."""
 
 
-def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
-    """The hyperprior with a few scales of scatter and reading instead of its grid.
+def few_scales(hyperprior: Hyperprior) -> Hyperprior:
+    """The hyperprior with a few values of the scales of scatter, reading and documents instead of its grids. The scale
+    of motors has one value: a fourth grid would multiply the time."""
 
-    Their priors are the log-normal ones with which the network was trained. In the search's hyperprior burn time and
-    delay get the scale of scatter: a third grid would multiply the time.
-    """
-
-    def few(scale: Scale, nodes: Sequence[float]) -> Scale:
-        grid = tuple(scale.median * np.exp(scale.log_sd * np.array(nodes)))
-        return replace(scale, grid=grid, spread=0.0)
+    def few(scale: Scale, values: Sequence[float]) -> Scale:
+        # the prior that follows from the flyer's other rockets is tabulated between the same ends
+        return replace(scale, grid=tuple(scale.median * value for value in values), ends=scale.range)
 
     return replace(
         hyperprior,
-        scatter=few(hyperprior.scatter, SCATTER_NODES),
-        reading=few(hyperprior.reading, READING_NODES),
-        motors=hyperprior.motors if hyperprior.kind == "learned" else None,
+        scatter=few(hyperprior.scatter, SCATTER),
+        reading=few(hyperprior.reading, READING),
+        documents=hyperprior.documents and few(hyperprior.documents, DOCUMENTS),
     )
 
 
@@ -96,8 +93,8 @@ def history_model(
     Raises ImpossibleFlight for a flight without a dry mass.
     """
     elsewhere = {str(name.group) for name in (shared.names if shared else ()) if name.level == "motor"}
-    model = base_model(on_one_new_motor(history, elsewhere), coarse_scales(hyperprior), shared)
-    model = replace(model, history=history)
+    model = base_model(on_one_new_motor(history, elsewhere), hyperprior, shared)
+    model = replace(model, history=history, hyperprior=few_scales(model.hyperprior))
     model = model.with_terms(*usual_terms(model))
     return model.with_terms(*declared_terms(history.flights)) if declared else model
 
@@ -123,7 +120,7 @@ def declared_terms(flights: Sequence[Flight]) -> list[Term]:
 
 
 def history_data(found: ReadingsOfFlights, used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
-    """The readouts that the history network uses: all except those from logs."""
+    """The readouts that a linear pass uses: all except those from logs."""
     data = as_compared(found, used_in_fit, hyperprior)
     seen = data.seen & ~IN_LOG
     return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
@@ -141,19 +138,23 @@ def linear_fit(
     """The posterior given the flown flights, those in `data`, with log drag moved from `start` to its
     posterior mean in `rounds` steps; both relative to the reference of the response. [1]"""
     model, past, flown = ready.model, ready.past, ready.flown
-    level = drag_term(past)
+    level, usual = drag_term(past), _usual_scales(past.hyperprior)
     offset = start
-
-    def solved() -> tuple[Mapping[str, Array], Tangent, Fit]:
-        moved = moved_at(response, offset)
-        near = tangent(model, moved, offset)
-        return moved, near, solve(past, data, part_of(near, slice(flown)))
-
-    moved, near, fit = solved()
-    for _ in range(rounds):
-        offset = float(np.clip(fit.moments()[0][level] - REFERENCE_LOG_DRAG, -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
-        moved, near, fit = solved()
+    for _ in range(rounds):  # the point of linearization hardly depends on the scales
+        near = tangent(model, moved_at(response, offset), offset)
+        mean = solve(past, data, part_of(near, slice(flown)), which=usual).mean[0, level]
+        offset = float(np.clip(mean - REFERENCE_LOG_DRAG, -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
+    moved = moved_at(response, offset)
+    near = tangent(model, moved, offset)
+    fit = solve(past, data, part_of(near, slice(flown)))
     return LinearFit(model, flown, offset, near, fit, moved, ready.fresh)
+
+
+def _usual_scales(hyperprior: Hyperprior) -> Int[Integers, "1"]:
+    """The point of the grid nearest to the medians of all scales."""
+    values = np.stack(scale_grid(hyperprior.unknown_scales)[:-1])
+    medians = np.array([[scale.median] for scale in hyperprior.unknown_scales])
+    return np.array([np.argmin((np.log(values / medians) ** 2).sum(axis=0))])
 
 
 def _constrained_part(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]]:

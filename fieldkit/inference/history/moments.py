@@ -6,6 +6,8 @@ variance of the altimeter's error.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from statistics import NormalDist
 
 import numpy as np
 
@@ -36,17 +38,57 @@ class Moments:
     correlation: Float[Array, "plan"]
 
 
-def moments(linear: LinearFit) -> Moments:
-    """A linear fit's forecasts of the plans and of their drag and thrust."""
-    fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
-    plans = slice(linear.flown, None)
+@dataclass(frozen=True, slots=True)
+class ApogeeMixture:
+    """The log apogee of plans for every point of the grid of scales: its weight, the mean, the variance that more
+    flights would reduce, and that of a single flight, which is Student t with `tail` degrees of freedom. [1]"""
+
+    weight: Float[Array, "scale"]
+    mean: Float[Array, "scale plan"]
+    known: Float[Array, "scale plan"]
+    own: Float[Array, "scale plan"]
+    tail: float
+
+    def draws(self, plan: int, count: int) -> Float[Array, "draw"]:
+        """Equally likely log apogees of a plan; the same count takes the same random numbers, so that plans differ only
+        by their forecasts. [log m]"""
+        level = (np.arange(count) + 0.5) / count
+        which = np.minimum(np.searchsorted(np.cumsum(self.weight), level), len(self.weight) - 1)
+        normal, student = _standard_draws(self.tail, count)
+        mean, known, own = (part[which, plan] for part in (self.mean, self.known, self.own))
+        return np.asarray(mean + np.sqrt(known) * normal + np.sqrt(own) * student)
+
+
+@cache
+def _standard_draws(tail: float, count: int) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+    """Standard normal draws and Student t draws; both have one normal draw in each stratum (Latin hypercube; McKay,
+    Beckman and Conover, 1979)."""
+    rng = np.random.default_rng(0)
+    strata = np.array([NormalDist().inv_cdf((number + 0.5) / count) for number in range(count)])
+    normal, tailed = rng.permuted(np.stack([strata, strata]), axis=1)
+    return normal, tailed * np.sqrt(tail / rng.chisquare(tail, count))
+
+
+def apogee_mixture(linear: LinearFit) -> ApogeeMixture:
+    """A linear fit's forecasts of the apogees of its plans."""
+    fit, model, near, plans = linear.fit, linear.model, linear.near, slice(linear.flown, None)
     fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
     fresh_means = np.array([term.mean for term in linear.fresh])
     row, fresh_row = near.slope[plans, 0], slopes(linear.fresh, linear.moved)[plans, 0]
     known = ((row @ fit.covariance) * row).sum(axis=-1) + fresh_sds**2 @ fresh_row.T**2
-    means = near.values[plans, 0] + (fit.mean - near.at) @ row.T + fresh_row @ fresh_means
-    mean = weights @ means
-    between = weights @ (means - mean) ** 2
+    mean = near.values[plans, 0] + (fit.mean - near.at) @ row.T + fresh_row @ fresh_means
+    return ApogeeMixture(fit.weights, mean, known, own_variance(linear), model.hyperprior.tail)
+
+
+def moments(linear: LinearFit) -> Moments:
+    """A linear fit's forecasts of the plans and of their drag and thrust."""
+    fit, model, weights = linear.fit, linear.model, linear.fit.weights
+    plans = slice(linear.flown, None)
+    fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
+    fresh_means = np.array([term.mean for term in linear.fresh])
+    apogee = apogee_mixture(linear)
+    mean = weights @ apogee.mean
+    between = weights @ (apogee.mean - mean) ** 2
     middle, covariance = _mixture(fit.mean, fit.covariance, weights)
     acts = [acting(model.terms, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
     fresh_acts = [acting(linear.fresh, kind, len(model.flights))[:, plans] for kind in ("drag", "thrust")]
@@ -58,8 +100,8 @@ def moments(linear: LinearFit) -> Moments:
     cd_sd, alpha_sd = (np.sqrt(np.maximum(variance, 1e-8)) for variance in (cd_variance, alpha_variance))
     return Moments(
         mean,
-        np.sqrt(weights @ (known + own_variance(linear)) + between),
-        np.sqrt(np.maximum(weights @ known + between, 1e-8)),
+        np.sqrt(weights @ (apogee.known + apogee.own) + between),
+        np.sqrt(np.maximum(weights @ apogee.known + between, 1e-8)),
         cd,
         cd_sd,
         alpha,
@@ -75,48 +117,16 @@ FORECAST_READOUTS = tuple(name for name in OBSERVED_READOUTS if name not in ("ap
 @dataclass(frozen=True, slots=True)
 class ReadoutMoments:
     """A linear fit's forecast of the other readouts of plans, without reading errors: mean and standard deviation of
-    each of `FORECAST_READOUTS` in the form that is compared ([1] or [s]), and its covariance with the plan's log Cd and
-    log alpha."""
+    each of `FORECAST_READOUTS` in the form that is compared. [1] or [s]"""
 
     mean: Float[Array, "plan readout"]
     sd: Float[Array, "plan readout"]
-    with_parameters: Float[Array, "plan readout 2"]
-
-    def given(self, before: "ParameterMoments", after: "ParameterMoments") -> "ReadoutMoments":
-        """The same for another distribution of log Cd and log alpha; the conditional distribution given the two does
-        not change (Jeffrey, The Logic of Decision, 1965, chapter 11)."""
-        gain = self.with_parameters @ np.linalg.inv(before.covariance)
-        change = after.covariance - before.covariance
-        mean = self.mean + (gain @ (after.mean - before.mean)[..., None])[..., 0]
-        variance = self.sd**2 + np.einsum("pri,pij,prj->pr", gain, change, gain)
-        return replace(self, mean=mean, sd=np.sqrt(np.maximum(variance, 1e-8)), with_parameters=gain @ after.covariance)
-
-
-@dataclass(frozen=True, slots=True)
-class ParameterMoments:
-    """Mean and covariance of the log Cd and log alpha of plans. [1]"""
-
-    mean: Float[Array, "plan 2"]
-    covariance: Float[Array, "plan 2 2"]
-
-
-def parameter_moments(
-    cd: Float[Array, "plan"],
-    cd_sd: Float[Array, "plan"],
-    alpha: Float[Array, "plan"],
-    alpha_sd: Float[Array, "plan"],
-    correlation: Float[Array, "plan"],
-) -> ParameterMoments:
-    """Means, standard deviations and a correlation as a mean and a covariance, all of log Cd and log alpha. [1]"""
-    both = np.asarray(correlation * cd_sd * alpha_sd)
-    covariance = np.array([[np.asarray(cd_sd) ** 2, both], [both, np.asarray(alpha_sd) ** 2]])
-    return ParameterMoments(np.stack([cd, alpha], axis=-1), np.moveaxis(covariance, -1, 0))
 
 
 def readout_moments(linear: LinearFit) -> ReadoutMoments:
     """A linear fit's forecast of the other readouts of plans."""
     fit, model, near, weights = linear.fit, linear.model, linear.near, linear.fit.weights
-    plans, count = slice(linear.flown, None), len(model.flights)
+    plans = slice(linear.flown, None)
     columns = [OBSERVED_READOUTS.index(name) for name in FORECAST_READOUTS]
     terms = (*model.terms, *linear.fresh)
     fresh_sds = term_sds(replace(model, terms=linear.fresh, shared=None))
@@ -128,12 +138,10 @@ def readout_moments(linear: LinearFit) -> ReadoutMoments:
     whole[len(middle) :, len(middle) :] = np.diag(weights @ fresh_sds**2)
     away = np.concatenate([middle - near.at, fresh_means])
     spread = slope @ whole
-    acts = np.stack([acting(terms, kind, count)[:, plans] for kind in ("drag", "thrust")], axis=-1)
     values = near.values[plans][:, columns]
     return ReadoutMoments(
         values + slope @ away,
         np.sqrt((spread * slope).sum(axis=-1) + np.tensordot(weights, _scatter_of_readouts(linear, columns), 1)),
-        np.einsum("prt,tpk->prk", spread, acts),
     )
 
 

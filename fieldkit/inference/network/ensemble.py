@@ -19,7 +19,7 @@ from fieldkit.shapes import Array, Float
 CARD = "card.json"
 GRAPH = "ensemble.onnx"
 ENDS = ("mean", "spread")
-"""Outputs of a graph, unless its card names the shape of `parts`, the outputs of every member."""
+"""Outputs of a graph."""
 LARGEST_CARD = 1 << 20
 LARGEST_GRAPH = 32 << 20
 """Maximum file size. [bytes]"""
@@ -38,14 +38,9 @@ class Ensemble:
     def __call__(
         self, features: Float[Array, "flight feature"]
     ) -> tuple[Float[Array, "flight output"], Float[Array, "flight output"]]:
-        """Mean and standard deviation over the members, for an ensemble whose card has no `parts`."""
+        """Mean and standard deviation over the members."""
         mean, spread = self.session.run(("mean", "spread"), {"features": np.asarray(features, np.float64)})
         return mean, spread
-
-    def members(self, features: Float[Array, "flight feature"]) -> Float[Array, "flight member part"]:
-        """All outputs of each member, for an ensemble whose card has `parts`. [1]"""
-        parts: Array = self.session.run(("parts",), {"features": np.asarray(features, np.float64)})[0]
-        return parts
 
 
 def load(name: str) -> Ensemble:
@@ -71,8 +66,7 @@ def from_parts(graph: bytes, card: Mapping[str, Any], folder: Path) -> Ensemble:
     session = _session(graph, folder)
     features, outputs = tuple(card["features"]), tuple(card["outputs"])
     found = [(one.name, one.shape[1:]) for one in (*session.get_inputs(), *session.get_outputs())]
-    ends = [("parts", list(card["parts"]))] if "parts" in card else [(end, [len(outputs)]) for end in ENDS]
-    if found != [("features", [len(features)]), *ends]:
+    if found != [("features", [len(features)]), *((end, [len(outputs)]) for end in ENDS)]:
         raise DamagedModel(f"{folder / GRAPH}: found {found}, expected the features and outputs of its card")
     return Ensemble(card["name"], features, outputs, card, session)
 

@@ -10,7 +10,7 @@ from fieldkit.inference.training.shipping import claim
 
 EXTRA = ("torch", "onnx")
 """Packages that only training needs."""
-RECIPES = ("paper", "history")
+RECIPES = ("paper",)
 
 
 def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
@@ -25,10 +25,6 @@ def trainer(recipe: str, out: Path) -> Callable[..., dict[str, Any]]:
     if recipe not in RECIPES:
         raise FieldkitError(f"found the recipe {recipe!r}, expected one of: {', '.join(RECIPES)}")
     claim(out)
-    if recipe == "history":
-        from fieldkit.inference.training.history import train_history
-
-        return train_history
     from fieldkit.inference.training.paper import train_paper
 
     return train_paper

@@ -1,4 +1,4 @@
-"""The live estimate on the Add page: Cd, alpha and the next apogee by the network."""
+"""The live estimate on the Add page: Cd, alpha and the next apogee by a linear pass."""
 
 import asyncio
 from contextlib import suppress

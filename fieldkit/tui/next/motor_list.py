@@ -22,7 +22,7 @@ the search. [1]"""
 @dataclass(slots=True)
 class MotorList:
     """The results of a search for a `plan`, and the forecasts `known` so far; until the fit of a motor is known, the
-    network's answer is in `quick`. `fitting` shows only motors that fit unless there is a search."""
+    quick forecast is in `quick`. `fitting` shows only motors that fit unless there is a search."""
 
     plan: Plan | None = None
     found: Sequence[Motor] = ()
@@ -60,7 +60,7 @@ class MotorList:
         return list(dict.fromkeys([*([current] if current else []), *preferred, *self.found[:MAX_FORECAST_MOTORS]]))
 
     def shown(self, motor: Motor | None) -> MotorChoice | QuickChoice | None:
-        """The forecast of a motor: of the fit, or until then of the network; None if there is none yet."""
+        """The forecast of a motor: of the fit, or until then the quick one; None if there is none yet."""
         return None if motor is None else self.known.get(motor) or self.quick.get(motor)
 
     @property
@@ -114,7 +114,7 @@ class MotorList:
 
     def counted(self, system: str) -> str:
         """The numbers of motors, of those that fit, and of fits still to come: `12 of 57 fit, 45 quick · apogee in m`;
-        `left` instead of `quick` if some have no answer of the network either."""
+        `left` instead of `quick` if some have no quick forecast either."""
         fit = sum(map(self.fits, self.found))
         left = min(len(self.found), MAX_FORECAST_MOTORS) - sum(motor in self.known for motor in self.found)
         every = "" if fit == len(self.found) else f" of {len(self.found)}"

@@ -58,7 +58,7 @@ NEXT_HELP = Help(
         ("◆ ! ✗", "Before a motor: flown before, weak for this weight, not possible."),
         (
             "≈ apogee",
-            "Not final: the network's answer, then a fit with few draws. The selected one is forecast in full.",
+            "Not final: a provisional answer, then a fit with few draws. The selected one is forecast in full.",
         ),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
         (
@@ -303,7 +303,7 @@ class NextScreen(PageScreen):
         self._forecast_quickly()
 
     def _forecast_quickly(self) -> None:
-        """Show the network's forecasts of all motors without one; the fit's replace them, and report any error."""
+        """Show quick forecasts of all motors without one; the fit's replace them, and report any error."""
         plan, waiting = self._motors.plan, self._motors.unanswered(self.query_one(Table).current)
         if plan is None or not waiting:
             self._forecast()

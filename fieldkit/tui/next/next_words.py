@@ -16,7 +16,7 @@ from fieldkit.tui.next import motor_rows
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
 
-QUICK = "quick answer by the network, not yet checked by the fit"
+QUICK = "provisional, not yet checked by the fit"
 """What the card of a quick answer says instead of safety checks."""
 UNFOLD = "Press ! for every check"
 """How to see the checks that are folded."""

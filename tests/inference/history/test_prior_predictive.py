@@ -13,8 +13,8 @@ from fieldkit.inference.history.prior_predictive import (
     inconsistent_readout,
     without_data,
 )
+from fieldkit.inference.history.quick_forecast import QuickAnswer
 from fieldkit.inference.laplace.posterior import term_sds
-from fieldkit.inference.network.history import QuickAnswer
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, reading_sd
 from fieldkit.model.simulated_readouts import shown
@@ -34,7 +34,7 @@ def answers(*flights: Flight) -> list[QuickAnswer]:
 
 
 def inconsistent(*flights: Flight) -> list[InconsistentReadout | None]:
-    return [inconsistent_readout(answer.summary.forecast) for answer in answers(*flights)]
+    return [inconsistent_readout(answer.linear) for answer in answers(*flights)]
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_an_inconsistent_readout_is_the_same_alone_and_among_others() -> None:
 
 def test_the_prior_without_data_is_wider_than_the_posterior_and_does_not_depend_on_the_readouts() -> None:
     few, many = answers(PLAN.with_changes(apogee=190.0), GOOD)
-    before = without_data(many.summary.forecast)
-    assert before.cd_sd[0] > many.summary.baseline.cd_sd[0]
-    assert before.cd_sd[0] == pytest.approx(without_data(few.summary.forecast).cd_sd[0])
-    assert before.alpha[0] == pytest.approx(without_data(few.summary.forecast).alpha[0])
+    before = without_data(many.linear)
+    assert before.cd_sd[0] > many.log_cd[1]
+    assert before.cd_sd[0] == pytest.approx(without_data(few.linear).cd_sd[0])
+    assert before.alpha[0] == pytest.approx(without_data(few.linear).alpha[0])

@@ -1,9 +1,9 @@
-"""The history network compared with the fit, on twenty flights:
-`pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_history.py`.
+"""Quick answers from one linear pass compared with the fit, on twenty flights:
+`pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_quick.py`.
 
 Processor time on one core from flights in memory: the quick search relative to the loop, the next apogee and the
 apogees of two hundred motors relative to the fit, one more readout of a flight being entered relative to a whole quick
-forecast, and the network without its features.
+forecast.
 """
 
 import time
@@ -13,9 +13,9 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.at_once import answer_at_once, forecast_at_once, forecasts_at_once, prepare_at_once
+from fieldkit.forecast.at_once import forecast_at_once, forecasts_at_once, prepare_at_once
 from fieldkit.forecast.predict import predict
-from fieldkit.inference.network.history import load_history
+from fieldkit.inference.history.quick_forecast import answers
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.history import history_of
@@ -58,17 +58,6 @@ def test_the_next_apogee(benchmark: BenchmarkFixture, flown: list[tuple[Flight, 
     beside(benchmark, seconds, min(spent), "the forecast of the fit")
 
 
-def test_the_network_without_its_features(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
-    flight, found = flown[0]
-    plan = flight.with_changes(flight_id="next", **dict.fromkeys(RECORDED)), found
-    began = time.process_time()
-    features = forecast_at_once(flown, plan).summary.features
-    whole = time.process_time() - began
-    beside(
-        benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "the same with its features"
-    )
-
-
 def test_one_more_readout(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
     flight, found = flown[-1]
     plan = repeated(flight), found
@@ -77,9 +66,7 @@ def test_one_more_readout(benchmark: BenchmarkFixture, flown: list[tuple[Flight,
     whole = time.process_time() - began
     ready = prepare_at_once(flown, [plan], [True] * FLIGHTS)
     others = [one for one, _ in flown[:-1]]
-    seconds = measured(
-        benchmark, lambda: answer_at_once(ready, [*others, flight.with_changes(top_speed=60.0)]), rounds=20
-    )
+    seconds = measured(benchmark, lambda: answers(ready, [*others, flight.with_changes(top_speed=60.0)]), rounds=20)
     assert beside(benchmark, seconds, whole, "the forecast from the start") < 1
 
 

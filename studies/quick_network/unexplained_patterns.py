@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fieldkit.inference.history.drawn_rockets import DrawnRocket
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
+from studies.quick_network.drawn_rockets import DrawnRocket
 
 _PATTERN_SIZES = {"drag": (0.08, 0.6), "mass": (0.04, 0.3), "thrust": (0.03, 0.15)}
 """Bounds of the size of a pattern in the logarithm of each property. [1]"""

@@ -1,0 +1,144 @@
+"""Forecasts of plans, with the drag and thrust behind them, from one linear pass over a rocket's flights.
+
+The pass has the model of forecasts. It answers before a fit does: derivatives of simulations at three drag coefficients
+replace the simulations of a fit, and the scales of scatter are a few values, over which the forecast is a mixture.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.inference.history.linear_fit import (
+    LinearFit,
+    PreparedFit,
+    history_data,
+    history_model,
+    linear_fit,
+    prepared_fit,
+    robust,
+)
+from fieldkit.inference.history.moments import FORECAST_READOUTS, apogee_mixture, moments, readout_moments
+from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.model.documents import with_documents
+from fieldkit.model.hyperprior import learned
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, readings
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.physics.effect import Effect
+from fieldkit.physics.history import History
+from fieldkit.shapes import Array, Float
+
+MODEL = "field"
+"""The name of the model behind a quick answer, as in a forecast of the fit."""
+MAX_LOG_APOGEE = float(np.log(1e5))
+"""Largest apogee of an answer. [log m]"""
+DRAWS = 1000
+"""Equally likely apogees of an answer. [1]"""
+NORMAL_95 = 1.6448536
+"""The 95% quantile of the standard normal distribution. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class QuickAnswer:
+    """The answer of a linear pass for one plan of a history, provisional until a fit has checked it.
+
+    `apogees` are equally likely apogees of the plan in ascending order [m]; `log_cd` and `log_alpha` are mean and
+    standard deviation, and `correlation` is the correlation of the two [1]. `readouts` are the 5, 50 and 95% quantiles
+    of the plan's other readouts, without reading errors, in SI. `plan` is the number of the plan in the history.
+    """
+
+    apogees: Float[Array, "draw"]
+    log_cd: tuple[float, float]
+    log_alpha: tuple[float, float]
+    correlation: float
+    readouts: Mapping[str, tuple[float, float, float]]
+    linear: LinearFit
+    data: Data
+    plan: int = 0
+
+    def apogee_at(self, level: float) -> float:
+        """A quantile of the plan's apogee. [m]"""
+        return float(np.quantile(self.apogees, level))
+
+    @property
+    def rests_on(self) -> int:
+        """Number of flights that the answer uses. [1]"""
+        return int(self.data.seen.any(axis=1).sum())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedHistory:
+    """The part of a history that does not change while readouts are typed: its model, and the response of its
+    flights."""
+
+    history: History
+    fit: PreparedFit
+    response: FlightResponse
+
+    @property
+    def flown(self) -> tuple[Flight, ...]:
+        """The flown flights, as they were when this was prepared."""
+        return self.history.flights[: self.history.flown]
+
+
+def modeled(history: History, shared: SharedPrior | None = None) -> PreparedFit:
+    """The forecast model of a rocket's history and one planned flight, or several alternative plans that differ only in
+    their motors; either all or none of the plans use motors flown before. `shared` is the information from the flyer's
+    other rockets. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the hyperprior cannot be
+    read.
+    """
+    return prepared_fit(history_model(history, with_documents(learned()), shared, declared=True), history.flown)
+
+
+def acting(fit: PreparedFit) -> frozenset[str]:
+    """The effects whose response a fit needs."""
+    every = (*fit.model.terms, *fit.fresh)
+    return frozenset(term.name.quantity for term in every if isinstance(term.bends, Effect))
+
+
+def prepared(history: History, shared: SharedPrior | None = None) -> PreparedHistory:
+    """The part of a history that does not depend on its readouts; arguments and errors as in `modeled`."""
+    fit = modeled(history, shared)
+    return PreparedHistory(history, fit, respond(history, acting(fit)))
+
+
+def answers(ready: PreparedHistory, flown: Sequence[Flight]) -> list[QuickAnswer]:
+    """The answer for each plan of a history, with the current readouts of its flown flights."""
+    history = ready.history
+    read = readings(flown, history.found[: len(flown)])
+    data = history_data(read, history.used_in_fit, ready.fit.model.hyperprior)
+    linear = robust(linear_fit(ready.fit, data, ready.response))
+    found, mixture = moments(linear), apogee_mixture(linear)
+    readouts = _readouts(linear)
+    return [
+        QuickAnswer(
+            np.exp(np.minimum(np.sort(mixture.draws(plan, DRAWS)), MAX_LOG_APOGEE)),
+            (float(found.cd[plan]), float(found.cd_sd[plan])),
+            (float(found.alpha[plan]), float(found.alpha_sd[plan])),
+            float(found.correlation[plan]),
+            readouts[plan],
+            linear,
+            data,
+            plan,
+        )
+        for plan in range(len(found.apogee))
+    ]
+
+
+def _readouts(linear: LinearFit) -> list[dict[str, tuple[float, float, float]]]:
+    """For each plan, the quantiles in SI of readouts that are normal in the form that is compared; a readout that the
+    plan lacks is left out."""
+    found = readout_moments(linear)
+    logarithmic = [bool(IS_LOGARITHMIC[OBSERVED_READOUTS.index(name)]) for name in FORECAST_READOUTS]
+    ends = found.mean[..., None] + found.sd[..., None] * np.array([-NORMAL_95, 0.0, NORMAL_95])
+    ends[:, logarithmic] = np.exp(ends[:, logarithmic])
+    known = np.isfinite(ends).all(axis=-1).tolist()
+    return [
+        {
+            name: (low, middle, high)
+            for name, (low, middle, high), shown in zip(FORECAST_READOUTS, own, has, strict=True)
+            if shown
+        }
+        for own, has in zip(ends.tolist(), known, strict=True)
+    ]

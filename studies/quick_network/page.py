@@ -1,0 +1,132 @@
+"""The page of the ablation, from the saved measurements."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from studies.quick_network.inputs import SCATTER
+
+Measured = Mapping[str, Any]
+WAYS = ("linear", "linear, calibrated width", "raw", "whole", "fit")
+TITLES = {
+    "linear": "(a) linear pass, normal",
+    "linear, calibrated width": "(b) linear pass, calibrated width",
+    "raw": "(c) network without closed forms",
+    "whole": "(d) whole network",
+    "fit": "fit",
+    "closed form": "closed form",
+    "closed form, weighted": "closed form, weighted",
+    "raw pooled": "(c) pooled with the closed form",
+    "whole pooled": "(d) pooled with the closed form",
+    "loop": "loop",
+}
+FLYERS = {
+    "journal": "journal",
+    "contest": "contest teams",
+    "reference": "reference flights",
+}
+
+
+def percent(value: float) -> str:
+    return f"{100 * value:.1f}%"
+
+
+def rows(headers: tuple[str, ...], lines: Iterator[tuple[str, ...]]) -> Iterator[str]:
+    yield f"| {' | '.join(headers)} |"
+    yield "|" + "---|" * len(headers)
+    yield from (f"| {' | '.join(line)} |" for line in lines)
+    yield ""
+
+
+def forecasts(found: Measured) -> Iterator[tuple[str, ...]]:
+    for way in WAYS:
+        if way in found:
+            one = found[way]
+            ratio = f"{one['ratio']:.3f}"
+            if "ratio90" in one:
+                ratio += f" ({one['ratio90'][0]:.3f} to {one['ratio90'][1]:.3f})"
+            yield (TITLES[way], percent(one["crps"]), ratio, percent(one["coverage90"]), percent(one["width"]))
+
+
+def probabilities(found: Measured) -> Iterator[tuple[str, ...]]:
+    for way, title in TITLES.items():
+        if isinstance(one := found.get(way), Mapping):
+            gain = f"{one['gain']:+.4f} ± {one['gain_sd']:.4f}" if "gain" in one else ""
+            yield (title, f"{one['auc']:.3f}", f"{one['log_score']:.4f}", gain)
+
+
+def page(found: Measured) -> Iterator[str]:
+    """The page, line by line."""
+    held_out, fit, bench = found["held_out"], found["beside_fit"], found["bench"]
+    yield "# Quick answers, and why no network gives them"
+    yield ""
+    yield TEXT.format(
+        histories=found["training"]["histories"],
+        seconds=found["training"]["seconds"],
+        device=found["training"]["device"],
+        held_out=held_out["histories"],
+        scales=len(SCATTER),
+    )
+    score = ("", "CRPS", "CRPS relative to (a)", "in the 90% interval", "width")
+    beside = ("", "CRPS", "CRPS relative to the fit (90%)", "in the 90% interval", "width")
+    odds = ("", "AUC", "log score [nat]", "gain over the closed form [nat]")
+    yield "## Forecasts"
+    yield ""
+    yield f"Held-out simulated histories ({held_out['histories']:,}):"
+    yield ""
+    yield from rows(score, forecasts(held_out["forecast"]))
+    yield f"Simulated histories with the fit beside them ({fit['forecast']['flights']:,}):"
+    yield ""
+    yield from rows(beside, forecasts(fit["forecast"]))
+    for key, title in FLYERS.items():
+        if key in found["real"]:
+            one = found["real"][key]
+            yield f"The {title}, forward in time ({one['flights']} flights):"
+            yield ""
+            yield from rows(beside, forecasts(one))
+    yield IN_SAMPLE
+    yield "## Effects"
+    yield ""
+    yield f"Held-out simulated histories, {held_out['effects']['present']} effects present:"
+    yield ""
+    yield from rows(odds, probabilities(held_out["effects"]))
+    yield f"Sets of the bench, whose simulator is another one ({bench['sets']}, {bench['present']} effects):"
+    yield ""
+    yield from rows(odds, probabilities(bench["effects"]))
+    weights = held_out["pooling_weights"]
+    yield POOLING.format(raw=weights["raw"], whole=weights["whole"])
+    yield "## Causes of single flights"
+    yield ""
+    yield (
+        f"Flights of held-out histories: {held_out['causes']['flights']:,}, of which {held_out['causes']['with']} have "
+        "a cause:"
+    )
+    yield ""
+    yield from rows(odds, probabilities(held_out["causes"]))
+    one = fit["causes"]
+    yield (
+        f"With the loop beside the closed form ({one['flights']:,} flights, {one['with']} with a cause): AUC of the "
+        f"loop {one['loop']:.3f}, of the closed form {one['closed form']:.3f}."
+    )
+
+
+TEXT = """`predict --quick`, the Add page, the quick motor guide, `infer` and `loop --quick` answer from one linear pass
+over a rocket's flights, with the model of the fit: differences of simulations at three drag coefficients give the
+derivatives, and the scales of scatter, readings and documents are a few values. Its answers are provisional:
+`predict --quick` checks its forecast by importance sampling with the simulator (effective draws and Pareto's k), and
+the fit answers where the check fails.
+
+A network answered before. This page is the comparison that retired it, printed by
+`python -m studies.quick_network page`, which repeats every measurement. Networks of three layers of attention over the
+flights were trained on {histories:,} simulated histories ({seconds} s on {device}), whose world is the one model,
+simulated without linearization: effects from their priors, causes of single flights, heavy-tailed scales of scatter and
+of documents, patterns that no effect represents, missing readouts. The whole network sees the closed forms and corrects
+them; the other sees only flights, simulations and conditions. CRPS and widths are relative to the flown apogee.
+Probabilities are judged on {held_out:,} histories that no training used.
+"""
+IN_SAMPLE = """The shipped hyperprior was learned from the flights of the journal and of the contest teams, so these are
+in-sample for the fit and the linear pass. The networks were trained with a prior that no flight has changed.
+"""
+POOLING = """The pool is a weighted sum of the log odds, with weights learned by log score from the other half of the
+held-out histories: closed form, network and level, {raw} without closed forms and {whole} with them. The same weights
+are used on the bench.
+"""
