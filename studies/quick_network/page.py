@@ -1,10 +1,13 @@
 """The page of the ablation, from the saved measurements."""
 
 from collections.abc import Iterator, Mapping
+from textwrap import fill
 from typing import Any
 
 from studies.quick_network.inputs import SCATTER
 
+WIDTH = 118
+"""Characters of a line of prose."""
 Measured = Mapping[str, Any]
 WAYS = ("linear", "linear, calibrated width", "raw", "whole", "fit")
 TITLES = {
@@ -37,6 +40,11 @@ def rows(headers: tuple[str, ...], lines: Iterator[tuple[str, ...]]) -> Iterator
     yield ""
 
 
+def _prose(text: str, **figures: Any) -> Iterator[str]:
+    for paragraph in text.format(**figures).split("\n\n"):
+        yield from (fill(" ".join(paragraph.split()), WIDTH), "")
+
+
 def forecasts(found: Measured) -> Iterator[tuple[str, ...]]:
     for way in WAYS:
         if way in found:
@@ -54,12 +62,42 @@ def probabilities(found: Measured) -> Iterator[tuple[str, ...]]:
             yield (title, f"{one['auc']:.3f}", f"{one['log_score']:.4f}", gain)
 
 
+CRPS_THAT_PAYS, AUC_THAT_PAYS = 0.02, 0.02
+"""Gains for which a network would be shipped: within these an answer counts as good as another. [1]"""
+
+
+def decision(held_out: Measured, bench: Measured) -> Iterator[str]:
+    """What the figures say of the networks, and what follows."""
+    forecast, effects, causes = held_out["forecast"], held_out["effects"], held_out["causes"]
+    better = 1 - forecast["whole"]["crps"] / forecast["linear, calibrated width"]["crps"]
+    gains = {
+        "of effects": effects["whole"]["auc"] - effects["closed form"]["auc"],
+        "of effects on the bench": bench["effects"]["whole"]["auc"] - bench["effects"]["closed form"]["auc"],
+        "of causes": causes["whole"]["auc"] - causes["closed form"]["auc"],
+    }
+    ships = better > CRPS_THAT_PAYS or max(gains.values()) > AUC_THAT_PAYS
+    yield fill(
+        f"A network would be shipped for a CRPS {CRPS_THAT_PAYS:.0%} better than that of (b), or an AUC "
+        f"{AUC_THAT_PAYS} better than that of the closed form. The whole network has a CRPS {100 * better:.1f}% better "
+        "on held-out histories, and AUC "
+        + ", ".join(f"{name} {gain:+.3f}" for name, gain in gains.items())
+        + f": it {'is' if ships else 'is not'} shipped. Its probabilities have the better log score where the closed "
+        "form is too sure.",
+        WIDTH,
+    )
+    yield ""
+    behind = bench["effects"]["loop"]["auc"] - bench["effects"]["closed form"]["auc"]
+    yield f"On the bench the AUC of the loop is {behind:.3f} higher than the closed form's."
+    yield ""
+
+
 def page(found: Measured) -> Iterator[str]:
     """The page, line by line."""
     held_out, fit, bench = found["held_out"], found["beside_fit"], found["bench"]
     yield "# Quick answers, and why no network gives them"
     yield ""
-    yield TEXT.format(
+    yield from _prose(
+        TEXT,
         histories=found["training"]["histories"],
         seconds=found["training"]["seconds"],
         device=found["training"]["device"],
@@ -69,6 +107,7 @@ def page(found: Measured) -> Iterator[str]:
     score = ("", "CRPS", "CRPS relative to (a)", "in the 90% interval", "width")
     beside = ("", "CRPS", "CRPS relative to the fit (90%)", "in the 90% interval", "width")
     odds = ("", "AUC", "log score [nat]", "gain over the closed form [nat]")
+    yield from decision(held_out, bench)
     yield "## Forecasts"
     yield ""
     yield f"Held-out simulated histories ({held_out['histories']:,}):"
@@ -83,7 +122,7 @@ def page(found: Measured) -> Iterator[str]:
             yield f"The {title}, forward in time ({one['flights']} flights):"
             yield ""
             yield from rows(beside, forecasts(one))
-    yield IN_SAMPLE
+    yield from _prose(IN_SAMPLE)
     yield "## Effects"
     yield ""
     yield f"Held-out simulated histories, {held_out['effects']['present']} effects present:"
@@ -93,7 +132,7 @@ def page(found: Measured) -> Iterator[str]:
     yield ""
     yield from rows(odds, probabilities(bench["effects"]))
     weights = held_out["pooling_weights"]
-    yield POOLING.format(raw=weights["raw"], whole=weights["whole"])
+    yield from _prose(POOLING, **{name: ", ".join(f"{x:.2f}" for x in weights[name]) for name in ("raw", "whole")})
     yield "## Causes of single flights"
     yield ""
     yield (
@@ -116,7 +155,8 @@ derivatives, and the scales of scatter, readings and documents are a few values.
 the fit answers where the check fails.
 
 A network answered before. This page is the comparison that retired it, printed by
-`python -m studies.quick_network page`, which repeats every measurement. Networks of three layers of attention over the
+`python -m studies.quick_network page` from measurements that `simulate`, `train` and `measure` repeat. Networks of
+three layers of attention over the
 flights were trained on {histories:,} simulated histories ({seconds} s on {device}), whose world is the one model,
 simulated without linearization: effects from their priors, causes of single flights, heavy-tailed scales of scatter and
 of documents, patterns that no effect represents, missing readouts. The whole network sees the closed forms and corrects
@@ -124,9 +164,10 @@ them; the other sees only flights, simulations and conditions. CRPS and widths a
 Probabilities are judged on {held_out:,} histories that no training used.
 """
 IN_SAMPLE = """The shipped hyperprior was learned from the flights of the journal and of the contest teams, so these are
-in-sample for the fit and the linear pass. The networks were trained with a prior that no flight has changed.
+in-sample for the fit and the linear pass. The networks were trained with a prior that no flight has changed; the
+whole one has lower scores than (b) in each table, on so few flights that the intervals overlap.
 """
 POOLING = """The pool is a weighted sum of the log odds, with weights learned by log score from the other half of the
-held-out histories: closed form, network and level, {raw} without closed forms and {whole} with them. The same weights
-are used on the bench.
+held-out histories: closed form, network and level: {raw} for (c) and {whole} for (d). The same weights are
+used on the bench.
 """
