@@ -225,7 +225,7 @@ def test_the_page_of_speed_is_of_the_latest_saved_runs() -> None:
 
 def test_the_page_of_quick_answers_is_up_to_date() -> None:
     text = "\n".join(quick_page.page(json.loads(QUICK.read_text(encoding="utf-8")))).rstrip() + "\n"
-    assert PAGES["quick-answers"] == text, "python -m studies.quick_network page writes it"
+    assert PAGES["quick-answers"] == text, "python -m tools.quick_network writes it"
 
 
 def test_the_first_page_links_to_all_others_like_the_site() -> None:

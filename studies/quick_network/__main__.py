@@ -1,23 +1,17 @@
-"""`python -m studies.quick_network simulate|train|measure FOLDER`, and `page`: the histories, the networks trained on
-them, their scores beside the closed forms, the fit and the loop, and the page of the comparison.
+"""`python -m studies.quick_network simulate|train FOLDER`: the histories, and the networks trained on them.
 
-`measure FOLDER --bench SETS --beside LINES --flyers JOURNAL CONTEST REFERENCE` writes
-`docs/measured/quick_network.json` from the networks in a folder, sets of `python -m bench.make`, the lines of
-`studies.quick_network.beside_fit` and tables of flights. Without FOLDER, `page` writes `docs/quick-answers.md` from it.
+`python -m tools.quick_network` scores them beside the closed forms, the fit and the loop, and writes the page.
 """
 
 import argparse
 import json
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
 
-from studies.quick_network.measure import beside_fit, forward_in_time, on_bench
 from studies.quick_network.network import FlightsNetwork, export, train
-from studies.quick_network.page import page
 from studies.quick_network.scores import scores
 from studies.quick_network.tables import load, simulate
 
@@ -27,33 +21,22 @@ HELD_OUT, VALIDATION = 0.12, 0.06
 """Fractions of the histories for the scores, and for choosing the epoch. [1]"""
 KINDS = {"whole": True, "raw": False}
 """The networks, and whether they see the closed forms."""
-ROOT = Path(__file__).parents[2]
-MEASURED, PAGE = ROOT / "docs" / "measured" / "quick_network.json", ROOT / "docs" / "quick-answers.md"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("simulate", "train", "measure", "page"))
-    parser.add_argument("folder", type=Path, nargs="?")
+    parser.add_argument("what", choices=("simulate", "train"))
+    parser.add_argument("folder", type=Path)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=3600.0)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--bench", type=Path)
-    parser.add_argument("--beside", type=Path)
-    parser.add_argument("--flyers", type=Path, nargs=3)
     given = parser.parse_args()
-    if given.what == "page":
-        found = json.loads(MEASURED.read_text(encoding="utf-8"))
-        PAGE.write_text("\n".join(page(found)).rstrip() + "\n", encoding="utf-8")
-    elif given.what == "simulate":
+    if given.what == "simulate":
         began = time.monotonic()
         count = simulate(given.folder / "shards", given.seed, given.processes, given.seconds)
         print(f"{count} histories in {time.monotonic() - began:.0f} s with {given.processes} processes", flush=True)
-    elif given.what == "train":
-        train_all(given.folder, given.seconds, given.seed)
     else:
-        document = measure(given.folder, given.bench, given.beside, given.flyers)
-        MEASURED.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        train_all(given.folder, given.seconds, given.seed)
 
 
 def train_all(folder: Path, seconds: float, seed: int) -> None:
@@ -81,29 +64,6 @@ def train_all(folder: Path, seconds: float, seed: int) -> None:
     for name, networks in found.items():
         for member, network in enumerate(networks):
             export(network, held_out, folder / f"{name}_{member}.onnx")
-
-
-def measure(folder: Path, bench: Path, beside: Path, flyers: list[Path]) -> dict[str, Any]:
-    """All measurements of the page."""
-    training = json.loads((folder / "training.json").read_text())
-    held_out = json.loads((folder / "held_out.json").read_text())
-    raw, closed, effects = training["sizes"]
-    networks: dict[str, list[FlightsNetwork]] = {}
-    for name, use_closed in KINDS.items():
-        networks[name] = [FlightsNetwork(raw, closed, effects, use_closed) for _ in range(MEMBERS)]
-        for member, network in enumerate(networks[name]):
-            network.load_state_dict(torch.load(folder / f"{name}_{member}.pt", weights_only=True))
-            network.eval()
-    lines = [json.loads(line) for path in sorted(beside.glob("*.jsonl")) for line in path.read_text().splitlines()]
-    loops = {line["set"]: line["loop"] for line in lines if line["kind"] == "bench"}
-    names = ("journal", "contest", "reference")
-    return {
-        "training": training,
-        "held_out": held_out,
-        "beside_fit": beside_fit(lines),
-        "bench": on_bench(bench, loops, networks, held_out["pooling_weights"]),
-        "real": {name: forward_in_time(path, networks) for name, path in zip(names, flyers, strict=True)},
-    }
 
 
 if __name__ == "__main__":

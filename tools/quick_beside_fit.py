@@ -1,4 +1,4 @@
-"""`python -m studies.quick_network.beside_fit FOLDER [--bench SETS]`: the closed forms beside the fit and the loop.
+"""`python -m tools.quick_beside_fit FOLDER [--bench SETS]`: the closed forms beside the fit and the loop.
 
 Simulated histories, and with `--bench` sets of `python -m bench.make`, whose simulator is another one: the forecast of
 `predict` and the causes of `loop` on the first, the probabilities of `loop` on the others. One JSON line each, as done.

@@ -22,12 +22,12 @@ from fieldkit.motors import catalogue
 from fieldkit.physics.history import History, flown_and_planned
 from fieldkit.services.learn import read_flyer
 from fieldkit.shapes import Array
-from studies.quick_network.beside_fit import flights_of, plan_again
 from studies.quick_network.inputs import closed_forms, effect_names
 from studies.quick_network.network import FlightsNetwork, answers
 from studies.quick_network.scores import STUDENT_DRAWS, auc, of_probabilities, scored
 from studies.quick_network.tables import WorldTable, table
 from studies.quick_network.world import WorldHistory
+from tools.quick_beside_fit import flights_of, plan_again
 
 Networks = Mapping[str, list[FlightsNetwork]]
 EXACT_SINCE = date(2011, 8, 1)
