@@ -37,7 +37,7 @@ OPTIONS = """
     TAGS: tags
     ID: flight_id
     DATE: date_time since
-    EFFECTS: decline effect effects
+    EFFECTS: decline effect
     YEAR: season
     RULES: rules
     RANGE: targets

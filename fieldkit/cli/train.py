@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.screen import AsJson, print_json, say
+from fieldkit.quantities import counted
 
 app = typer.Typer()
 
@@ -56,7 +57,8 @@ def train(
     if json:
         print_json(summary)
         return
-    say(f"Trained {summary['recipe']} on {summary['n_train']} simulated flights in {summary['seconds']:.0f} s")
+    flights = counted(summary["n_train"], "simulated flight")
+    say(f"Trained {summary['recipe']} on {flights} in {summary['seconds']:.0f} s")
     say(f"Mean absolute error on held-out ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
     for file in summary["files"]:
         say(file)

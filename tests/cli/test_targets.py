@@ -336,7 +336,6 @@ def test_every_file_is_written_through_the_guard() -> None:
 REPLACED_WHOLE = {
     "tui/crash.py": "a report with a new name",
     "parallel.py": "a result that only this item has",
-    "inference/training/unfinished.py": "the work of one training",
     "cli/demo.py": "a new ledger",
     "motors/own.py": "a file that the flyer names, whatever it was before",
     "planning/kit_file.py": "kits, within the lock of `services/kits.py`",
@@ -416,7 +415,6 @@ READERS = {
     "importing/tables/spreadsheet.py": "the first bytes of a member of an archive",
     "importing/tables/sheet_xml.py": "members of an archive, a part at a time within a budget",
     "openrocket/archive.py": "a member of an archive, so many bytes and no more",
-    "inference/training/unfinished.py": "results of this program",
     "parallel.py": "results of this program",
     "ledger/backups.py": "copies of a ledger",
     "capture/tape.py": "the names in a folder",

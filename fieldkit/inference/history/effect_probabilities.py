@@ -1,5 +1,8 @@
 """The probabilities of effects from one linear pass: closed-form evidence of every effect in every place, alone and
-beside each other, with the model and the prior of the loop."""
+beside each other, with the model and the prior of the loop.
+
+Derivation: Bayes' theorem, in `fieldkit.inference.evidence` and `joint_evidence`.
+"""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
