@@ -27,7 +27,7 @@ from fieldkit.model.causes import (
 from fieldkit.model.documents import SEARCH_PRIOR, power
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
-from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, usual_terms
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, scatter_of, usual_terms
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.physics.effect import Prior
 from fieldkit.physics.history import History, history_of, together
@@ -153,7 +153,7 @@ class _Batch:
             sd = term.sd * factors[term.scaled_by] * documents ** power(term.name.quantity, term.name.level)
             self._term(term, rows, np.clip(term.mean + sd * rng.normal(size=DRAWS), term.low, term.high))
         tail = np.sqrt(prior.tail / rng.chisquare(prior.tail, (DRAWS, width)))
-        for kind in one.model.scatter:
+        for kind in scatter_of(prior):
             scale = np.array(motors if prior.scale_of(kind.bends) == "motors" else scatter)
             self.scatter[kind.bends][:, rows] += kind.sd * scale[:, None] * rng.normal(size=(DRAWS, width))
         own = apogee_scatter(one.model) * np.array(scatter)[:, None] * tail * rng.normal(size=(DRAWS, width))
