@@ -24,7 +24,7 @@ def _damaged(log: bytes) -> bytes:
 FILES: Mapping[str, Callable[[bytes], bytes]] = {
     "line ends of Windows": lambda log: log.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"),
     "a byte order mark": lambda log: b"\xef\xbb\xbf" + log.removeprefix(b"\xef\xbb\xbf"),
-    "UTF-16": lambda log: log.decode("latin-1").removeprefix("\xef\xbb\xbf").encode("utf-16"),
+    "saved as UTF-16": lambda log: log.decode("latin-1").removeprefix("\xef\xbb\xbf").encode("utf-16"),
     "blank lines below": lambda log: log + b"\n\n\n",
     "NULs below": lambda log: log + bytes(512),
     "no last line end": lambda log: log.rstrip(b"\r\n\0"),

@@ -17,7 +17,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 MAX_SENSOR_GAP = 0.3
 """Longest gap in the boost after which an accelerometer is still complete. [s]"""
-THRUST_DECREASE = 0.71
+THRUST_DECREASE = 0.70
 """By how much thrust decreases from the start to the end of a burn, as a fraction of its mean: median over the catalog,
 each impulse class weighted equally (a test recomputes it). [1]"""
 SHORTEST_BURN = 0.1

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from bench.mutations.__main__ import Count, _judge, main
+from bench.mutations.files import FILES
 from bench.mutations.tables import KINDS, log_of, plain
 from bench.recorders.flights import draw
 
 pytestmark = pytest.mark.sampled
 
 
-def test_there_are_at_least_sixty_kinds_of_tables() -> None:
-    assert len(KINDS) >= 60
+def test_there_are_at_least_ninety_kinds_of_tables() -> None:
+    assert len(KINDS) >= 90
+    assert not KINDS.keys() & FILES.keys()
 
 
 def test_a_table_of_another_flight_is_silently_wrong() -> None:

@@ -67,21 +67,18 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
     pad is not along it.
     """
     full = _is_full(time, axes)
-    whole = np.isfinite(axes).all(axis=0) & np.isfinite(time) & ~full.any(axis=0)
-    if whole.sum() < 20:
+    whole = np.isfinite(axes).all(axis=0) & np.isfinite(time)
+    samples = whole & ~full.any(axis=0)
+    thrust = _thrust(time[samples], axes[:, samples])
+    if thrust is None:  # the whole boost is saturated
+        samples = whole
+        thrust = _thrust(time[samples], axes[:, samples])
+    if thrust is None:
         return None
-    clock, felt = time[whole], axes[:, whole]
-    total = running_integral(felt, clock)
-    after = np.minimum(np.searchsorted(clock, clock + BOOST), clock.size - 1)
-    lasts = np.maximum(clock[after] - clock, 1e-9)
-    push = np.where(lasts > BOOST / 2, np.linalg.norm(total[:, after] - total, axis=0) / lasts, 0.0)
-    strongest = int(np.argmax(push))
-    if push[strongest] < BOOST_FORCE:
-        return None
-    direction = (total[:, after[strongest]] - total[:, strongest]) / lasts[strongest] / push[strongest]
-    before = clock < clock[strongest] - 1.0
+    begin, direction = thrust
+    before = samples & (time < begin - 1.0)
     if before.sum() >= 5:
-        level = float(direction @ np.median(felt[:, before], axis=1)) / STANDARD_GRAVITY
+        level = float(direction @ np.median(axes[:, before], axis=1)) / STANDARD_GRAVITY
         if not ONE_G_RANGE[0] <= level <= ONE_G_RANGE[1]:
             return None
     along: Float[Array, "row"] = direction @ axes
@@ -90,6 +87,23 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
     hidden = full.any(axis=0)
     along[hidden] = np.where(seen >= _LEAST_SEEN, others, np.nanmax(along[hidden], initial=0.0))[hidden]
     return along
+
+
+def _thrust(
+    time: Float[Array, "sample"], felt: Float[Array, "axis sample"]
+) -> tuple[float, Float[Array, "axis"]] | None:
+    """When the strongest sustained thrust begins [s], and its direction [1]; None if there is none."""
+    if time.size < 20:
+        return None
+    total = running_integral(felt, time)
+    after = np.minimum(np.searchsorted(time, time + BOOST), time.size - 1)
+    lasts = np.maximum(time[after] - time, 1e-9)
+    push = np.where(lasts > BOOST / 2, np.linalg.norm(total[:, after] - total, axis=0) / lasts, 0.0)
+    strongest = int(np.argmax(push))
+    if push[strongest] < BOOST_FORCE:
+        return None
+    direction = (total[:, after[strongest]] - total[:, strongest]) / lasts[strongest] / push[strongest]
+    return float(time[strongest]), direction
 
 
 def _is_full(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Bool[Array, "axis row"]:
