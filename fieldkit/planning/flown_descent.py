@@ -106,8 +106,8 @@ def _two_devices(
 
 
 def _lag(device: float, before: float) -> float:
-    """`lag` of a device that changes from another speed to its own. [s]"""
-    return float(lag(np.array(device), np.array(before), np.array(device)))
+    """`lag` of a device that changes from another speed to its own; none without speeds, its limit. [s]"""
+    return float(lag(np.array(device), np.array(before), np.array(device))) if device + before > 0 else 0.0
 
 
 def _devices(flight: Flight, found: Found, recovery: Recovery) -> Devices:
