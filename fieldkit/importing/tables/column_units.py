@@ -185,7 +185,7 @@ def _settle_zero(
         and "gps_altitude_msl" not in units
         and not ({"pressure", "temperature"} & values.keys() or others & units.keys())
     )
-    alone = alone and not ("altitude" in units and "speed" in values)  # altimeters log speeds, and trackers seldom do
+    alone = alone and not ("altitude" in units and "speed" in values)  # an altimeter that also states a speed
     own = next((name for name in ("altitude_msl", "altitude") if name in units), None)
     pick = picks.get("altitude", picks.get("altitude_msl"))
     if alone and own and pick and not pick.chosen and not barometric(heading(pick.name)):
