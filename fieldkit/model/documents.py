@@ -28,12 +28,13 @@ SEARCH_GRID = (0.15, 1.0)
 @cache
 def power(quantity: str, level: str) -> float:
     """The power of the scale that multiplies the standard deviation of one random effect; 0 if documents do not
-    state it, as the drag of a rocket. [1]
+    state it, as the drag of a rocket, or by how much a device smooths a motor's spike of thrust. [1]
 
     Derivation: the scale to this power takes `START` to `CERTIFIED_PRIOR`.
     """
     start, exact = START.sd(quantity, level), CERTIFIED_PRIOR.sd(quantity, level)
-    if not start or level not in LEVELS_OF_DOCUMENTS or (quantity == "drag" and level != "config"):
+    beyond = (quantity == "drag" and level != "config") or (quantity, level) == ("peak_accel", "motor")
+    if not start or level not in LEVELS_OF_DOCUMENTS or beyond:
         return 0.0
     return max(float(np.log(exact / start) / np.log(CERTIFIED_SCALE)), 0.0) if exact else 1.0
 
