@@ -10,10 +10,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-import torch
-
 from studies.quick_network.__main__ import KINDS, MEMBERS
-from studies.quick_network.network import FlightsNetwork
+from studies.quick_network.network import FlightsNetwork, restore
 from studies.quick_network.page import page
 from tools.markdown import MEASURED as FOLDER
 from tools.quick_measurements import beside_fit, forward_in_time, on_bench
@@ -45,8 +43,7 @@ def measure(folder: Path, bench: Path, beside: Path, flyers: list[Path]) -> dict
     for name, use_closed in KINDS.items():
         networks[name] = [FlightsNetwork(raw, closed, effects, use_closed) for _ in range(MEMBERS)]
         for member, network in enumerate(networks[name]):
-            network.load_state_dict(torch.load(folder / f"{name}_{member}.pt", weights_only=True))
-            network.eval()
+            restore(network, folder / f"{name}_{member}.pt")
     lines = [json.loads(line) for path in sorted(beside.glob("*.jsonl")) for line in path.read_text().splitlines()]
     loops = {line["set"]: line["loop"] for line in lines if line["kind"] == "bench"}
     names = ("journal", "contest", "reference")

@@ -190,7 +190,7 @@ def descent_speed(
         return Figure(value, float(sd), track.source) if value > 0 else None
     last = float(np.median(track.height[track.time > track.time[-1] - _LAST_SECOND]))
     gone, rest, way = float(track.time[-1]) - _LAST_SECOND / 2 - start, last - seen.pad, upper - seen.pad
-    if gone < 2 or upper - last < 0.2 * way:
+    if gone < 2 or upper <= last or upper - last < 0.2 * way:
         return None
     # it may have landed before, if it is as low for longer than it falls through heights that the sensor cannot
     # distinguish

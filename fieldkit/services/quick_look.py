@@ -60,9 +60,9 @@ def predict_quickly(
     """Forecasts of planned flights by a linear pass, each as if it flew next, or the fit's if the check by importance
     sampling fails or the flights show drag and impulse from logs; nothing is saved.
 
-    Effects accepted in the loop and the Cds of designs are not used: the network determines effects itself. Raises
-    NoFlights for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass, BadValue for a
-    recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior or the network cannot be read.
+    Effects accepted in the loop and the Cds of designs are not used. Raises NoFlights for a rocket that never flew,
+    UnknownMotor, ImpossibleFlight for a plan without a mass, BadValue for a recovery figure or rail direction that
+    cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     made: list[QuickForecast] = []
     for plan, whole in zip(plans, completed(ledger, motors, plans), strict=True):

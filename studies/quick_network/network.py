@@ -70,6 +70,12 @@ class FlightsNetwork(nn.Module):  # type: ignore[misc]
         return causes, effects, self.of_plan(both)
 
 
+def restore(network: FlightsNetwork, path: Path) -> None:
+    """Load the weights that a training saved, for answers."""
+    network.load_state_dict(torch.load(path, weights_only=True))
+    network.eval()
+
+
 @dataclass(frozen=True, slots=True)
 class TensorBatch:
     """A table as tensors of inputs and targets."""

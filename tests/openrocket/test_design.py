@@ -299,7 +299,7 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
         assert (begins.dry_mass, begins.diameter) == (0.4, 0.066)
         planned = [(begins, motors.resolve("F24-4W"))]
         (printed,) = forecasts(rocket, planned, draws=400)
-        (choice,) = guide(rocket, begins, [planned[0][1].motor], limits(), Site(), draws=100)
+        (choice,) = guide(rocket, begins, [planned[0][1].motor], limits(), Site(), draws=400)
         for one in (printed, choice.prediction):
             assert np.median(one.apogee) == pytest.approx(np.median(predicted.apogee), rel=0.03)
         (open_one,) = list_forecasts(ledger, motors)

@@ -65,13 +65,15 @@ class Check:
 
 def check(answer: QuickAnswer, draws: int = DRAWS, seed: int = 0) -> Check:
     """Weight the draws for the plan of a history by the forecast model, with more draws if the check of the first
-    fails.
+    fails. An answer without an apogee, of a rocket that may not lift, does not agree.
 
     Raises ValueError for a history of several plans, ImpossibleFlight for a flight without a dry mass.
     """
     linear = answer.linear
     if len(linear.model.flights) != linear.flown + 1:
         raise ValueError(f"found {len(linear.model.flights) - linear.flown} plans, expected one")
+    if not (np.isfinite(answer.apogees) & (answer.apogees > 0)).all():
+        return Check(np.inf, 0.0, 0.0, draws)
     rng = np.random.default_rng(seed)
     first = _check(answer, rng, draws)
     return first if first.agrees else _check(answer, rng, MORE_DRAWS * draws)

@@ -217,13 +217,14 @@ class Draft:
         """The usual readouts of the same rocket on the same motor. [SI]"""
         return usual(self._resources.ledger, self._resources.motors, flight)
 
-    def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
-        """Save the draft of the `flight`-th flight."""
+    def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str], whole: bool) -> None:
+        """Save the draft of the `flight`-th flight: added to that in the ledger, unless the answers are the `whole` of
+        it."""
         with self._lock:
             if flight != self.flight:
                 return
             ledger, own, self._kept = self._resources.ledger, self._resources.own_draft, False
-            before = {} if self.shown else ledger.draft(own.name) or {}
+            before = {} if whole else ledger.draft(own.name) or {}
             ledger.keep_draft(own.name, {**before, **answers})
             self._kept = True
             if not self._dated:

@@ -152,7 +152,7 @@ class DraftPen:
 
     def keep(self, draft: Draft, answers: Mapping[str, str], units: Mapping[str, str]) -> Future[None]:
         """Save a draft; it replaces one that is still waiting to be written."""
-        kept = self._writer.submit(draft.keep, draft.flight, answers, units)
+        kept = self._writer.submit(draft.keep, draft.flight, answers, units, draft.shown)
         self._page.run_worker(partial(self._report_unsaved, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
         return kept
 
