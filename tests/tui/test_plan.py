@@ -78,7 +78,7 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
 @pytest.mark.thorough
 async def test_the_accuracy_of_the_rockets_forecasts_is_shown_with_decisions(file: Path) -> None:
     async with opened(file, page="next_flight") as pilot:
-        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "left")
+        await press(pilot, "slash", *typed("aerotech f39"), "enter", "_", "d", *["left"] * 3)
         assert "flights of Astra, each forecast from the earlier ones" in screen_text(pilot)
         assert "last on motor, else scalar" in screen_text(pilot)
         assert "in the 90% interval" in screen_text(pilot)
@@ -237,7 +237,7 @@ async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> 
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
         assert "not given: press p on the Next page to enter it" in text_of(pilot, "#answer")
         assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
-        await press(pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", *["left"] * 4)
+        await press(pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", *["left"] * 5)
         answer = text_of(pilot, "#answer")
         assert "ellipse 90% of landings" in answer
         assert "400 m" in answer
