@@ -59,6 +59,11 @@ def system_typed(column: Column, unit: str, system: str) -> str:
     return next(shown, system)
 
 
+def shown_unit(column: Column, system: str) -> float:
+    """The unit in which a length, speed or other ratio is shown, in SI: 0.3048 for feet."""
+    return units.unit(column.quantity, unit_of(column, system)).factor
+
+
 def number(column: Column, value: float, system: str) -> str:
     """A value [SI] without its unit: `923`."""
     unit = unit_of(column, system)

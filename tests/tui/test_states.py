@@ -83,3 +83,12 @@ def test_a_density_is_filled_within_its_90_percent_and_marked_on_the_curve() -> 
     assert len(outlines) == 2, "tails, and the former forecast"
     (ticks,) = [args[0] for name, args, _ in sheet.drawn if name == "xticks"]
     assert all(float(tick) % 5 == 0 for tick in ticks)  # type: ignore[attr-defined]
+
+
+def test_values_below_a_density_are_round_in_the_unit_that_is_shown() -> None:
+    draws = np.random.default_rng(1).normal(250.0, 20.0, 4000)
+    sheet, ink = Sheet(), Ink(80, 12, *"ptlmd")
+    draw_density(draws, lambda x: f"{x / 0.3048:.0f}", unit=0.3048)(sheet, ink)
+    (labels,) = [args[1] for name, args, _ in sheet.drawn if name == "xticks"]
+    assert labels
+    assert all(float(label) % 50 == 0 for label in labels)  # type: ignore[attr-defined]

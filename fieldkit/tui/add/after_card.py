@@ -14,7 +14,7 @@ from textual.widgets import Static
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.presentation.after_flight_text import outcome_facts, suggestion_line
-from fieldkit.quantities import measure, number
+from fieldkit.quantities import measure, number, shown_unit
 from fieldkit.safe_text import printable
 from fieldkit.services.after_flight import Outcome, outcome
 from fieldkit.services.next_suggestion import Suggestion, suggestion
@@ -138,7 +138,8 @@ class AfterCard(VerticalScroll, can_focus=True):
         self._put(".next", hanging([f"Suggested  {advice}"]))
         flown = outcome.flight.apogee
         marks = [Marked("◆", flown)] if flown is not None else []
-        self._hill(draw_density(outcome.after.apogee, partial(_height, system), *marks, former=outcome.before.apogee))
+        after, before, unit = outcome.after.apogee, outcome.before.apogee, shown_unit(cards.APOGEE, system)
+        self._hill(draw_density(after, partial(_height, system), *marks, former=before, unit=unit))
         if found.earlier:
             self._put(".earlier", _drawn(_rows(found.earlier), system, "Earlier forecasts of this rocket"))
         self.text = "\n".join([self.text, cards.as_text("", facts), advice])

@@ -19,7 +19,7 @@ from textual.widgets import Static
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import KNOWN_TAGS, TAGS, Flight
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.quantities import counted, measure, with_sd
+from fieldkit.quantities import counted, measure, shown_unit, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.tui.asking import or_why
@@ -106,7 +106,10 @@ class TagCard(VerticalScroll):
             self.mount(plot)
         plot.border_title = Content("next apogee with these tags" + ("" if same else "; outline before"))
         former = None if same else before.forecast.apogee
-        plot.show(draw_density(now.forecast.apogee, lambda at: measure(cards.APOGEE, at, system), former=former))
+        unit = shown_unit(cards.APOGEE, system)
+        plot.show(
+            draw_density(now.forecast.apogee, lambda at: measure(cards.APOGEE, at, system), former=former, unit=unit)
+        )
 
 
 def meaning(tag: str) -> str:

@@ -24,6 +24,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Motor
 from fieldkit.planning.motor_guide import MotorChoice, guide, label
 from fieldkit.planning.quick_guide import QuickChoice, quick_guide
+from fieldkit.quantities import shown_unit
 from fieldkit.safe_text import printable
 from fieldkit.services.flyer_card import motors_in_box
 from fieldkit.services.forecasts import predict_plans
@@ -178,7 +179,8 @@ class ForecastCard(VerticalScroll):
         """Show the distribution of the apogee, with its interval and the target."""
         marks = [Marked("◎", settings.target)] if settings.target else []
         spell = partial(motor_rows.whole, system=settings.units)
-        self.query_one(Plot).show(draw_density(prediction.apogee, spell, *marks))
+        unit = shown_unit(cards.APOGEE, settings.units)
+        self.query_one(Plot).show(draw_density(prediction.apogee, spell, *marks, unit=unit))
 
 
 WIDE_SCREEN = 150

@@ -151,10 +151,11 @@ def draw_density(
     *marks: Marked,
     former: Float[Array, "draw"] | None = None,
     ticks: Sequence[float] | None = None,
+    unit: float = 1.0,
 ) -> Callable[[Any, Ink], None]:
     """Draws a density: filled within its 90% interval, the tails as a dim line, the median as an unbroken line, the
     `marks` on the curve, and the density of `former` draws as an outline. `number` formats the values below it: round
-    ones, or those at the `ticks`, where vertical lines are drawn."""
+    multiples of the `unit`, or those at the `ticks`, where vertical lines are drawn."""
     at, heights = density(values)
     before = density(former) if former is not None else ([], [])
     low, middle, high = np.nanquantile(values[np.isfinite(values)], [0.05, 0.5, 0.95]).tolist()
@@ -178,8 +179,9 @@ def draw_density(
         shown = [*at, *before[0], *(mark.value for mark in marks), *(ticks or ())]
         first, last = min(shown), max(shown)
         plt.xlim(first, last)
-        round_ones = round_ticks(first, last, max(3, ink.width // TICK_WIDTH)) if ticks is None else ticks
-        labels = spaced([(place, number(place)) for place in round_ones], first, last, ink.width)
+        most = max(3, ink.width // TICK_WIDTH)
+        below = [unit * one for one in round_ticks(first / unit, last / unit, most)] if ticks is None else ticks
+        labels = spaced([(place, number(place)) for place in below], first, last, ink.width)
         plt.xticks(list(labels), list(labels.values()))
 
     return draw
