@@ -79,7 +79,7 @@ def print_records(motors: "list[Motor]", json: bool) -> None:
     print_table(headers, rows, numbers=headers[1:6])
     for motor, one in found:
         if one.why:
-            complain(f"{motor.maker} {motor.designation}: no curve of its burn has the recorded peak: {one.why}")
+            complain(f"{motor.maker} {motor.designation}: the curve does not have the certified peak: {one.why}")
     changed = sum(bool(motor.curve) for motor, _ in found)
     beyond = sum(abs(one.deviation) > AGREEMENT for _, one in found)
     peaks = sum(bool(one.why) for _, one in found)

@@ -79,8 +79,17 @@ class CurveAgreement:
         """Why the peak is not that of the record; empty if it is."""
         if self.record.peak is None or abs(self.peak_deviation or 0.0) <= AGREEMENT:
             return ""
-        times = self.record.peak * self.record.burn / self.record.impulse
-        return f"the certified peak is only {times:.2f} times the certified impulse over the burn time"
+        average = self.record.impulse / self.record.burn
+        if self.record.peak < average:
+            return (
+                f"the record cannot be true: its peak, {self.record.peak:.4g} N, is below its impulse over its burn "
+                f"time, {average:.4g} N"
+            )
+        shape = self.peak * self.burn / self.impulse
+        return (
+            f"its peak is {self.record.peak / average:.2f} times its impulse over its burn time, and that of its curve "
+            f"{shape:.2f} times"
+        )
 
 
 def agreement(time: Float[Array, "knot"], thrust: Float[Array, "knot"], record: CertifiedRecord) -> CurveAgreement:

@@ -34,13 +34,20 @@ def test_every_curve_of_the_catalog_is_within_five_percent_of_its_record() -> No
     assert {used_curve(motor) for motor, _ in found} == {"recorded", "reshaped", "another", "estimated"}
 
 
+CONTRADICTORY = {"I747-HP": 0.64, "I195J": 1.07, "I223GT": 1.03}
+"""Motors whose certified peak no curve of theirs has: the peak over the certified impulse over the burn time."""
+
+
 def test_every_peak_of_the_catalog_is_within_five_percent_of_its_record_unless_the_record_contradicts_itself() -> None:
-    """A thrust that rises and falls has a peak above its average: not 1.07 times it or less, as in eight records."""
-    for motor, found in checked(catalogue().motors):
-        record = found.record
-        possible = record.peak is None or record.peak > 1.07 * record.impulse / record.burn
-        assert bool(found.why) is not (found.largest <= AGREEMENT), motor.designation
-        assert not (found.why and possible), motor.designation
+    """A thrust that rises and falls has a peak above its average. The other documents of the three are in the open
+    corrections."""
+    found = {motor.designation: (motor, one) for motor, one in checked(catalogue().motors) if one.largest > AGREEMENT}
+    assert found.keys() == CONTRADICTORY.keys()
+    for name, (motor, one) in found.items():
+        assert one.record.peak
+        assert one.record.peak * one.record.burn / one.record.impulse == pytest.approx(CONTRADICTORY[name], abs=0.005)
+        assert ("cannot be true" in one.why) is (CONTRADICTORY[name] < 1), name
+        assert any(not each.applied for each in motor.corrections), name
 
 
 @pytest.mark.parametrize(
@@ -58,6 +65,8 @@ def test_every_peak_of_the_catalog_is_within_five_percent_of_its_record_unless_t
         ("H128W", 172.9, 1.27, 136.1),
         ("Estes A8", 2.32, 0.73, 3.18),
         ("Cesaroni 396I140-14A", 395.6, 2.886, 137.1),
+        ("M2000R", 9218.0, 4.585, 2010.5),
+        ("KBA I280F", 382.0, 1.45, 263.4),
     ],
 )
 def test_a_motor_has_the_figures_of_its_record_together(name: str, total: float, burn: float, average: float) -> None:
@@ -133,12 +142,12 @@ def test_the_check_prints_every_curve_beside_its_record(run: Run) -> None:
     assert found["certified"] == {"impulse_ns": 607.3, "burn_s": 1.94, "average_n": None, "peak_n": 570.6}
     assert (found["used"], found["burn_s"]) == ("reshaped", pytest.approx(1.94, rel=0.01))
     assert abs(found["peak_deviation"]) < 0.05
-    assert "1.07 times" in by_name["AeroTech I195J"]["why"]
+    assert "1.07 times its impulse over its burn time" in by_name["AeroTech I195J"]["why"]
     assert by_name["AeroTech F24W"]["used"] == "recorded"
     printed = run("motors", "--check", "I284W")
     assert "1.94/1.94" in printed.out
     assert "off by more than 5% in impulse, burn time or average thrust: 0; in peak thrust: 0" in printed.err
-    assert "no curve of its burn has the recorded peak" in run("motors", "--check", "I195J").err
+    assert "does not have the certified peak" in run("motors", "--check", "I195J").err
 
 
 def test_a_reshaped_curve_is_marked_where_its_motor_is_named(run: Run) -> None:
