@@ -28,6 +28,10 @@ deviation over the motors of the catalog, with each impulse class weighted equal
 have peaks far above their means, so the logarithms would have too small a spread. [1]"""
 BEYOND_MEAN = (1.71, 0.73)
 """The same for the mean of the burn. [1]"""
+BEYOND_SAMPLES = ((0.1, 0.05, 0.17), (0.15, 0.1, 0.33), (0.2, 0.15, 0.51), (0.3, 0.23, 0.7), (0.4, 0.31, 0.87))
+"""How far the peak is above the highest of samples taken at an interval [s], as a fraction of the largest difference
+between neighboring samples: mean and standard deviation over the motors of the catalog and the phase of the samples,
+with each impulse class weighted equally (a test recomputes it). [1]"""
 _MAX_LATE_START = 0.05
 """How long after lift-off a log may start and still have recorded the peak, which ignition may cause. [s]"""
 _WINDOW = 0.05
@@ -46,7 +50,8 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
     """
     inside = (ascent.time >= begin) & (ascent.time <= burnout)
     if push is not None:
-        there = (push.time >= begin - 0.05) & (push.time <= burnout + 0.05)
+        beside = max(_WINDOW, median_step(push.time))
+        there = (push.time >= begin - beside) & (push.time <= burnout + beside)
         level = levelled(push, begin)
         if there.sum() >= 8 and level is not None:
             if push.full is None or not push.full[there].any():
@@ -84,19 +89,24 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
     Its scale error is about as large as the difference between its climb and that of the heights, which have errors of
     their own. A filter lowers the peak by about as large a fraction as its delay is of the boost.
     """
-    width = max(3, round(_WINDOW / median_step(time)))
-    smooth = running_median(net, width | 1)
-    value = float(smooth.max())
-    coarse = 0.0
-    if 3 * median_step(time) > _WINDOW:  # between the mean of three samples, which is too long, and one of them
-        coarse = (float(net.max()) - value) / 2
-        value += coarse
-    if median_step(time) > 1.5 * _WINDOW:  # between samples that differ there may be more than at either
-        coarse = max(coarse, float(np.abs(np.diff(net)).max()) / 4)
+    value, coarse = _highest(net, median_step(time))
     scale = np.hypot(_SCALE, (push.scale - 1) / 2)
     blurred = push.blur / max(float(np.ptp(time)), _WINDOW)
     sd = np.sqrt((scale * value) ** 2 + (blurred * value) ** 2 + 0.5**2 + coarse**2)
     return Figure(value, float(sd), push.source) if value > 2 * sd else None
+
+
+def _highest(net: Float[Array, "time"], step: float) -> tuple[float, float]:
+    """The highest mean over the window of samples at an interval [s], and its error from the interval. [m/s^2]"""
+    highest = float(net.max())
+    if step > 1.5 * _WINDOW:
+        steps, means, sds = np.array(BEYOND_SAMPLES).T
+        mean, sd = (float(np.interp(step, steps, one)) * float(np.abs(np.diff(net)).max()) for one in (means, sds))
+        return highest + mean, sd
+    middle = float(running_median(net, max(3, round(_WINDOW / step)) | 1).max())
+    if 3 * step <= _WINDOW:
+        return middle, 0.0
+    return (middle + highest) / 2, (highest - middle) / 2  # three samples are too long, and one may be noise
 
 
 def _smoothed_peak(

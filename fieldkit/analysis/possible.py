@@ -65,34 +65,50 @@ def by_energy(
     """The figures with a top speed that suffices for the climb after burnout [m], whatever sensors measured it, and
     notes.
 
-    A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of burnout moves by its
-    height: the normal distribution of the measured speed, truncated there. With drag in proportion to v²,
-    the rise h and the duration t of a coast give the speed too: a top speed far from that, or far below the bound,
-    contradicts the rest of the flight, and the boost is not reported.
+    With drag in proportion to v², the rise h and the duration t of a coast give the speed too, and both are averaged by
+    their variances. A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of
+    burnout moves by its height: the normal distribution of the average, truncated there. If the measured speed is short
+    of the bound or far from the coast's, its error is larger than stated, by Birge's ratio: the difference in standard
+    deviations. A top speed still farther from either contradicts the rest of the flight, and the boost is not reported.
+
+    Source: Birge, The calculation of errors by the method of least squares, Physical Review 40 (1932).
     """
     speed, apogee, coast = (figures.get(name) for name in ("top_speed", "apogee", "coast_to_apogee"))
     if speed is None or apogee is None or height_at_burnout is None or speed.sd <= 0:
         return dict(figures), ()
     rise = apogee.value - height_at_burnout
     least = sqrt(2 * GRAVITY * max(rise, 0.0))
-    if coast is not None and (other := speed_of_coast(rise, coast)) is not None:
-        sds = (speed.value - other.value) / hypot(speed.sd, other.sd)
-        if not -_MOST_SDS_BELOW < sds < _CONTRADICTION_SDS:
-            return _without_boost(figures, speed, f"about {other.value:.0f} m/s")
+    other = speed_of_coast(rise, coast) if coast is not None else None
+    beyond = (speed.value - other.value) / hypot(speed.sd, other.sd) if other else 0.0
+    if other and not -_MOST_SDS_BELOW < beyond < _CONTRADICTION_SDS:
+        return _without_boost(figures, speed, f"about {other.value:.0f} m/s")
     burn = figures.get("burn_time")
     least_sd = GRAVITY * speed.value * burn.sd / least if burn is not None and least > 0 else 0.0
-    spread = hypot(speed.sd, least_sd)
-    short = (least - speed.value) / spread
+    short = (least - speed.value) / hypot(speed.sd, least_sd)
     if short > _CONTRADICTION_SDS:
         return _without_boost(figures, speed, f"at least {least:.0f} m/s")
-    if short < -_CONTRADICTION_SDS:
-        return dict(figures), ()
-    bounded = _beyond_bound(speed, short, spread)
-    kept = {**figures, "top_speed": bounded}
-    if mean := figures.get("avg_accel"):
-        factor = bounded.value / speed.value
-        kept["avg_accel"] = Figure(mean.value * factor, mean.sd * factor, mean.source)
-    return kept, ((ENERGY_NOTE.format(least),) if short > 0 else ())
+    wider = replace(speed, sd=speed.sd * max(1.0, short, abs(beyond)))
+    mean = _average(wider, other) if other else wider
+    spread = hypot(mean.sd, least_sd)
+    bounded = _beyond_bound(mean, (least - mean.value) / spread, spread)
+    return _with_speed(figures, bounded), ((ENERGY_NOTE.format(least),) if short > 0 else ())
+
+
+def _average(measured: Figure, other: Figure) -> Figure:
+    """Two measurements of one quantity, weighted by the inverse of their variances."""
+    part = measured.sd**2 / (measured.sd**2 + other.sd**2)
+    value = measured.value + part * (other.value - measured.value)
+    return replace(measured, value=value, sd=measured.sd * sqrt(1 - part))
+
+
+def _with_speed(figures: Mapping[str, Figure], speed: Figure) -> dict[str, Figure]:
+    """The figures with another top speed, and the average acceleration that belongs to it."""
+    before, mean = figures["top_speed"], figures.get("avg_accel")
+    if mean is None:
+        return {**figures, "top_speed": speed}
+    value = mean.value * speed.value / before.value
+    variance = (mean.sd / mean.value) ** 2 - (before.sd / before.value) ** 2 + (speed.sd / speed.value) ** 2
+    return {**figures, "top_speed": speed, "avg_accel": replace(mean, value=value, sd=value * sqrt(max(variance, 0.0)))}
 
 
 def _beyond_bound(figure: Figure, short: float, spread: float, up: float = 1.0) -> Figure:
