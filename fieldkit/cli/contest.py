@@ -24,11 +24,12 @@ from fieldkit.cli.screen import AsJson, complain, print_json, print_table, say, 
 from fieldkit.cli.targets import ForceOption, settled
 from fieldkit.flight.short_name import short_name
 from fieldkit.paths import data_file
-from fieldkit.planning.check import strictest
 from fieldkit.units import FOOT, parse
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.outlook import Outlook
 
@@ -55,21 +56,21 @@ def finals(
     announce."""
     from fieldkit.planning.contest_day import read_window
     from fieldkit.planning.contest_limits import allowed, approved_motors
-    from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
+    from fieldkit.planning.finals import finals_plan
     from fieldkit.presentation.finals_text import (
         ENDS_NOTE,
         FINALS_NOTES,
-        finals_basis,
         finals_document,
-        finals_failures,
         finals_headers,
         finals_heading,
+        finals_notes,
         finals_rows,
     )
 
     announced, between = read_window(window) if window else None, read_window(targets) if targets else None
     if card is not None:
-        from fieldkit.presentation.report.finals_card import check_card, finals_card
+        from fieldkit.presentation.report.finals_card import check_card
+        from fieldkit.presentation.report.plan_pages import finals_card_of
 
         check_card(card)
         force = settled(card, force)
@@ -80,41 +81,34 @@ def finals(
         rule = season_rule(season_year(season)).announced(None, announced)
         if between is not None:
             rule = replace(rule, finals_range=(between[0] * FOOT, between[1] * FOOT), finals_never=None)
-        flown = trials(plan.rocket, plan.flight, found, rule, (least, None))
-        table = finals_table(flown, rule, finals_targets(rule))
         approved = approved_motors(rule.year, data_file("seasons"))
-        ends = end_flights(plan.rocket, plan.flight, found, table)
-        lines = strictest(
-            *([*plan.safety(one, area), *allowed(rule, one.plan, found, long, approved)] for one, area in ends)
-        )
-        prediction = ends[-1][0]
-    chosen = system()
-    heading, rows = (
-        list(finals_heading(plan.flight, found, rule, flown.fall, chosen)),
-        finals_rows(table, plan.flight, found, flown.fall, chosen),
-    )
-    headers = finals_headers(flown.fall, chosen)
-    by_eye = [*([("finals", rule.finals)] if rule.finals else []), *rule.by_hand]
-    notes = [*finals_basis(flown, table), *(f"{name}: {text}" for name, text in by_eye), rule.caveat]
+
+        def checks(one: "Prediction", area: float) -> "list[SafetyCheck]":
+            return [*plan.safety(one, area), *allowed(rule, one.plan, found, long, approved)]
+
+        one = finals_plan(plan.rocket, plan.flight, found, rule, checks, least)
+    chosen, fall, prediction = system(), one.flown.fall, one.heaviest
     if card is not None:
-        below = [*filter(None, [finals_failures(lines)]), *notes]
-        files.write(card, finals_card(heading, headers, rows, card.suffix.lower(), below), force=force)
+        page = finals_card_of(one, plan.flight, found, rule, card.suffix.lower(), chosen)
+        files.write(card, page, force=force)
         complain(f"Wrote the card to {card}")
     if json:
         document = {
             "season": rule.year,
             "motor": found.motor.designation,
-            "finals": finals_document(table, plan.flight, found, flown.fall),
+            "finals": finals_document(one.table, plan.flight, found, fall),
         }
-        document |= {"flights": prediction.rests_on, "timed_flights": flown.fall.flights}
-        print_json(document | about_plan(prediction, lines))
+        document |= {"flights": prediction.rests_on, "timed_flights": fall.flights}
+        print_json(document | about_plan(prediction, one.lines))
         return
     say_wrapped(ENDS_NOTE)
-    print_safety(prediction.plan, lines, plan.rocket.known)
+    print_safety(prediction.plan, one.lines, plan.rocket.known)
     say()
-    for line in (*FINALS_NOTES, *notes, *heading):
+    heading = finals_heading(plan.flight, found, rule, fall, chosen)
+    for line in (*FINALS_NOTES, *finals_notes(one, rule), *heading):
         say_wrapped(line)
-    print_table(headers, rows, numbers=headers)
+    headers = finals_headers(fall, chosen)
+    print_table(headers, finals_rows(one.table, plan.flight, found, fall, chosen), numbers=headers)
 
 
 takes_plan(finals)

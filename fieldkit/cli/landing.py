@@ -1,6 +1,5 @@
 """`fieldkit landing`, `track`: where a plan lands and which rail angle is best; a GPS track as KML."""
 
-import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,13 +16,10 @@ from fieldkit.errors import BadValue
 from fieldkit.flight.short_name import flight_label
 
 if TYPE_CHECKING:
-    from fieldkit.flight import Flight
     from fieldkit.planning.landing import Landing
 
 app = typer.Typer()
 
-CARD_LINES = 30
-"""Maximum number of lines of a range card above its safety checks. [1]"""
 USUAL_WIND_FROM = 270.0
 """Direction of the wind on a map if none is given, clockwise from north. [deg]"""
 
@@ -77,25 +73,15 @@ def landing(
         files.write(kml, content, force=replaces[kml])
         complain(f"Wrote the landing ellipse to {kml}")
     if card is not None:
-        from fieldkit.presentation.forecast_text import in_words
-        from fieldkit.presentation.planning_text import conditions_in_words
-        from fieldkit.presentation.report.range_card import range_card
+        from fieldkit.presentation.report.plan_pages import range_card_of
 
-        more = [line for line in words[1:] if not line.startswith("  based on")]
-        around = [
-            *conditions_in_words(prediction.plan, plan.rocket.known, system()),
-            *(f"  note      {one}" for one in found.notes),
-        ]
-        name, *forecast = in_words(prediction, system())
-        text = [name, _day(prediction.plan), *forecast, *more, *around][:CARD_LINES]
-        files.write(card, range_card(text, lines, down, plan.site, card.suffix.lower(), system()), force=replaces[card])
+        content = range_card_of(one, plan.rocket.known, plan.site, card.suffix.lower(), system())
+        files.write(card, content, force=replaces[card])
         complain(f"Wrote the range card to {card}")
     if safety_sheet is not None:
-        from fieldkit.presentation.planning_text import conditions_in_words
-        from fieldkit.presentation.report.safety_sheet import safety_sheet as sheet
+        from fieldkit.presentation.report.plan_pages import safety_sheet_of
 
-        about = [words[0], _day(prediction.plan), *conditions_in_words(prediction.plan, plan.rocket.known, system())]
-        content = sheet(about, lines, safety_sheet.suffix.lower(), system())
+        content = safety_sheet_of(one, plan.rocket.known, plan.site, safety_sheet.suffix.lower(), system())
         files.write(safety_sheet, content, force=replaces[safety_sheet])
         complain(f"Wrote the range safety sheet to {safety_sheet}")
     if json:
@@ -103,12 +89,6 @@ def landing(
         print_json(document | {"on_field": _on_field(down, plan.site.size)} | about_plan(prediction, lines))
         return
     print_plan(words, prediction.plan, lines, plan.rocket.known)
-
-
-def _day(plan: "Flight") -> str:
-    """The date of a plan, by default today, and its site."""
-    day = (plan.date_time or datetime.datetime.now()).date().isoformat()
-    return f"  day       {day}, {plan.site or 'site not named'}"
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:
@@ -128,18 +108,12 @@ def track(
     force: ForceOption = False,
 ) -> None:
     """Write the GPS track of a flight's log as KML or GPX."""
-    from fieldkit.presentation.kml import track_gpx, track_kml
-    from fieldkit.services.replay import recording_of
+    from fieldkit.presentation.kml import check_track, track_file
+    from fieldkit.services.replay import track_of
 
+    check_track(out)
     force = settled(out, force)
     with open_ledger(context) as ledger:
-        found = recording_of(ledger, flight)
-    clocks: Any = found.reading.clocks if found is not None and found.reading is not None else ()
-    for clock in clocks:
-        if clock.latitude is not None and clock.longitude is not None:
-            write = track_gpx if out.suffix.lower() == ".gpx" else track_kml
-            content = write(flight_label(flight), clock.latitude, clock.longitude, clock.gps_altitude_msl)
-            files.write(out, content, force=force)
-            say(f"Wrote the track of {flight_label(flight)} to {out}")
-            return
-    raise BadValue(f"{flight}: found no GPS positions, expected a flight with the log of a tracker")
+        positions = track_of(ledger, flight)
+    files.write(out, track_file(flight_label(flight), positions, out.suffix.lower()), force=force)
+    say(f"Wrote the track of {flight_label(flight)} to {out}")

@@ -36,7 +36,7 @@ def season(
     Each step states what is done, what is missing and which command does it.
     """
     from fieldkit.planning.contest_day import read_declared
-    from fieldkit.presentation.season_text import season_steps
+    from fieldkit.presentation.season_text import season_commands, season_steps
     from fieldkit.services.season_guide import season_guide
 
     names = read_declared(declared or "")
@@ -44,7 +44,8 @@ def season(
     with planning(context, given) as plan:
         found, rule = plan.motor(), season_rule(season_year(year))
         one = season_guide(plan.ledger, plan.rocket, plan.flight, found, rule, names, long, plan.safety)
-    steps, now = season_steps(plan.flight, found, one, names, cut, system()), one.now
+    ways = season_commands(plan.flight, rule.year)
+    steps, now = season_steps(plan.flight, found, one, names, cut, ways, system()), one.now
     if json:
         document: dict[str, Any] = {
             "season": rule.year,

@@ -1,6 +1,6 @@
 """Optimize mass and parachute together for altitude and time, with a table for the targets of finals."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.messages import amount, message
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
+from fieldkit.planning.check import SafetyCheck, strictest
 from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations
 from fieldkit.planning.descent_rate import Fall, fall_of
@@ -90,6 +91,33 @@ class TrialFlights:
             float(points[area, row]),
             bool(area in (0, len(AREAS) - 1) or row == 0),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class FinalsPlan:
+    """A plan for finals: its trial flights, the best mass and area for each target, and the safety checks of the
+    lightest or the heaviest of these flights, whichever is worse; `heaviest` is the forecast of the latter."""
+
+    flown: TrialFlights
+    table: Sequence[FinalsRow]
+    lines: Sequence[SafetyCheck]
+    heaviest: Prediction
+
+
+def finals_plan(
+    rocket: RocketData,
+    plan: Flight,
+    found: Found,
+    rule: Season,
+    checks: Callable[[Prediction, float], Sequence[SafetyCheck]],
+    lightest: float | None = None,
+) -> FinalsPlan:
+    """A plan for every target that the finals of a season may have, with masses from the `lightest` [kg]; `checks` are
+    those of a forecast with a fraction of the parachute's area. Raises ImpossibleFlight and BadValue as `trials`."""
+    flown = trials(rocket, plan, found, rule, (lightest, None))
+    table = finals_table(flown, rule, finals_targets(rule))
+    ends = end_flights(rocket, plan, found, table)
+    return FinalsPlan(flown, table, strictest(*(list(checks(one, area)) for one, area in ends)), ends[-1][0])
 
 
 def trials(

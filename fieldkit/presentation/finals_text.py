@@ -10,7 +10,7 @@ from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import Season
 from fieldkit.planning.descent_rate import Fall
-from fieldkit.planning.finals import FinalsRow, TrialFlights
+from fieldkit.planning.finals import FinalsPlan, FinalsRow, TrialFlights
 from fieldkit.planning.quantiles import named
 from fieldkit.presentation.forecast_text import motor_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words
@@ -118,6 +118,15 @@ def finals_basis(flown: TrialFlights, table: Sequence[FinalsRow]) -> Iterator[st
     descent = f"the descent speed by {1 - fall.relative_sd(1) / fall.relative_sd():.0%}" if fall.flights else ""
     if narrower := " and ".join(part for part in (apogee, descent) if part):
         yield f"one more flight with a duration would narrow {narrower}"
+
+
+def finals_notes(one: FinalsPlan, rule: Season) -> Iterator[str]:
+    """What the table is based on, what the season's rules say of finals, and what is checked by hand."""
+    yield from finals_basis(one.flown, one.table)
+    if rule.finals:
+        yield f"finals: {rule.finals}"
+    yield from (f"{name}: {text}" for name, text in rule.by_hand)
+    yield rule.caveat
 
 
 def finals_failures(lines: Sequence[SafetyCheck]) -> str:

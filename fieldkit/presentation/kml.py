@@ -4,12 +4,14 @@ Source: OGC KML 2.3 (12-007r2): coordinates are longitude, latitude and altitude
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
 
 from fieldkit.errors import BadValue
+from fieldkit.flight import Series
 from fieldkit.planning.landing import Landing
 from fieldkit.quantities import ShownUnits
 from fieldkit.safe_text import printable
@@ -19,6 +21,7 @@ EARTH_RADIUS = 6371008.8
 """Mean radius of the Earth (IUGG). [m]"""
 MAX_POINTS = 2000
 """Maximum number of points of a track, evenly selected. [1]"""
+TRACK_SUFFIXES = (".kml", ".gpx")
 
 RED = "0000ff"
 """Color of what is drawn, as KML writes it after the opacity: blue, green, red."""
@@ -79,6 +82,21 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
         _placemark("simulated landings", f"<MultiGeometry>{marks}</MultiGeometry>", "draw"),
     ]
     return _document(name, parts)
+
+
+def check_track(file: Path) -> None:
+    """Raise BadValue for a file name that is neither KML nor GPX."""
+    if file.suffix.lower() not in TRACK_SUFFIXES:
+        raise BadValue(f"{file.name}: found {file.suffix or 'no suffix'!r}, expected .kml or .gpx")
+
+
+def track_file(name: str, positions: Series, suffix: str) -> bytes:
+    """The satellite track in some samples as KML, or as GPX with that suffix. Raises BadValue for fewer than two
+    positions."""
+    write = track_gpx if suffix == ".gpx" else track_kml
+    if positions.latitude is None or positions.longitude is None:
+        raise BadValue(f"{printable(name)}: found no GPS positions, expected a log of a tracker")
+    return write(name, positions.latitude, positions.longitude, positions.gps_altitude_msl)
 
 
 def track_kml(

@@ -1,7 +1,8 @@
-"""A contest season as steps: what is done, what is missing, and the command that does it."""
+"""A contest season as steps: what is done, what is missing, and the command or key that does it."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
@@ -23,12 +24,35 @@ SeasonStep = tuple[str, str, tuple[str, ...]]
 """A step: its name, its state in a word or two, and its lines."""
 
 
+@dataclass(frozen=True, slots=True)
+class SeasonWays:
+    """How a reader does what a step asks for, by commands or by keys: add a flight, enter a parachute, compare motors,
+    print the card of finals for a plan."""
+
+    add: str
+    parachute: str
+    motors: str
+    finals: str
+
+
+def season_commands(plan: Flight, year: int) -> SeasonWays:
+    """The commands for a plan and a season."""
+    named = f"--rocket '{plan.rocket}'" if " " in plan.rocket else f"--rocket {plan.rocket}"
+    return SeasonWays(
+        add="`fieldkit add --apogee --timer-1-s`",
+        parachute="give --parachute-diameter",
+        motors="`fieldkit motors --fit`",
+        finals=f"`fieldkit finals {named} --motor {plan.motor} --season {year} --temperature 25c --card finals.pdf`",
+    )
+
+
 def season_steps(
     plan: Flight,
     found: Found,
     guide: SeasonGuide,
     declared: Sequence[str],
     cut: float | None,
+    ways: SeasonWays,
     system: str = "SI",
 ) -> list[SeasonStep]:
     """The steps of a season, in order, in the units of a system; heights in feet, as in the rules."""
@@ -36,11 +60,11 @@ def season_steps(
     return [
         _rules(rule),
         _limits(plan, found, guide.lines, system),
-        _tests(guide.scored, rule),
-        _setting(plan, found, guide.now, guide.ahead, shown),
+        _tests(guide.scored, rule, ways),
+        _setting(plan, found, guide.now, guide.ahead, ways, shown),
         _practice(guide.practice, shown),
         _qualification(rule, guide.scored, declared, guide.scores, cut),
-        _finals(plan, rule),
+        _finals(rule, ways),
     ]
 
 
@@ -65,12 +89,12 @@ def _limits(plan: Flight, found: Found, lines: Sequence[SafetyCheck], system: st
     return "rocket and motor", state, tuple(dict.fromkeys(texts))
 
 
-def _tests(scored: Sequence[tuple[Flight, float]], rule: Season) -> SeasonStep:
+def _tests(scored: Sequence[tuple[Flight, float]], rule: Season, ways: SeasonWays) -> SeasonStep:
     timed = [flight for flight, _ in scored if judged_duration(flight) is not None]
     weighed = [flight for flight, _ in scored if flight.dry_mass is not None]
     texts = []
     if not scored:
-        texts.append("fly it once as built, weighed at the pad with its eggs: `fieldkit add --apogee --timer-1-s`")
+        texts.append(f"fly it once as built, weighed at the pad with its eggs: {ways.add}")
     elif len(timed) < len(scored):
         texts.append(f"{len(scored) - len(timed)} without a time: time every flight with two watches")
     if len(weighed) < len(scored):
@@ -81,7 +105,9 @@ def _tests(scored: Sequence[tuple[Flight, float]], rule: Season) -> SeasonStep:
     return "test flights", f"{len(scored)} flown, {len(timed)} timed", tuple(texts)
 
 
-def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: ShownUnits) -> SeasonStep:
+def _setting(
+    plan: Flight, found: Found, now: Setting, ahead: Outlook, ways: SeasonWays, shown: ShownUnits
+) -> SeasonStep:
     row = now.row
     change = row.mass - (plan.dry_mass or row.mass)
     sign = "+" if change > 0 else ""
@@ -91,7 +117,7 @@ def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: Sh
         f"({sign}{shown.mass(change)} against the plan), {lift_off} at lift-off"
     ]
     if now.area_sd is None:
-        texts.append("parachute: no flight is timed, so nothing is advised; time one, or give --parachute-diameter")
+        texts.append(f"parachute: no flight is timed, so nothing is advised; time one, or {ways.parachute}")
     else:
         texts.append(f"parachute {row.area:.0%} ± {now.area_sd:.0%} of its present area")
     low, _, high = row.apogee
@@ -103,9 +129,7 @@ def _setting(plan: Flight, found: Found, now: Setting, ahead: Outlook, shown: Sh
         "on average"
     )
     if row.at_edge:
-        texts.append(
-            "this is at the limit of the masses tried: another motor may meet the target, `fieldkit motors --fit`"
-        )
+        texts.append(f"this is at the limit of the masses tried: another motor may meet the target, {ways.motors}")
     texts.append(f"based on {counted(ahead.forecast.rests_on, 'flight')}")
     return "mass and parachute together", "", tuple(texts)
 
@@ -161,11 +185,7 @@ def _qualification(
     return "qualification", f"{len(declared)} of {rule.declared} declared, {left} left", tuple(texts)
 
 
-def _finals(plan: Flight, rule: Season) -> SeasonStep:
+def _finals(rule: Season, ways: SeasonWays) -> SeasonStep:
     texts = [rule.finals] if rule.finals else []
-    named = f"--rocket '{plan.rocket}'" if " " in plan.rocket else f"--rocket {plan.rocket}"
-    texts.append(
-        f"the card for every target, in the day's air: `fieldkit finals {named} --motor {plan.motor} --season "
-        f"{rule.year} --temperature 25c --card finals.pdf`"
-    )
+    texts.append(f"the card for every target, in the day's air: {ways.finals}")
     return "finals", "", tuple(texts)

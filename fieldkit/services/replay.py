@@ -6,8 +6,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from fieldkit.analysis import Figure, Recorded, measure, simulated
-from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
-from fieldkit.flight import Flight
+from fieldkit.errors import BadValue, DamagedLog, LedgerError, NoFlights, UnknownFormat
+from fieldkit.flight import Flight, Series
 from fieldkit.importing import Reading
 from fieldkit.importing.companion_files import same_moment
 from fieldkit.importing.read import read, read_recordings
@@ -68,6 +68,16 @@ class FlightRecordings:
 def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
     """The samples of one flight of the ledger, as `FlightRecordings` reads them."""
     return FlightRecordings(ledger, choices).of(id)
+
+
+def track_of(ledger: Ledger, id: str) -> Series:
+    """The samples of a flight with satellite positions. Raises BadValue for a flight without, LedgerError."""
+    found = recording_of(ledger, id)
+    clocks = () if found is None or found.reading is None else found.reading.clocks
+    for clock in clocks:
+        if clock.latitude is not None and clock.longitude is not None:
+            return clock
+    raise BadValue(f"{id}: found no GPS positions, expected a flight with the log of a tracker")
 
 
 def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:

@@ -331,15 +331,15 @@ class FieldkitApp(App[None]):
         if (page := await self._flights_page()) is not None:
             page.open_flight(id)
 
-    async def decide(self, view: int) -> None:
-        """Open a decision for the motor selected on the page of the next flight."""
+    async def decide(self, view: int, write: str = "") -> None:
+        """Open a decision for the motor selected on the page of the next flight, and ask for the page to `write`."""
         from fieldkit.tui.next.next_page import NextScreen  # before the first paint it would take 0.7 s
 
         await self.action_page("next_flight")
         await self._close_above()
         if isinstance(page := self.screen, NextScreen):
             await page.settled("plan", "find")
-            await page.action_decide(view)
+            await page.action_decide(view, write)
 
     async def show_flights(self, words: str) -> None:
         """Show only the flights that match all of these words."""

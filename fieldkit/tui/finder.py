@@ -19,7 +19,8 @@ from fieldkit.tui.home.first_run import take
 from fieldkit.tui.home.first_steps import Step
 from fieldkit.tui.host import Host
 from fieldkit.tui.next.motor_facts import facts
-from fieldkit.tui.next.plan_screen import VIEWS, PlanScreen
+from fieldkit.tui.next.plan_pages import PAGES
+from fieldkit.tui.next.plan_screen import FINALS, LANDING, VIEWS, PlanScreen
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.setup.card_form import ask_card
 from fieldkit.tui.setup.setup_forms import ask_rail
@@ -108,6 +109,9 @@ class Finder(Provider):
         for place, view in enumerate(VIEWS):
             about = "Decide, for the motor selected on the Fly page"
             yield Entry("decision", f"Decide: {view.lower()}", about, partial(host.decide, place))
+        for kind, (what, about) in PAGES.items():
+            at = FINALS if kind == "finals" else LANDING
+            yield Entry("page", f"Write the {what}", about, partial(host.decide, at, kind))
         yield Entry("setting", "Load the demo rocket", Step.DEMO.value[1], self._load_demo)
         yield Entry("setting", "Setting: theme", "The next colors: field, sun, night, terminal", host.action_next_theme)
 

@@ -51,8 +51,8 @@ class Host(Protocol):
     async def open_flight(self, id: str) -> None:
         """Open a flight over the Flights page."""
 
-    async def decide(self, view: int) -> None:
-        """Open a decision for the motor selected on the page of the next flight."""
+    async def decide(self, view: int, write: str = "") -> None:
+        """Open a decision for the motor selected on the page of the next flight, and ask for the page to `write`."""
 
     async def show_flights(self, words: str) -> None:
         """Show only the flights that match all of these words."""

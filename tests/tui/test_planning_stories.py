@@ -3,10 +3,13 @@
 import shutil
 from datetime import datetime
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from fieldkit.ledger import Ledger
+from fieldkit.services.imports import bring_in
+from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, at_home, opened, press, text_of, typed
 
@@ -53,7 +56,8 @@ async def test_the_range_box_is_entered_by_the_palette_and_limits_the_motors(fil
         await press(pilot, *typed("your card"), "_", "_")
         await press(pilot, "enter", "_")
         await press(pilot, *["down"] * 4, *typed("3 x F24-4W, 2 x E35"), "ctrl+s", "_")
-        assert [one.count for one in pilot.app.resources.settings.flyer.box]  # type: ignore[attr-defined] == [3, 2]
+        box = cast(FieldkitApp, pilot.app).resources.settings.flyer.box
+        assert [one.count for one in box] == [3, 2]
         await press(pilot, "B", "_")
         table = pilot.app.screen.query_one("#motors", Table)
         rows = [table.cells(motor)[0] for motor in table.keys]
@@ -62,3 +66,41 @@ async def test_the_range_box_is_entered_by_the_palette_and_limits_the_motors(fil
         assert "your box" in text_of(pilot, "#count")
         await press(pilot, "B", "_")
         assert len(table.keys) > 2
+
+
+@pytest.mark.thorough
+async def test_the_pages_of_a_plan_are_written_by_keys_and_by_the_palette(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "d", *["right"] * 3, "_")
+        assert "w to write the range safety sheet" in text_of(pilot, "#answer")
+        await press(pilot, "w", "enter", "_")
+        assert Path("range_safety_sheet.pdf").read_bytes().startswith(b"%PDF")
+        assert "Wrote the range safety sheet" in text_of(pilot, "NoticeBar")
+        await press(pilot, "w", "enter", "_", "n", "_")  # it exists: not replaced
+        await press(pilot, "escape", "_", "ctrl+p", "_")
+        await press(pilot, *typed("write the range card"), "_", "_")
+        await press(pilot, "enter", "_", "enter", "_")
+        assert Path("range_card.pdf").read_bytes().startswith(b"%PDF")
+        assert pilot.app.screen.TITLE == "Decide"
+
+
+@pytest.mark.thorough
+async def test_the_card_of_finals_is_written_by_a_key(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "d", "left", "_", "w", "enter", "_")
+        assert Path("finals_card.pdf").read_bytes().startswith(b"%PDF")
+        assert not pilot.app.errors  # type: ignore[attr-defined]
+
+
+async def test_the_track_of_a_flight_is_written_by_a_key(file: Path) -> None:
+    log = ROOT / "sample_logs" / "altos_csv__with_satellites.csv"
+    with Ledger.open(file) as ledger:
+        (id,) = bring_in(ledger, [log], lambda name: None, defaults={"rocket": "Comet"}).ids
+    async with opened(file) as pilot:
+        await cast(FieldkitApp, pilot.app).open_flight(id)
+        await press(pilot, "_", "G", "enter", "_")
+        assert b"<trkpt" in Path(f"{id}.gpx").read_bytes()
+        await press(pilot, "escape", "_")
+        await cast(FieldkitApp, pilot.app).open_flight("1")
+        await press(pilot, "_", "G", "enter", "_")
+        assert "found no GPS positions" in text_of(pilot, "NoticeBar")

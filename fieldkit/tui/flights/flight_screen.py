@@ -6,6 +6,7 @@ The drag and thrust inferred from one flight, as densities.
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar
 
 from textual.binding import Binding, BindingType
@@ -14,14 +15,18 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
+from fieldkit import files
 from fieldkit.errors import LedgerError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.flight.event_names import event_title
+from fieldkit.flight.short_name import flight_label
+from fieldkit.presentation.kml import check_track, track_file
 from fieldkit.quantities import in_system, measure, number, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.coast_drag import CoastDrag, coast_drag
 from fieldkit.services.flight_facts import ForecastFacts, drag_facts, forecast_facts
 from fieldkit.services.plausible_flights import exclusion, used_except
+from fieldkit.services.replay import track_of
 from fieldkit.tui.asking import or_why
 from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.edit_form import ask_changes
@@ -32,7 +37,7 @@ from fieldkit.tui.flights.tag_screen import TagScreen
 from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import IntervalBar, bar
 from fieldkit.tui.page import PageScreen
-from fieldkit.tui.report import ask_report
+from fieldkit.tui.report import Written, ask_file, ask_report
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
 from fieldkit.tui.widgets import cards
@@ -97,6 +102,7 @@ class FlightScreen(PageScreen):
             "fieldkit edit FLIGHT apogee=281m",
             "fieldkit remove FLIGHT",
             "fieldkit report FLIGHT --out card.html",
+            "fieldkit track FLIGHT --out track.gpx",
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -105,6 +111,7 @@ class FlightScreen(PageScreen):
         Binding("e", "edit", "Edit", tooltip="Edit this flight"),
         Binding("l", "look", "Look", tooltip="Its log, with a cursor for height, speed and acceleration", show=False),
         Binding("w", "report", "Report", tooltip="Write a report on this flight for the log book", show=False),
+        Binding("G", "track", "GPS track", tooltip="Write its GPS track for maps, as KML or GPX", show=False),
         REMOVE,
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
@@ -173,6 +180,18 @@ class FlightScreen(PageScreen):
     def action_report(self) -> None:
         """Write the report of this flight."""
         ask_report(self, self._flight_id)
+
+    def action_track(self) -> None:
+        """Write the GPS track of this flight."""
+        id, ledger = self._flight_id, self.resources.ledger
+
+        def write(path: Path, force: bool) -> Path:
+            content = track_file(flight_label(id), track_of(ledger, id), path.suffix.lower())
+            files.write(path, content, force=force)
+            return path
+
+        about = "A name that ends in .kml or .gpx; the same as `fieldkit track`."
+        ask_file(self, Written("track", f"GPS track of {id}", f"{id}.gpx", about, check_track, write))
 
     def action_remove(self) -> None:
         """Remove this flight, and show the remaining ones."""

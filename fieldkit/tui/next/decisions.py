@@ -40,7 +40,7 @@ from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import against_the_bar, histogram
-from fieldkit.presentation.season_text import season_steps
+from fieldkit.presentation.season_text import SeasonWays, season_steps
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
 from fieldkit.services.season_guide import season_guide
@@ -190,6 +190,13 @@ AIMS: tuple[Aim, ...] = ("chance", "error", "points")
 """The goals for ballast, as in the command: the band, the mean miss, the points of a season."""
 NO_WIND_OPTION = "not given: use --wind for the pad, --wind-aloft for higher up"
 """The command's message about an unknown wind."""
+SEASON_KEYS = SeasonWays(
+    add="a to add it, with its duration",
+    parachute="enter its diameter with p on the Fly page",
+    motors="Esc for the list, g for the target",
+    finals="w to write it",
+)
+"""The keys that do what the steps of a season ask for."""
 MAX_SCORED_FLIGHTS = 6
 """Number of latest flights whose points are listed."""
 
@@ -259,13 +266,17 @@ class Decision:
         one = season_guide(ledger, self.rocket, self.plan, found, rule, day.declared, day.length, self._checks)
         words = [f"Season {year}: {self.plan.rocket}"]
         for step, (name, state, texts) in enumerate(
-            season_steps(self.plan, found, one, day.declared, day.cut, self.system), start=1
+            season_steps(self.plan, found, one, day.declared, day.cut, SEASON_KEYS, self.system), start=1
         ):
             words += ["", f"{step}. {name}" + (f": {state}" if state else ""), *(f"   {text}" for text in texts)]
         lines = [*worst_first(one.lines)]
         return Answer(
             tuple(words), tuple(safety_text(lines, self.system)), folded=tuple(folded(one.lines, self.system))
         )
+
+    def contest_checks(self, rule: Season, day: Day) -> Callable[[Prediction, float], list[SafetyCheck]]:
+        """The safety checks of a forecast with a fraction of the parachute's area [1], and the season's limits."""
+        return lambda prediction, area: [*self._checks(prediction, area), *_limits_of(rule, prediction, day)]
 
     def _checks(self, prediction: Prediction, area: float) -> list[SafetyCheck]:
         """The safety checks of a forecast with a fraction of the parachute's area. [1]"""
@@ -276,7 +287,8 @@ class Decision:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
         lines = landing_in_words(one, self.site, self.system)
-        words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Next page to enter it") for line in lines)
+        words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Fly page to enter it") for line in lines)
+        words += ("", "w to write the range safety sheet, R the range card")
         answer = Answer(
             words,
             tuple(safety_text(worst_first(one.lines), self.system)),

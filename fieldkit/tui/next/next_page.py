@@ -421,14 +421,14 @@ class NextScreen(PageScreen):
         if build is not None:
             self._keep_plan(build)
 
-    async def action_decide(self, view: int = 0) -> None:
-        """Open the decisions for the motor under the cursor."""
+    async def action_decide(self, view: int = 0, write: str = "") -> None:
+        """Open the decisions for the motor under the cursor, and ask for the page to `write` if one is named."""
         await self.settled("change", "plan")
         plan, motor = self._motors.plan, self.query_one(Table).current
         if plan is not None and motor is not None:
             one = self._motors.known.get(motor)
             full = plan.full.with_changes(motor=label(motor), delay=one.delay if one else None)
-            self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor), view))
+            self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor), view, write))
 
     async def action_plan(self) -> None:
         """Change the plan."""

@@ -18,20 +18,16 @@ from textual.widgets import Static
 from fieldkit.flight.site import Site
 from fieldkit.motors import Found
 from fieldkit.paths import data_file
-from fieldkit.planning.check import safety_text, strictest
+from fieldkit.planning.check import safety_text
 from fieldkit.planning.contest import season_of, seasons
 from fieldkit.planning.contest_day import Day
-from fieldkit.planning.contest_limits import allowed, approved_motors
-from fieldkit.planning.descent_rate import fall_of
-from fieldkit.planning.finals import end_flights, finals_table, finals_targets, trials
-from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.finals_text import (
     ENDS_NOTE,
     FINALS_NOTES,
-    finals_basis,
     finals_headers,
     finals_heading,
     finals_lines,
+    finals_notes,
     finals_rows,
 )
 from fieldkit.safe_text import printable
@@ -46,6 +42,7 @@ from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import AIMS, Decision, rule_of
 from fieldkit.tui.next.next_words import folded, worst_first
+from fieldkit.tui.next.plan_pages import PAGES, ask_page, finals_of
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import answered, hanging
@@ -58,41 +55,28 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
 
     Raises ImpossibleFlight for a plan without a mass or with too little thrust.
     """
-    rocket, plan, found = decision.rocket, decision.plan, Found(decision.motor, None)
-    rule = rule_of(year).announced(None, day.window)
-    flown = trials(rocket, plan, found, rule)
-    table = finals_table(flown, rule, finals_targets(rule))
-    ends = end_flights(rocket, plan, found, table)
-    approved = approved_motors(rule.year, data_file("seasons"))
-    checks = []
-    for one, area in ends:
-        fall = fall_of(rocket.history, one.plan, one.found).on_area(area)
-        safety = safety_lines(one, decision.site, fall, decision.limits)
-        checks.append([*safety, *allowed(rule, one.plan, found, day.length, approved)])
+    plan, found, system = decision.plan, Found(decision.motor, None), decision.system
+    rule, one = rule_of(year).announced(None, day.window), finals_of(decision, year, day)
+    fall = one.flown.fall
     words = (
-        *finals_heading(replace(plan, rocket=plan.rocket or "this rocket"), found, rule, flown.fall, decision.system),
+        *finals_heading(replace(plan, rocket=plan.rocket or "this rocket"), found, rule, fall, system),
         "",
-        *finals_lines(
-            finals_headers(flown.fall, decision.system), finals_rows(table, plan, found, flown.fall, decision.system)
-        ),
+        *finals_lines(finals_headers(fall, system), finals_rows(one.table, plan, found, fall, system)),
+        "w to write this table as a card",
         "",
         *FINALS_NOTES,
-        *finals_basis(flown, table),
-        *([f"finals: {rule.finals}"] if rule.finals else []),
-        *filter(None, [rule.caveat]),
+        *finals_notes(one, rule),
     )
-    lines = worst_first(strictest(*checks))
-    return Answer(
-        words,
-        (ENDS_NOTE, "", *safety_text(lines, decision.system)),
-        folded=(ENDS_NOTE, "", *folded(lines, decision.system)),
-    )
+    lines = worst_first(one.lines)
+    return Answer(words, (ENDS_NOTE, "", *safety_text(lines, system)), folded=(ENDS_NOTE, "", *folded(lines, system)))
 
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Season", "Finals")
 """Names of the answers."""
-SEASON, FINALS = VIEWS.index("Season"), VIEWS.index("Finals")
-"""The index of the steps of a season, and of the table of finals, among the answers. [1]"""
+LANDING, SEASON, FINALS = (VIEWS.index(name) for name in ("Landing", "Season", "Finals"))
+"""The index of the landing, of the steps of a season, and of the table of finals, among the answers. [1]"""
+WRITES = ("w", "R", "w in Season and Finals")
+"""The keys that write the pages of a plan, in the order of `PAGES`."""
 AREA_RATIOS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Fractions of the parachute's area to choose from. [1]"""
 
@@ -133,6 +117,10 @@ class PlanScreen(PageScreen):
                 "with their uncertainty, the practice flight that narrows the finals most, qualification. e to enter "
                 "the declared flights and the cut.",
             ),
+            *(
+                (what, f"{about}: {key} to write it.")
+                for key, (what, about) in zip(WRITES, PAGES.values(), strict=True)
+            ),
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
             (
                 "score",
@@ -148,6 +136,7 @@ class PlanScreen(PageScreen):
             "fieldkit sites FIELD --size 400m --ceiling 3000ft",
             "fieldkit season --season 2027 --motor F24 --declared 4,5 --cut 60",
             "fieldkit finals --motor F24 --season 2027 --card finals.pdf",
+            "fieldkit landing --motor F24 --wind 4m/s --safety-sheet sheet.pdf --card range.pdf",
             "fieldkit predictions",
             "fieldkit score",
         ),
@@ -170,6 +159,8 @@ class PlanScreen(PageScreen):
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="Next season; , for the previous one"),
         Binding("left_square_bracket", "area(-1)", "Smaller parachute", key_display="[", show=False),
         Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="Larger parachute"),
+        Binding("w", "report", "Report", show=False, tooltip="Write the range safety sheet; in finals, their card"),
+        Binding("R", "write('card')", "Range card", show=False, tooltip="Write the range card, for flight check-in"),
     ]
     DEFAULT_CSS = """
     PlanScreen VerticalScroll { padding: 0 1; }
@@ -192,9 +183,10 @@ class PlanScreen(PageScreen):
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """
 
-    def __init__(self, decision: Decision, view: int = 0) -> None:
+    def __init__(self, decision: Decision, view: int = 0, write: str = "") -> None:
+        """`write` is the name of a page to ask for at once."""
         super().__init__()
-        self._decision = decision
+        self._decision, self._write = decision, write
         self._view, self._aim, self._area_ratio = view, 0, AREA_RATIOS.index(1.0)
         self._season = season_of(date.today(), data_file("seasons"))
         self._shown_answer = Answer(())
@@ -218,8 +210,10 @@ class PlanScreen(PageScreen):
             yield Static("", id="beside")
 
     def on_mount(self) -> None:
-        """Focus the answer, so that keys scroll it."""
+        """Focus the answer, so that keys scroll it, and ask for the page to write."""
         self.query_one(VerticalScroll).focus()
+        if self._write:
+            self.action_write(self._write)
 
     def reload(self) -> None:
         """Compute the current answer."""
@@ -253,21 +247,15 @@ class PlanScreen(PageScreen):
             plot.show(draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:
-        ledger, plan = self.resources.ledger, self._decision.plan
-        rocket = rocket_of(ledger, self.resources.motors, plan.rocket)  # another program may have added flights
-        if (mass := planned_mass(ledger)) is not None:  # it may have been weighed here
-            plan = plan.with_changes(dry_mass=mass)
-        day = day_of(ledger, self._season)
-        decision = replace(
-            self._decision, plan=plan, rocket=rocket, site=site_of(ledger, plan.site), system=settings.units
-        )
+        ledger = self.resources.ledger
+        decision, _, day = self._current(settings)
         if view == 0:
             return decision.noted(decision.delay())
         if view == 1:
             return decision.noted(decision.ballast(settings.target, AIMS[self._aim], self._season, day))
         if view == 2:
             return decision.noted(decision.contest(ledger, self._season, AREA_RATIOS[self._area_ratio], day))
-        if view == 3:
+        if view == LANDING:
             return decision.noted(decision.landing())
         if view == SEASON:
             return decision.noted(decision.season(ledger, self._season, day))
@@ -276,6 +264,24 @@ class PlanScreen(PageScreen):
         if view == 4:
             return decision.saved_forecasts(ledger, self.resources.motors)
         return decision.fared(ledger, self.resources.motors)
+
+    def _current(self, settings: Settings) -> tuple[Decision, int, Day]:
+        """The decision with the rocket, site and mass as they are now, the season, and its day."""
+        ledger, plan = self.resources.ledger, self._decision.plan
+        rocket = rocket_of(ledger, self.resources.motors, plan.rocket)  # another program may have added flights
+        if (mass := planned_mass(ledger)) is not None:  # it may have been weighed here
+            plan = plan.with_changes(dry_mass=mass)
+        site = site_of(ledger, plan.site)
+        decision = replace(self._decision, plan=plan, rocket=rocket, site=site, system=settings.units)
+        return decision, self._season, day_of(ledger, self._season)
+
+    def action_report(self) -> None:
+        """Write the page that belongs to this answer."""
+        self.action_write("finals" if self._view in (SEASON, FINALS) else "sheet")
+
+    def action_write(self, kind: str) -> None:
+        """Write a page of this decision: its range safety sheet, its range card, or its card of finals."""
+        ask_page(self, kind, partial(self._current, self.resources.settings))
 
     def action_view(self, view: int) -> None:
         """Show another answer."""
