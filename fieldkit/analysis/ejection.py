@@ -4,6 +4,7 @@ Derivation: a fall that nothing brakes gains speed at nearly one g, and a parach
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +27,8 @@ _FALL_WINDOW = 0.8
 """Time over which the speed of a fall is taken. [s]"""
 _LEAST_BRAKING = 4.0
 """Least of the strongest braking by a parachute that opens, as a multiple of gravity. [1]"""
+_HOLE = 3.5
+"""Least number of sample intervals without a sample in which a charge may have fired unseen. [1]"""
 _BASELINE_TIME = 0.4
 """Length of the window before a shock that gives the drag from which the shock stands out. [s]"""
 
@@ -110,7 +113,19 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
     walk = float(np.sqrt(72 * median_step(time))) * track.noise / (2 * half) ** 2
     moved = CHERNOFF_SD * (2 * walk / sharp) ** (2 / 3)
     early = half * _shift(float(fall[fastest]) / max(final_speed, 1.0))
-    return Event(float(when[fastest]), float(np.hypot(early / np.sqrt(3), moved)), track.source)
+    braked = Event(float(when[fastest]), float(np.hypot(early / np.sqrt(3), moved)), track.source)
+    return _in_hole(time[(time > braked.time - 2 * half) & (time < braked.time)], step, braked)
+
+
+def _in_hole(before: Float[Array, "_"], step: float, braked: Event) -> Event:
+    """When a charge fired whose gas disturbed the heights so much that samples are missing before the fall is braked:
+    at any time since, with equal probability. `before` are the times of the samples before it, usually a `step` apart.
+    """
+    holes = np.flatnonzero(np.diff(before) > _HOLE * step)
+    if not holes.size:
+        return braked
+    since = braked.time - float(before[holes[0]])
+    return replace(braked, time=braked.time - since / 2, sd=float(np.hypot(braked.sd, since / np.sqrt(12))))
 
 
 def _shift(faster: float) -> float:

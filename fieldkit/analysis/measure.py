@@ -76,8 +76,8 @@ def rises(clocks: Sequence[Series]) -> bool:
 
 
 def by_device(clocks: Sequence[Series], recorded: Recorded, stated: Mapping[str, float]) -> dict[str, float]:
-    """Readouts as the logger has them: the largest of its own speeds on the way up, and the times between the events
-    that it marked. [SI]"""
+    """Readouts as the logger has them: the largest of its own speeds on the way up, if it has two that of its
+    accelerometer, and the times between the events that it marked. [SI]"""
     found = {
         name: stated[end] - stated[begin]
         for name, (begin, end) in _BETWEEN_EVENTS.items()
@@ -85,7 +85,7 @@ def by_device(clocks: Sequence[Series], recorded: Recorded, stated: Mapping[str,
     }
     lift, top = recorded.events.get("liftoff"), recorded.events.get("apogee")
     for series in clocks if lift is not None and top is not None else ():
-        speed = series.speed if series.speed is not None else series.inertial_speed
+        speed = series.inertial_speed if series.inertial_speed is not None else series.speed
         if speed is not None and lift is not None and top is not None:
             climbs = speed[(series.time >= lift.time) & (series.time <= top.time) & np.isfinite(speed)]
             if climbs.size:

@@ -28,15 +28,24 @@ deviation over the motors of the catalog, with each impulse class weighted equal
 have peaks far above their means, so the logarithms would have too small a spread. [1]"""
 BEYOND_MEAN = (1.71, 0.73)
 """The same for the mean of the burn. [1]"""
-BEYOND_SAMPLES = ((0.1, 0.05, 0.17), (0.15, 0.1, 0.33), (0.2, 0.15, 0.51), (0.3, 0.23, 0.7), (0.4, 0.31, 0.87))
+BEYOND_SAMPLES = (
+    (0.04, -0.01, 0.08),
+    (0.05, 0.0, 0.08),
+    (0.06, 0.01, 0.11),
+    (0.1, 0.05, 0.17),
+    (0.15, 0.1, 0.33),
+    (0.2, 0.15, 0.51),
+    (0.3, 0.23, 0.7),
+    (0.4, 0.31, 0.87),
+)
 """How far the peak is above the highest of samples taken at an interval [s], as a fraction of the largest difference
 between neighboring samples: mean and standard deviation over the motors of the catalog and the phase of the samples,
 with each impulse class weighted equally (a test recomputes it). [1]"""
 _MAX_LATE_START = 0.05
 """How long after lift-off a log may start and still have recorded the peak, which ignition may cause. [s]"""
-_WINDOW = 0.05
-"""Averaging window of the peak acceleration. In a log too sparse for it, the peak lies between the mean of three
-samples and a single sample. [s]"""
+_WINDOW, _SPARSE = 0.05, 0.7
+"""Averaging window of the peak acceleration [s]. In a log too sparse for three samples in it, the peak lies between
+their mean and a single sample; at intervals above this fraction of it, not even there. [1]"""
 _SCALE = 0.02
 """Relative error of an accelerometer. [1]"""
 _FAST_FRACTION = 0.5
@@ -99,7 +108,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
 def _highest(net: Float[Array, "time"], step: float) -> tuple[float, float]:
     """The highest mean over the window of samples at an interval [s], and its error from the interval. [m/s^2]"""
     highest = float(net.max())
-    if step > 1.5 * _WINDOW:
+    if step > _SPARSE * _WINDOW:
         steps, means, sds = np.array(BEYOND_SAMPLES).T
         mean, sd = (float(np.interp(step, steps, one)) * float(np.abs(np.diff(net)).max()) for one in (means, sds))
         return highest + mean, sd

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldkit.analysis import Recorded, columns, measure
+from fieldkit.analysis import Recorded, by_device, columns, measure
 from fieldkit.analysis.channels import Push
 from fieldkit.analysis.compare import compare
 from fieldkit.analysis.ejection import shock
@@ -140,6 +140,22 @@ def test_a_charge_that_a_logger_fires_after_landing_is_not_the_ejection() -> Non
     recorded = measure(log(truth, Logger(), np.random.default_rng(2)), {"drogue": 100.0 + float(truth.time[-1]) + 4})
     ejected = recorded.events.get("ejection")
     assert ejected is None or ejected.time < recorded.events["landing"].time
+
+
+def test_the_speed_of_a_device_is_that_of_its_accelerometer() -> None:
+    """A charge raises a speed derived from heights."""
+    (heights,) = log(flown(SMALL), Logger(), np.random.default_rng(1))
+    spoiled = replace(heights, speed=np.full(heights.time.size, 600.0), inertial_speed=np.full(heights.time.size, 60.0))
+    recorded = measure((heights,))
+    assert by_device((spoiled,), recorded, {})["top_speed"] == 60
+    assert by_device((replace(spoiled, inertial_speed=None),), recorded, {})["top_speed"] == 600
+
+
+def test_a_charge_that_raises_the_heights_is_found_though_they_are_removed() -> None:
+    """Its gas adds 30 m for a fifth of a second: samples are missing before the fall is braked."""
+    recorded, truth = measured(replace(SMALL, delay=9.2), Logger(shock=30))
+    assert truth.readouts()["apogee_to_eject"] > 1
+    assert abs(off(recorded, truth, "apogee_to_eject")) < 2 * recorded.figures["apogee_to_eject"].sd
 
 
 @pytest.mark.parametrize("rate", [10, 100])
