@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from unittest.mock import patch
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is imported; two workers would fight for the cores
+
 import jaxtyping
 import pytest
 from hypothesis import settings

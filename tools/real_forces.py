@@ -137,15 +137,14 @@ def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[s
     from fieldkit.motors import catalogue
     from fieldkit.selection.diagnose import Diagnosis, diagnose
     from fieldkit.selection.extended_model import rocket_model
-    from fieldkit.selection.logged_forces import LoggedForces, logged_forces, step_candidate, without_coast_drag
+    from fieldkit.selection.logged_forces import LoggedForces, logged_forces
 
     def diagnosed(some: Sequence[Flight]) -> tuple[LoggedForces, Diagnosis]:
         motors = [catalogue().resolve(flight.motor) for flight in some]
         history = history_of(some, motors, used_in_fit=[True] * len(some))
         model = rocket_model(history)
         forces = logged_forces(model, logs)
-        data = without_coast_drag(observe(history), model, forces)
-        return forces, diagnose(model, data, logged=step_candidate(model, forces))
+        return forces, diagnose(model, observe(history), forces=forces)
 
     forces, found = diagnosed(flights)
     steps = forces.steps

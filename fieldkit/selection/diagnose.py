@@ -16,10 +16,17 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.averaged import left_out, that_pay
-from fieldkit.selection.candidates import Averaged, Candidate, Place, effect_candidates
+from fieldkit.selection.candidates import Averaged, Place, effect_candidates
 from fieldkit.selection.hypotheses import SetPosterior
-from fieldkit.selection.logged_forces import LoggedForces
-from fieldkit.selection.model_check import ModelCheck, model_check
+from fieldkit.selection.logged_forces import (
+    DRAG_STEP,
+    LoggedForces,
+    forces_check,
+    step_candidate,
+    with_probability,
+    without_coast_drag,
+)
+from fieldkit.selection.model_check import ModelCheck, model_check, with_coasts
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.search import Families, chain, checked, explore
@@ -70,7 +77,8 @@ class Diagnosis:
     after.
 
     `before` are the plain model's leave-one-out forecasts, `after` those averaged over all probable hypotheses where
-    that pays (`that_pay`), and `fits` is the check of what these leave in the readouts. `averaged` is the plain model
+    that pays (`that_pay`), and `fits` is the check of what these leave in the readouts and in
+    the coasts of logs. `averaged` is the plain model
     alone if averaging does not pay and no effect was given.
     """
 
@@ -86,7 +94,7 @@ class Diagnosis:
     forecasts_before: Forecasts
     forecasts_after: Forecasts
     fits: ModelCheck
-    forces: LoggedForces | None = None
+    forces: LoggedForces | None
     """Forces along the flights' logs, if they were read."""
 
     @property
@@ -131,16 +139,17 @@ def diagnose(
     on_progress: ReportProgress = no_op,
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
-    logged: Sequence[Candidate] = (),
+    forces: LoggedForces | None = None,
 ) -> Diagnosis:
     """Evaluate everything that could be missing from a model, using the flights in the fit.
 
-    `given` are effects that are present whatever the evidence, and `declined` those that are absent; `logged` are
-    candidates that logs show (`fieldkit.selection.logged_forces`). Raises UnknownEffect for an unknown effect, or one
-    that these flights cannot show, ImpossibleFlight for a flight without a dry mass. Flights are simulated with the
-    coarse settings of forecasts.
+    `given` are effects that are present whatever the evidence, and `declined` those that are absent; `forces` are
+    those along the flights' logs. Raises UnknownEffect for an unknown effect, or one that these flights cannot show,
+    ImpossibleFlight for a flight without a dry mass. Flights are simulated with the coarse settings of forecasts.
     """
-    model = replace(model, coarse=True)
+    model, logged = replace(model, coarse=True), step_candidate(model, forces)
+    if forces is not None and logged:
+        data = without_coast_drag(data, model, forces)
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *logged, *pattern_candidates(model)])
     _check([*given, *declined], families)
@@ -153,7 +162,8 @@ def diagnose(
         forecast_by = SetPosterior(pinned.hypotheses[1:])
         others = (one for one in posterior.hypotheses if one.members != frozenset(given))  # a single one was tried too
         named = given_verdict(SetPosterior((*others, *forecast_by.hypotheses)), given)
-    fits = model_check(forecast_by)
+    switches = posterior.inclusion.get(DRAG_STEP, 0.0)
+    fits = with_coasts(model_check(forecast_by), forces_check(forces, switches))
     if not given:
         named = verdict_that_fits(named, fits, posterior.nothing)
     before = left_out(SetPosterior((plain,)))
@@ -173,6 +183,7 @@ def diagnose(
         forecasts_before=before,
         forecasts_after=after,
         fits=fits,
+        forces=with_probability(forces, switches) if forces is not None and logged else forces,
     )
 
 

@@ -29,7 +29,7 @@ _DECREASES = -np.exp(np.linspace(np.log(0.25), np.log(0.6), 5))
 """The same for a decrease. [1]"""
 _INCREASE_PROBABILITY = 0.95
 """Probability that drag that switches increases. [1]"""
-_SIZE_SD = 0.35
+SIZE_SD = 0.35
 """Standard deviation of single steps around the mean, as a fraction of it: brakes that open partly. [1]"""
 _FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9)
 """Grid of the fraction of flights with a step. [1]"""
@@ -42,7 +42,7 @@ _EARLIEST = 0.4
 look like one there. [s]"""
 _SLOWEST_ONSET = 0.35
 """Speed at which the last step begins, as a fraction of the first speed: drag is then an eighth of what it was. [1]"""
-_PULSE_PROBABILITY, _LONE_PROBABILITY, _LONE_SD = 0.05, 0.005, 1.0
+PULSE_PROBABILITY, LONE_PROBABILITY, LONE_SD = 0.05, 0.005, 1.0
 """Probabilities of a short and of a long lone step of a flight that is no member, and its standard deviation. [1]"""
 _MOST_PARTS = 3
 """Most steps in one flight. [1]"""
@@ -115,10 +115,12 @@ class DragSteps:
     size_sd: float
     fraction: float
     flights: tuple[FlightDrag, ...]
+    ports: float = 0.0
+    """Error of the static ports that the flights share, in prior standard deviations. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Steps:
+class PossibleSteps:
     """The steps a log may have: edges, log prior of long and of short ones, and sums over them by noise setting."""
 
     first: Int[Integers, "step"]
@@ -156,7 +158,7 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
         ]
     )
     ports = _port_errors(logs)
-    by_ports = [[_steps(_with_ports(one, error)) for one in logs] for error in ports.tolist()]
+    by_ports = [[possible_steps(given_ports(one, error)) for one in logs] for error in ports.tolist()]
     levels, log_levels = _levels(units, by_ports[ports.size // 2])
     log_levels = log_levels[:, None] - 0.5 * ports**2 - np.logaddexp.reduce(-0.5 * ports**2)
     shape = (len(logs), levels.size, ports.size)
@@ -187,14 +189,14 @@ def drag_steps(logs: Sequence[LoggedDrag], log_prior_odds: float) -> DragSteps |
     size = float(by_mean @ means)
     size_sd = float(np.sqrt(by_mean @ (means - size) ** 2))
     members = present * np.einsum("flmp,lmp->f", np.exp(np.log(fractions) + some[..., None] - mixed), weight)
-    lone_chance = np.exp(np.log(_LONE_PROBABILITY) + lone - plain)
+    lone_chance = np.exp(np.log(LONE_PROBABILITY) + lone - plain)
     lones = (1 - present) * lone_chance @ weight_alone
     flights = []
     for log, member, single in zip(logs, members.tolist(), lones.tolist(), strict=True):
-        shared = (size, float(np.hypot(size_sd, _SIZE_SD * abs(size)))) if member > single else (0.0, _LONE_SD)
-        flights.append(replace(_flight(_with_ports(log, error), member + single, own, own_sd, shared), lone=single))
+        shared = (size, float(np.hypot(size_sd, SIZE_SD * abs(size)))) if member > single else (0.0, LONE_SD)
+        flights.append(replace(_flight(given_ports(log, error), member + single, own, own_sd, shared), lone=single))
     fraction = float(weight.sum(axis=(0, 1)) @ fractions)
-    return DragSteps(log_bayes, present, own, own_sd, size, size_sd, fraction, tuple(flights))
+    return DragSteps(log_bayes, present, own, own_sd, size, size_sd, fraction, tuple(flights), error)
 
 
 def _port_errors(logs: Sequence[LoggedDrag]) -> Float[Array, "error"]:
@@ -203,13 +205,13 @@ def _port_errors(logs: Sequence[LoggedDrag]) -> Float[Array, "error"]:
     return np.array(_PORTS if some else (0.0,))
 
 
-def _with_ports(log: LoggedDrag, error: float) -> LoggedDrag:
-    """A log, given the error of the static ports."""
+def given_ports(log: LoggedDrag, error: float) -> LoggedDrag:
+    """A log, given the error of the static ports in prior standard deviations [1]."""
     likelihoods = tuple(one.with_ports(error) for one in log.profile.likelihoods)
     return replace(log, profile=replace(log.profile, likelihoods=likelihoods))
 
 
-def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
+def possible_steps(log: LoggedDrag, most_edges: int = _EDGES) -> PossibleSteps:
     """The steps that a log may have, from one of some edges of its intervals to a later one."""
     profile = log.profile
     count = profile.speed.size
@@ -231,7 +233,7 @@ def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
     log_prior_short -= np.logaddexp.reduce(log_prior_short)
     parts = []
     for one in profile.likelihoods[:_SETTINGS]:
-        widened = _with_scatter(one, log.scatter)
+        widened = with_scatter(one, log.scatter)
         level, shift = float(widened.precision.sum()), float(widened.shift.sum())
         for lasts in SWITCH_TIMES:
             ramp = ramp_matrix(count, lasts / profile.length)
@@ -239,11 +241,11 @@ def _steps(log: LoggedDrag, most_edges: int = _EDGES) -> _Steps:
             both, joint, pushed = (table[first, last] for table in sums)
             log_weight = widened.log_weight - float(np.log(len(SWITCH_TIMES)))
             parts.append(_Part(log_weight, widened, ramp, both, joint, pushed, level, shift))
-    return _Steps(first, last, log_prior_long, log_prior_short, tuple(parts))
+    return PossibleSteps(first, last, log_prior_long, log_prior_short, tuple(parts))
 
 
-def _with_scatter(one: DragLikelihood, scatter: float) -> DragLikelihood:
-    """The likelihood with the scatter of a flight's level integrated out (Sherman and Morrison)."""
+def with_scatter(one: DragLikelihood, scatter: float) -> DragLikelihood:
+    """The likelihood with the scatter of a flight's level [1] integrated out (Sherman and Morrison)."""
     row, push = one.precision.sum(axis=0), float(one.shift.sum())
     factor = scatter**2 / (1 + scatter**2 * row.sum())
     add = 0.5 * (factor * push**2 - float(np.log1p(scatter**2 * row.sum())))
@@ -253,7 +255,7 @@ def _with_scatter(one: DragLikelihood, scatter: float) -> DragLikelihood:
 
 
 def _levels(
-    units: Float[Array, "flight"], steps: Sequence[_Steps]
+    units: Float[Array, "flight"], steps: Sequence[PossibleSteps]
 ) -> tuple[Float[Array, "level"], Float[Array, "level"]]:
     """A grid of the rocket's own drag [m^2] around the levels of the logs, and its log prior."""
     own = [unit * one.parts[0].shift / one.parts[0].level for unit, one in zip(units, steps, strict=True)]
@@ -264,7 +266,7 @@ def _levels(
 
 
 def _log_likelihoods(
-    steps: _Steps, levels: Float[Array, "level"], means: Float[Array, "mean"]
+    steps: PossibleSteps, levels: Float[Array, "level"], means: Float[Array, "mean"]
 ) -> tuple[Float[Array, "level"], Float[Array, "level"], Float[Array, "level"], Float[Array, "level mean"]]:
     """Log likelihoods of a log for levels of relative drag: without a step, with a short and a long lone one, and with
     one of each mean size."""
@@ -278,8 +280,8 @@ def _log_likelihoods(
         linear = levels[:, None] * one.pushed - levels[:, None] ** 2 * one.joint
         quadratic = levels[:, None] ** 2 * one.both
         for kind, log_prior in ((pulse, steps.log_prior_short), (lone, steps.log_prior)):
-            kind.append(plain + _summed(linear, quadratic, 0.0, _LONE_SD, log_prior) + one.log_weight)
-        each = [_summed(linear, quadratic, mean, _SIZE_SD * abs(mean), steps.log_prior) for mean in means]
+            kind.append(plain + summed_over_steps(linear, quadratic, 0.0, LONE_SD, log_prior) + one.log_weight)
+        each = [summed_over_steps(linear, quadratic, mean, SIZE_SD * abs(mean), steps.log_prior) for mean in means]
         some.append(plain[:, None] + np.stack(each, axis=-1) + one.log_weight)
     each_none, each_pulse, each_lone, each_some = (
         np.logaddexp.reduce(np.stack(part), axis=0) for part in (none, pulse, lone, some)
@@ -287,8 +289,18 @@ def _log_likelihoods(
     return each_none, each_pulse, each_lone, each_some
 
 
-def _summed(linear: Array, quadratic: Array, mean: float, sd: float, log_prior: Array) -> Array:
-    """Log of the integral of exp(linear a - quadratic a²/2) over a normal a, summed over steps with their prior."""
+def summed_over_steps(
+    linear: Float[Array, "*many step"],
+    quadratic: Float[Array, "*many_or_one #step"],
+    mean: float,
+    sd: float,
+    log_prior: Float[Array, "step"],
+) -> Float[Array, "*many"]:
+    """Log of the integral of exp(linear a - quadratic a²/2) over a normal a, summed over steps with their prior; all
+    relative [1] and [nat].
+
+    Derivation: the integral of a normal density times the exponential of a quadratic form.
+    """
     precision = quadratic * sd**2 + 1
     pushed = linear * sd + mean / sd
     log = 0.5 * (pushed**2 / precision - (mean / sd) ** 2 - np.log(precision))
@@ -299,14 +311,14 @@ def _summed(linear: Array, quadratic: Array, mean: float, sd: float, log_prior: 
 
 def _plain(none: Array, pulse: Array, lone: Array) -> Float[Array, "*any"]:
     """Log likelihood without a common step, from those without any, with a short lone one, and with a long one."""
-    rest = np.log1p(-_PULSE_PROBABILITY - _LONE_PROBABILITY) + none
-    return np.asarray(np.logaddexp.reduce([rest, np.log(_PULSE_PROBABILITY) + pulse, np.log(_LONE_PROBABILITY) + lone]))
+    rest = np.log1p(-PULSE_PROBABILITY - LONE_PROBABILITY) + none
+    return np.asarray(np.logaddexp.reduce([rest, np.log(PULSE_PROBABILITY) + pulse, np.log(LONE_PROBABILITY) + lone]))
 
 
 def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: tuple[float, float]) -> FlightDrag:
     """Drag along a flight and its steps, given the rocket's own drag, and the mean size of steps and its spread."""
     level, (size, spread) = own / log.unit, shared
-    fine = _steps(log, log.profile.speed.size)
+    fine = possible_steps(log, log.profile.speed.size)
     count, weights, means, variances = log.profile.speed.size, [], [], []
     chance = _chances(fine, level, size, spread)
     healthy = np.array([one.log_weight + one.shift * level - 0.5 * one.level * level**2 for one, *_ in chance])
@@ -333,14 +345,14 @@ def _flight(log: LoggedDrag, member: float, own: float, own_sd: float, shared: t
     return FlightDrag(log.flight_id, time, ratio, sd, steps, member, 0.0, mean, source)
 
 
-def _shape(steps: _Steps, row: int, count: int) -> Float[Array, "interval"]:
+def _shape(steps: PossibleSteps, row: int, count: int) -> Float[Array, "interval"]:
     shape = np.zeros(count)
     shape[steps.first[row] : steps.last[row]] = 1.0
     return shape
 
 
 def _chances(
-    steps: _Steps, level: float, size: float, spread: float, offset: Array | float = 0.0
+    steps: PossibleSteps, level: float, size: float, spread: float, offset: Array | float = 0.0
 ) -> "list[tuple[_Part, Array, Array, Array]]":
     """For each noise setting: the probability of each step given that there is one, the mean of its relative size, and
     the factor by which the log narrows that."""
@@ -356,7 +368,7 @@ def _chances(
 
 
 def _found(
-    profile: DragProfile, steps: _Steps, level: float, size: float, spread: float, member: float
+    profile: DragProfile, steps: PossibleSteps, level: float, size: float, spread: float, member: float
 ) -> tuple[DragStep, ...]:
     """The steps of a member flight: the most probable one, and others while they are more probable than not."""
     count, edges = profile.speed.size, profile.edges

@@ -19,6 +19,7 @@ from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.setups import RAIL_LENGTH, recorded
 from fieldkit.selection.candidates import Candidate, Place, Switched, effect_terms
 from fieldkit.selection.climb import RocketInputs, beside_model, track_of
+from fieldkit.selection.coast_check import CoastCheck, coast_check
 from fieldkit.selection.drag_steps import DragSteps, FlightDrag, LoggedDrag, drag_steps
 from fieldkit.selection.prior import log_prior_odds
 from fieldkit.shapes import Array, Float
@@ -66,6 +67,8 @@ class LoggedForces:
     steps: DragSteps | None
     silent: Mapping[str, str]
     """Flights whose logs do not show drag, and why."""
+    logs: tuple[LoggedDrag, ...] = ()
+    """The drag that the logs show, of which `steps` is the interpretation."""
 
 
 def logged_forces(model: Model, logs: Mapping[str, FlightLog | str]) -> LoggedForces:
@@ -92,7 +95,7 @@ def logged_forces(model: Model, logs: Mapping[str, FlightLog | str]) -> LoggedFo
         for name, (rocket, measured) in setups.items()
         if (profile := thrust_profile(measured, replace(rocket, drag_area=steps.own))) is not None
     }
-    return LoggedForces({one.flight_id: one for one in steps.flights}, thrust, steps, silent)
+    return LoggedForces({one.flight_id: one for one in steps.flights}, thrust, steps, silent, tuple(shown))
 
 
 def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
@@ -131,13 +134,21 @@ def thrust_profile(measured: Recorded, rocket: RocketInputs) -> ThrustProfile | 
     return ThrustProfile(*np.array(kept).T) if len(kept) > 2 else None
 
 
-def step_candidate(model: Model, forces: LoggedForces) -> tuple[Candidate, ...]:
+def forces_check(forces: LoggedForces | None, probability: float) -> CoastCheck | None:
+    """Whether the drag of the logged coasts is that of the model, if it switches with this probability [1]; None
+    without such logs."""
+    if forces is None or forces.steps is None:
+        return None
+    return coast_check(forces.logs, forces.steps, min(probability, forces.steps.present))
+
+
+def step_candidate(model: Model, forces: LoggedForces | None) -> tuple[Candidate, ...]:
     """Drag that switches in the coast as a candidate for the model of a rocket, with the evidence of the logs' coasts
     as part of its prior; empty if no log shows it.
 
     That evidence contains the drag of each coast, so the readouts must not (`without_coast_drag`).
     """
-    steps = forces.steps
+    steps = forces.steps if forces is not None else None
     if steps is None or not any(one.steps and one.member > 0.5 for one in steps.flights):
         return ()
     size = max(abs(steps.size), 1e-9) * np.sign(steps.size)

@@ -20,6 +20,7 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Model
 from fieldkit.physics.setups import recorded
+from fieldkit.selection.coast_check import CoastCheck
 from fieldkit.selection.hypotheses import SetPosterior
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -79,6 +80,19 @@ def model_check(posterior: SetPosterior) -> ModelCheck:
     p = sum(chance * one.p for chance, one in found) / sum(chance for chance, _ in found)
     best = found[0][1]
     return ModelCheck(p, best.left if p < MIN_P else None, best.pattern)
+
+
+def with_coasts(check: ModelCheck, coasts: CoastCheck | None) -> ModelCheck:
+    """The check with that of the drag along logged coasts beside it: of two independent p-values, the probability that
+    one is as small as the smaller (Sidak, Journal of the American Statistical Association 62, 1967)."""
+    if coasts is None:
+        return check
+    p = 1 - (1 - min(check.p, coasts.p)) ** 2
+    if check.p <= coasts.p:
+        return ModelCheck(p, check.left if p < MIN_P else None, check.pattern)
+    when = f"{coasts.time_from_liftoff:.1f} s after lift-off"
+    pattern = f"the drag of flight {coasts.flight_id}, {coasts.ratio:.1f} times the rocket's own {when}"
+    return ModelCheck(p, "forces" if p < MIN_P else None, pattern)
 
 
 def fit_check(fit: Fit) -> ModelCheck:

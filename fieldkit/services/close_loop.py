@@ -24,14 +24,7 @@ from fieldkit.quantities import counted
 from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.logged_forces import (
-    DRAG_STEP,
-    FlightLog,
-    logged_forces,
-    step_candidate,
-    with_probability,
-    without_coast_drag,
-)
+from fieldkit.selection.logged_forces import FlightLog, logged_forces
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings, next_flight
 from fieldkit.services.fleet import fleet_prior
@@ -94,13 +87,7 @@ def close_loop(
     model = rocket_model(history)
     clean = [flight for flight, used in zip(model.flights, used_in_fit, strict=True) if used]
     forces = logged_forces(model, recorded_logs(ledger, clean, part(on_progress, 0.0, 0.2)))
-    data = observe(history)
-    if logged := step_candidate(model, forces):
-        data = without_coast_drag(data, model, forces)
-    diagnosis = diagnose(model, data, part(on_progress, 0.2, 0.8), given, declined, logged)
-    if logged:
-        forces = with_probability(forces, diagnosis.posterior.inclusion.get(DRAG_STEP, 0.0))
-    diagnosis = replace(diagnosis, forces=forces)
+    diagnosis = diagnose(model, observe(history), part(on_progress, 0.2, 0.8), given, declined, forces)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
