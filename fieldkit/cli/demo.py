@@ -1,12 +1,15 @@
 """`fieldkit demo`: everything on the twelve reference flights."""
 
+import sys
 from pathlib import Path
+from shutil import which
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import typer
 
 from fieldkit.cli.screen import measured, print_table, progress, say, say_report, say_wrapped, system
+from fieldkit.cli.units import ask_units_once
 from fieldkit.errors import LedgerError
 from fieldkit.files import replace
 from fieldkit.progress import ReportProgress, part
@@ -30,6 +33,7 @@ def demo(context: typer.Context) -> None:
     from fieldkit.motors import catalogue
     from fieldkit.services.demo import demo, new_ledger_file
 
+    ask_units_once()
     named = _named_ledger(context)
     new = new_ledger_file(named)
     with TemporaryDirectory(prefix="fieldkit-") as folder:
@@ -44,9 +48,21 @@ def demo(context: typer.Context) -> None:
     _predict(found)
     _loop(found)
     _profile(paper)
-    if named is None:
-        say("These flights are in a temporary ledger. To save them and continue from here:")
-        say("  fieldkit --ledger demo.db demo")
+    _next(named)
+
+
+def _next(ledger: str | None) -> None:
+    """What to type next: a flight of the user's own, and the same flights again."""
+    fieldkit = "fieldkit" if which("fieldkit") else sys.argv[0]
+    say("Next, type a flight of yours and a forecast; without options, add asks for each figure:")
+    say(f"  {fieldkit} add --rocket Lark --motor F24-4W --dry-mass 322g --diameter 66mm --apogee 923ft")
+    say(f"  {fieldkit} predict --motor F39-6T --wind 8mph")
+    if ledger is None:
+        say("These twelve flights were in a temporary ledger. To save them in one of their own, and use it:")
+        ledger = "demo.db"
+        say(f"  {fieldkit} --ledger {ledger} demo")
+    say(f"  {fieldkit} --ledger {ledger} predict --motor F24-7W")
+    say(f"{fieldkit} alone opens the app; {fieldkit} docs start is the manual.")
 
 
 def _named_ledger(context: typer.Context) -> str | None:
@@ -67,7 +83,7 @@ def _put(made: Path, new: Path) -> None:
 def _import(found: "Demo") -> None:
     clean = sum(flight.clean for flight in found.flights)
     say_wrapped(
-        f"1. {len(found.flights)} flights of {found.rocket} imported. {clean} are clean and used in the model; "
+        f"1. {len(found.flights)} flights of {found.rocket} imported. {clean} are normal and used in the model; "
         f"{len(found.flights) - clean} have a tag such as weak_launch and are not used.",
         "   ",
     )
@@ -76,12 +92,12 @@ def _import(found: "Demo") -> None:
 
 def _infer(found: "Demo") -> None:
     say_wrapped(
-        "2. Drag (Cd) and thrust (alpha, 1 as certified) inferred from each apogee. An apogee alone barely separates "
-        "the two, hence the wide ±; the reference paper's network (last two columns) has none.",
+        "2. Drag (Cd) and thrust factor (alpha, 1 as certified) inferred from each apogee. An apogee alone barely "
+        "separates the two, hence the wide ±; the reference paper's network (last two columns) has none.",
         "   ",
     )
     say()
-    headers = ("flight", "motor", "apogee", "Cd", "alpha", "tag", "paper Cd", "paper alpha")
+    headers = ("flight", "motor", "apogee", "Cd", "thrust", "tag", "paper Cd", "paper thrust")
     rows = [
         (
             f"{one.flight.flight_id} {one.flight.config}",
@@ -102,7 +118,7 @@ def _infer(found: "Demo") -> None:
 def _predict(found: "Demo") -> None:
     from fieldkit.presentation.forecast_text import ejection_in_words
 
-    say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} clean flights with certified thrust")
+    say(f"3. The next flight, forecast from the {found.predictions[0].rests_on} normal flights with certified thrust")
     say()
     headers = ("motor", "config", "apogee", "90% interval", "ejection")
     shown, rows = ShownUnits(system()), []
@@ -157,7 +173,7 @@ def _profile(paper: "PaperReport") -> None:
     say()
     below = profile["below_lowest_apogee_of_prior"]
     say_wrapped(
-        f"   Apogees simulated with it are biased by {shown.difference(bias['published'])} over the {count} clean "
+        f"   Apogees simulated with it are biased by {shown.difference(bias['published'])} over the {count} normal "
         f"flights, and {shown.difference(bias['certified'])} with certified curves; {below['published']} of the "
         f"{count} lie below the lowest apogee that its prior allows, {below['certified']} with certified curves."
     )
@@ -166,7 +182,7 @@ def _profile(paper: "PaperReport") -> None:
     before, after = missed["published_carried_over"], missed["hierarchical_certified"]
     was, now = (f"{shown.length(one['mae_m'], 1)} (bias {shown.difference(one['bias_m'])})" for one in (before, after))
     say_wrapped(
-        f"   Each clean flight forecast from the others (leave-one-out): mean error {was} with the published profile "
+        f"   Each normal flight forecast from the others (leave-one-out): mean error {was} with the published profile "
         f"and parameters, {now} with certified curves. `fieldkit paper` has the rest."
     )
     say()

@@ -72,7 +72,7 @@ def predict(
     json: AsJson = False,
     **given: str | None,
 ) -> None:
-    """Forecast the apogee of the next flight from the rocket's clean flights."""
+    """Forecast the apogee of the next flight from the rocket's normal flights."""
     from fieldkit.services.forecast_record import forecast_record
 
     check = MotorCheck()

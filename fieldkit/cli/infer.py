@@ -32,7 +32,7 @@ def infer(
     model: Annotated[InferenceName, typer.Option(help="The model to use.")] = InferenceName.field,
     json: AsJson = False,
 ) -> None:
-    """Estimate drag (Cd) and thrust (alpha, 1 as certified) from each flight."""
+    """Estimate drag (Cd) and the thrust factor (alpha, 1 as certified) from each flight."""
     from fieldkit.services.inferred import infer_flights
 
     with open_ledger(context) as ledger, progress("inferring") as on_progress:
@@ -46,7 +46,7 @@ def infer(
         return
     for warning, ids in found.warnings():
         complain(f"note: flight{'s' if len(ids) > 1 else ''} {', '.join(ids)}: {in_system(warning, system())}")
-    headers = ("flight", "motor", "apogee", "Cd", "±", "alpha", "±")
+    headers = ("flight", "motor", "apogee", "Cd", "±", "thrust", "±")
     rows = [
         (
             id,

@@ -132,7 +132,7 @@ def model(
         str | None,
         typer.Option(help="Default: that of the flight entered last.", show_default=False, autocompletion=rocket_names),
     ] = None,
-    use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is the plain model.")] = None,
+    use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is no correction.")] = None,
 ) -> None:
     """List the model versions of a rocket, or switch to one."""
     from fieldkit.services.forecasts import version_adds, which_rocket

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.screen import complain
+from fieldkit.cli.units import ask_units_once
 from fieldkit.errors import FieldkitError
 
 app = typer.Typer()
@@ -17,6 +18,8 @@ def open_app(ledger: str | None) -> None:
     served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
     if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise FieldkitError("the app needs a terminal; the commands do the same: fieldkit --help")
+    if not served:
+        ask_units_once()
     from fieldkit.tui.memory import pause_collection
 
     pause_collection()

@@ -1,11 +1,15 @@
-"""`fieldkit units`: the units in which numbers are shown."""
+"""`fieldkit units`: the units in which numbers are shown, and the question about them at the first start."""
 
+import os
+import sys
+from collections.abc import Mapping
 from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import AsJson, print_json, say
+from fieldkit.cli.screen import AsJson, complain, print_json, say
 from fieldkit.flight import BY_NAME
+from fieldkit.paths import settings_file
 from fieldkit.quantities import unit_of
 from fieldkit.settings import UNITS, change_settings, read_settings
 from fieldkit.spelled_units import spelled
@@ -13,6 +17,8 @@ from fieldkit.spelled_units import spelled
 app = typer.Typer()
 EXAMPLES = ("apogee", "top_speed", "dry_mass", "diameter", "temperature", "pressure")
 """Columns whose units are listed."""
+LOCALES = ("LC_ALL", "LC_MEASUREMENT", "LANG")
+"""Variables of the environment that name a country, in the order in which they count."""
 
 
 @app.command()
@@ -25,13 +31,48 @@ def units(
 ) -> None:
     """Show or set the units of every command and of the app; mixed is feet, with grams and millimeters."""
     if system is not None:
-        named = {one.casefold(): one for one in UNITS}
-        if system.casefold() not in named:
+        if (named := _named(system)) is None:
             raise typer.BadParameter(f"found {system!r}, expected one of {', '.join(UNITS)}")
-        change_settings({"units": named[system.casefold()]})
+        change_settings({"units": named})
     chosen = read_settings().units
-    shown = {name: spelled(unit_of(BY_NAME[name], chosen)) for name in EXAMPLES}
     if json:
-        print_json({"units": chosen, "shown": shown})
+        print_json({"units": chosen, "shown": _shown(chosen)})
         return
-    say(f"{chosen}: " + ", ".join(f"{BY_NAME[name].title.lower()} in {unit}" for name, unit in shown.items()))
+    say(_in_words(chosen))
+
+
+def ask_units_once() -> None:
+    """At the first start in a terminal, ask for the units and save the answer; Enter accepts the country's."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()) or settings_file().exists():
+        return
+    complain("Numbers can be shown in")
+    for name in UNITS:
+        complain(f"  {_in_words(name)}")
+    chosen = None
+    while chosen is None:
+        chosen = _named(typer.prompt("Which?", default=usual_units(os.environ), err=True))
+    change_settings({"units": chosen})
+    complain("To change them: fieldkit units, or N in the app")
+
+
+def usual_units(environment: Mapping[str, str]) -> str:
+    """The units of the country that a user's environment names."""
+    country = next((environment[name] for name in LOCALES if environment.get(name)), "")
+    return "US" if "_US" in country else "SI"
+
+
+def _named(typed: str) -> str | None:
+    """The system of units that was typed, in any case; None for another word."""
+    return {one.casefold(): one for one in UNITS}.get(typed.strip().casefold())
+
+
+def _shown(system: str) -> dict[str, str]:
+    """The units of a system by column."""
+    return {name: spelled(unit_of(BY_NAME[name], system)) for name in EXAMPLES}
+
+
+def _in_words(system: str) -> str:
+    """A system with its units: `US: apogee in ft, ...`."""
+    return f"{system}: " + ", ".join(
+        f"{BY_NAME[name].title.lower()} in {unit}" for name, unit in _shown(system).items()
+    )

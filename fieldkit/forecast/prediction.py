@@ -118,9 +118,9 @@ class Prediction:
 
 
 def model_in_words(name: str) -> str:
-    """The model of a forecast by its name, `field` or `field+wind`: `the plain model`, `the model with wind`."""
+    """The model of a forecast by its name, `field` or `field+wind`: `without a correction`, `the model with wind`."""
     added = name.split("+")[1:]
-    return f"the model with {' and '.join(added)}" if added else "the plain model"
+    return f"the model with {' and '.join(added)}" if added else "without a correction"
 
 
 def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Float[Array, "level"]:

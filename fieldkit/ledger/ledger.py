@@ -337,7 +337,7 @@ class Ledger:
         """
         with self._changing() as recorder:
             if models.activate(recorder, rocket, number):
-                recorder.sign("model", f"{rocket} uses " + (f"version {number}" if number else "the plain model"))
+                recorder.sign("model", f"{rocket} uses " + (f"version {number}" if number else "no correction"))
 
     def keep_prediction(
         self, payload: Mapping[str, Any], *, digest: str, rocket: str = "", flight_id: str = ""

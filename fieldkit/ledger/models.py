@@ -44,7 +44,7 @@ def activate(recorder: ChangeRecorder, rocket: str, number: int | None) -> bool:
     stored = {version.number: version.active for version in versions(recorder.connection, rocket)}
     if number is not None and number not in stored:
         known = ", ".join(map(str, (0, *stored)))
-        raise LedgerError(f"{rocket} has no model version {number}, expected one of: {known} (0 is the plain model)")
+        raise LedgerError(f"{rocket} has no model version {number}, expected one of: {known} (0 is no correction)")
     if number is None:
         recorder.delete(active_versions, active_versions.c.rocket == rocket)
     elif not stored[number]:

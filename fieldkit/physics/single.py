@@ -59,7 +59,9 @@ def _body(plan: Flight) -> tuple[float, float]:
 def _flown(setup: Setup, motor: str) -> FlightResult:
     flown = fly(setup)
     if not flown.lift_off.all():
-        raise ImpossibleFlight(f"{motor} at alpha {setup.thrust_factor.max():g} does not lift the rocket off the pad")
+        raise ImpossibleFlight(
+            f"{motor} at a thrust factor of {setup.thrust_factor.max():g} does not lift the rocket off the pad"
+        )
     return flown
 
 

@@ -75,7 +75,7 @@ def _errors(errors: FleetErrors | None) -> dict[str, Any] | None:
 def fleet_lines(found: FleetLoop, system: str = "SI") -> Iterator[str]:
     """The findings in sentences, most probable first, with the errors before and after, in the units of a system."""
     shown = ShownUnits(system)
-    yield f"{counted(found.rockets, 'rocket')}, {counted(found.flights, 'clean flight')}"
+    yield f"{counted(found.rockets, 'rocket')}, {counted(found.flights, 'normal flight')}"
     if not found.results:
         yield "  Nothing that several rockets share is missing from their model."
         return

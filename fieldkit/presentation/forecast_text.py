@@ -25,7 +25,8 @@ def in_words(prediction: Prediction, system: str = "SI") -> Iterator[str]:
     yield f"            90% interval {shown.lengths(p05, p95)}"
     yield f"  ejection  {ejection_in_words(prediction)}"
     yield f"  Cd        {with_sd(prediction.cd.mean(), prediction.cd.std())}"
-    yield f"  alpha     {with_sd(prediction.alpha.mean(), prediction.alpha.std())}"
+    thrust = with_sd(prediction.alpha.mean(), prediction.alpha.std())
+    yield f"  thrust    {thrust} times the certified (thrust factor, alpha)"
     yield f"  based on  {_rests_on(prediction)}"
     yield f"  narrows   {narrows(prediction)}"
     if prediction.mixed_with:
@@ -84,7 +85,7 @@ def _rests_on(prediction: Prediction) -> str:
     count = prediction.rests_on
     if not count:
         return "no flights of this rocket, only other rockets"
-    return f"{counted(count, 'clean flight')}, {model_in_words(prediction.model)}"
+    return f"{counted(count, 'normal flight')}, {model_in_words(prediction.model)}"
 
 
 def rests_in_words(prediction: Prediction) -> str:
@@ -93,10 +94,10 @@ def rests_in_words(prediction: Prediction) -> str:
     if prediction.rests_on:
         return basis
     narrower = 1 - prediction.narrowed(1)
-    return f"{basis}; one clean flight would narrow the apogee by {narrower:.0%}"
+    return f"{basis}; one normal flight would narrow the apogee by {narrower:.0%}"
 
 
 def narrows(prediction: Prediction) -> str:
     """How much more flights would narrow the interval."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
-    return f"by {one:.0%} after one more clean flight like this, by {many:.0%} after many"
+    return f"by {one:.0%} after one more normal flight like this, by {many:.0%} after many"

@@ -36,4 +36,4 @@ def _plain_model(found: Findings, shown: ShownUnits) -> Iterator[str]:
         score, count = compared.before.score, compared.before.flights
         inside = f"{round(score.coverage90 * count)} of {count} inside the 90% interval"
         miss = f"{shown.length(score.mae, 1)} off on average ({score.mae / apogee:.0%})"
-        yield f"  the plain model: {miss}, {inside}; each flight forecast from {source}"
+        yield f"  without a correction: {miss}, {inside}; each flight forecast from {source}"

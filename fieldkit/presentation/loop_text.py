@@ -33,7 +33,7 @@ def report(found: Findings, system: str = "SI", *, details: bool = False) -> Ite
     """A closed loop in the units of a system: the verdict, the misses before and after, and the probable effects; with
     `details` every effect with its evidence, the residuals and the held-out errors."""
     shown, count = ShownUnits(system), found.left_out.before.flights
-    yield f"{found.rocket}: {counted(count, 'clean flight')}"
+    yield f"{found.rocket}: {counted(count, 'normal flight')}"
     yield f"  verdict: {found.diagnosis.effect}: {in_system(found.diagnosis.why, system)}"
     for line in (*beside_verdict(found, system), *found.excluded):
         yield f"  {line}"
@@ -117,7 +117,7 @@ def misses(found: Findings) -> list[dict[str, Any]]:
 def _residual(found: Findings, shown: ShownUnits) -> Iterator[str]:
     before = found.left_out.before.score
     count = found.left_out.before.flights
-    yield f"  {counted(count, 'flight')}, each forecast from the others by the plain model:"
+    yield f"  {counted(count, 'flight')}, each forecast from the others without a correction:"
     yield (
         f"  mean error {shown.length(before.mae, 1)}, bias {shown.difference(before.bias)}, "
         f"{before.coverage90:.0%} of flights in the 90% interval"
@@ -173,10 +173,10 @@ def in_next_flight(one: NextFlight, system: str = "SI") -> str:
     span = f"{shown.length(one.after)}, 90% interval {shown.lengths(*one.interval)}"
     forecast = f"next {one.flight.motor} in the same conditions: {span}"
     if abs(change) < 0.5:
-        return f"{forecast}; the same as with the plain model"
+        return f"{forecast}; the same as without a correction"
     direction = "higher" if change > 0 else "lower"
     size = f"{shown.length(abs(change))} ({abs(change) / one.before:.1%})"
-    return f"{forecast}; {size} {direction} than with the plain model"
+    return f"{forecast}; {size} {direction} than without a correction"
 
 
 def how_sure(found: Findings) -> str:
@@ -206,11 +206,11 @@ def what_forecasts_become(found: Findings) -> str:
     """The sets that forecasts average over after the verdict is accepted."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
-        return "forecasts use the plain model"
+        return "forecasts use no correction"
     chances: defaultdict[str, float] = defaultdict(float)
     for chance, places in averaged:
         names = dict.fromkeys(_at_any_time(place) for place in places)
-        chances[" and ".join(names) or "the plain model"] += chance
+        chances[" and ".join(names) or "no correction"] += chance
     parts = [f"{chance:.0%} {name}" for name, chance in sorted(chances.items(), key=lambda one: -one[1])]
     return f"forecasts average over: {', '.join(parts)}"
 

@@ -59,8 +59,8 @@ def quick_document(found: QuickLook) -> dict[str, Any]:
 def quick_lines(found: QuickLook, system: str = "SI") -> Iterator[str]:
     """Probabilities in descending order, and the verdict, in the units of a system."""
     chances = found.probabilities
-    yield f"{found.rocket}: {counted(found.flights, 'clean flight')}, provisional, by a linear pass; nothing is saved"
-    yield f"  mean error of the plain model, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
+    yield f"{found.rocket}: {counted(found.flights, 'normal flight')}, provisional, by a linear pass; nothing is saved"
+    yield f"  mean error without a correction, leave-one-out: {ShownUnits(system).length(found.before.mae, 1)}"
     yield ""
     yield "  candidate effect                  probability  evidence   strength"
     yield from candidate_row("none", f"{chances.none:11.0%}")

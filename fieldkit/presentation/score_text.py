@@ -29,7 +29,7 @@ DIFFERENCE_LEGEND = "90% bootstrap intervals; +: fieldkit's score is lower, *: c
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
     """The reports with at least one flight, each with its title."""
     if found.saved is not None:
-        yield found.saved, f"Saved forecasts, made before the flight: {len(found.saved.rows)} flown and clean"
+        yield found.saved, f"Saved forecasts, made before the flight: {len(found.saved.rows)} flown and normal"
     if found.later.rows:
         yield (
             found.later,
@@ -148,7 +148,7 @@ def histogram(found: "Calibration") -> Iterator[str]:
     low, high = found.expected
     count = sum(found.counts)
     yield (
-        "Flights by place in their forecast, from 0% (lower than all its draws) to 100%: a tenth in each row, "
+        "Flights by place in their forecast, from 0% (lower than all its simulations) to 100%: a tenth in each row, "
         f"{low:.0f} to {high:.0f} by chance"
     )
     longest = max(*found.counts, 1)

@@ -16,7 +16,7 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
         return f"Cd and next apogee: {in_system(found.implausible_because, system)}"
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
     apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
-    return f"Cd {_ratio(found.cd)}  alpha {_ratio(found.alpha)}  next apogee {apogee}"
+    return f"Cd {_ratio(found.cd)}  thrust {_ratio(found.alpha)}  next apogee {apogee}"
 
 
 def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Three]]:
@@ -28,7 +28,7 @@ def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Thr
     apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return [
         ("Cd", _ratio(found.cd), found.cd),
-        ("alpha", _ratio(found.alpha), found.alpha),
+        ("thrust", _ratio(found.alpha), found.alpha),
         ("next apogee", apogee, found.next_apogee),
     ]
 

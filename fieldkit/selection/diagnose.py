@@ -113,7 +113,7 @@ class Diagnosis:
         plain = self.averaged == NO_EFFECTS
         if not self.accepted or not (plain or self.after.mae > self.before.mae):
             return self.verdict.why
-        use = ", so forecasts stay with the plain model" if plain else ""
+        use = ", so forecasts stay without a correction" if plain else ""
         return f"{self.verdict.why}; held-out flights do not show it yet{use}: check again after more flights"
 
     @property

@@ -80,7 +80,7 @@ def close_loop(
     used_in_fit = [flight.clean and flight.apogee is not None for flight in history.flights]
     if sum(used_in_fit) < 4:
         raise NoFlights(
-            f"{rocket}: found {counted(sum(used_in_fit), 'clean flight')} with an apogee, "
+            f"{rocket}: found {counted(sum(used_in_fit), 'normal flight')} with an apogee, "
             "expected at least 4 to close the loop"
         )
     history = history.using(used_in_fit)

@@ -78,7 +78,7 @@ def close_fleet_loop(ledger: Ledger, motors: Catalogue, on_progress: ReportProgr
     """
     known = [one for one in followed(ledger.flights(), motors) if one[0].clean and one[0].apogee is not None]
     if not known:
-        raise NoFlights("found no clean flight with an apogee and a dry mass, expected at least two rockets' flights")
+        raise NoFlights("found no normal flight with an apogee and a dry mass, expected at least two rockets' flights")
     by_rocket: dict[str, list[FlownFlight]] = {}
     for flight, motor in known:
         by_rocket.setdefault(flight.rocket, []).append((flight, motor))

@@ -64,5 +64,5 @@ def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: st
     if not flight.motor:
         raise ImpossibleFlight("the flight has no motor; press e to enter one, such as F24-4W")
     made = forecast_from_others(ledger, motors, flight)
-    others = counted(made.rests_on, "other clean flight")
+    others = counted(made.rests_on, "other normal flight")
     return ForecastFacts(*made.apogee_quantiles(), f"none saved; computed from {others}")

@@ -198,7 +198,9 @@ def warnings(flight: Flight, answer: "QuickAnswer") -> tuple[str, ...]:
         lines.append(_inconsistent(found))
     seen = answer.data.seen[0]
     if seen[0] and seen.sum() == 1:
-        lines.append("apogee alone cannot separate drag from thrust: alpha is mostly that of the motor's certificate")
+        lines.append(
+            "apogee alone cannot separate drag from thrust: the thrust factor is mostly that of the motor's certificate"
+        )
     if answer.log_cd[1] > UNINFORMATIVE_SD_RATIO * without_data(linear).cd_sd[answer.plan]:
         lines.append("this flight barely constrains drag")
     if flight.diameter is None:

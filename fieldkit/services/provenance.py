@@ -178,7 +178,7 @@ def _model_phrases(made: SourceDigests, now: SourceDigests) -> Iterator[str]:
 
 
 def _version(number: str) -> str:
-    return "the plain model" if number == "0" else f"model version {number}"
+    return "no correction" if number == "0" else f"model version {number}"
 
 
 def _columns(flight: Flight, names: Sequence[str] | Mapping[str, object]) -> dict[str, str]:

@@ -48,7 +48,7 @@ def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
     if sum(used_in_fit) < MIN_FLIGHTS:
         raise NoFlights(
-            f"{rocket}: found {counted(sum(used_in_fit), 'clean flight')} with an apogee, "
+            f"{rocket}: found {counted(sum(used_in_fit), 'normal flight')} with an apogee, "
             f"expected at least {MIN_FLIGHTS}"
         )
     return quick_look(rocket, history, used_in_fit)

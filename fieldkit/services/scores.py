@@ -60,7 +60,7 @@ def score_forecasts(
     judged = _since(rows, since)
     if not judged:
         limit = f" since {since}" if since else ""
-        raise NoFlights(f"found no clean flight with an apogee and a dry mass{limit}, expected at least one")
+        raise NoFlights(f"found no normal flight with an apogee and a dry mass{limit}, expected at least one")
     later, first = (judged_report([row for row in judged if bool(row.earlier) == known]) for known in (True, False))
     return LedgerScores(
         judged_report(before) if before else None,

@@ -444,10 +444,12 @@ def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tup
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 def test_add_killed_at_the_fifth_prompt_offers_to_continue(file: Path) -> None:
-    printed, _ = converse_in_terminal(file, ["Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
+    printed, _ = converse_in_terminal(file, ["si", "Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
+    assert "Numbers can be shown in" in printed
     assert "Top speed (m/s): " in printed
     assert flights_in(file) == []
     printed, _ = converse_in_terminal(file, ["y"], "Top speed (m/s): ")
+    assert "Numbers can be shown in" not in printed, "the units are asked for once"
     assert "A flight is unfinished (rocket Astra, config A, motor F24-4W, apogee 923ft)." in printed
     assert "Rocket" not in printed.split("[Y/n]")[1]
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from fieldkit.cli.units import ask_units_once, usual_units
 from tests.commands import Run
 
 CHECK_SHAPES = False
@@ -48,3 +49,23 @@ def test_the_name_of_a_file_is_never_converted(tmp_path: Path, run: Run) -> None
     printed = run("import", table, status=None)
     assert "pad 30 m.csv" in printed.err
     assert "98 ft" not in printed.out + printed.err
+
+
+@pytest.mark.parametrize(
+    ("environment", "system"),
+    [
+        ({"LANG": "en_US.UTF-8"}, "US"),
+        ({"LANG": "de_CH.UTF-8"}, "SI"),
+        ({"LANG": "en_US.UTF-8", "LC_MEASUREMENT": "en_GB.UTF-8"}, "SI"),
+        ({"LANG": "C"}, "SI"),
+        ({}, "SI"),
+    ],
+)
+def test_the_country_says_which_units_are_usual(environment: dict[str, str], system: str) -> None:
+    assert usual_units(environment) == system
+
+
+def test_nothing_is_asked_without_a_terminal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    ask_units_once()
+    assert not list(tmp_path.iterdir())

@@ -48,7 +48,7 @@ def test_mass_and_diameter_alone_make_a_plan(
     if command[0] != "finals":
         assert "no flights of this rocket" in out
     if command[0] not in ("predict", "finals"):
-        assert "one clean flight would narrow the apogee by" in out
+        assert "one normal flight would narrow the apogee by" in out
 
 
 def test_an_unknown_rocket_without_a_mass_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

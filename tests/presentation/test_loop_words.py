@@ -38,8 +38,8 @@ def test_the_group_of_an_effect_is_in_parentheses(place: Place, words: str) -> N
 @pytest.mark.parametrize(
     ("before", "after", "change"),
     [
-        (200.0, 190.0, "10 m (5.0%) lower than with the plain model"),
-        (190.0, 190.2, "the same as with the plain model"),
+        (200.0, 190.0, "10 m (5.0%) lower than without a correction"),
+        (190.0, 190.2, "the same as without a correction"),
     ],
 )
 def test_the_next_forecast_is_shown_before_its_change(before: float, after: float, change: str) -> None:
@@ -62,6 +62,6 @@ def test_without_a_verdict_the_report_names_what_was_looked_for_and_how_good_the
     )
     assert list(mean_misses(found, ShownUnits("US"))) == [
         "  looked for: wear, weathercocking in the wind",
-        "  the plain model: 33 ft off on average (5%), 3 of 4 inside the 90% interval; "
+        "  without a correction: 33 ft off on average (5%), 3 of 4 inside the 90% interval; "
         "each flight forecast from the others",
     ]

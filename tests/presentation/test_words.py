@@ -49,7 +49,7 @@ def test_the_reason_why_no_charge_fires_is_named() -> None:
 def test_the_basis_of_a_new_rockets_forecast_is_the_same_in_every_sentence() -> None:
     made = forecast("F24-4W")
     assert "  based on  no flights of this rocket, only other rockets" in list(in_words(made))
-    assert rests_in_words(made).startswith("no flights of this rocket, only other rockets; one clean flight")
+    assert rests_in_words(made).startswith("no flights of this rocket, only other rockets; one normal flight")
 
 
 def test_a_date_without_a_time_shows_no_time() -> None:
@@ -75,7 +75,7 @@ def test_ounces_keep_their_decimals_in_the_limits_of_a_rule() -> None:
         (("temperature_c", "", "20"), "temperature was not given, now 20 °C", "temperature was not given, now 68 °F"),
         (("motor", "AeroTech F24W", "AeroTech F39T"), "motor was AeroTech F24W, now AeroTech F39T", None),
         (("thrust", "0f3a", "91bc"), "the motor's thrust curve changed", None),
-        (("the plain model replaced by model version 1",), "the plain model replaced by model version 1", None),
+        (("no correction replaced by model version 1",), "no correction replaced by model version 1", None),
     ],
 )
 def test_the_reason_why_a_forecast_is_stale_is_in_the_flyers_units(

@@ -40,7 +40,7 @@ def test_the_demo_shows_readouts_to_next_apogee_and_does_not_touch_the_flyers_le
     assert not mine.exists()
     assert not list((tmp_path / "home").glob("*"))
     assert max(map(len, printed.out.splitlines())) <= 80
-    assert "12 flights of Astra imported. 8 are clean" in printed.out
+    assert "12 flights of Astra imported. 8 are normal" in printed.out
     steps = re.split(r"^\d\. ", printed.out, flags=re.MULTILINE)
     assert len(steps) == 6
     _, _, inferred, predicted, loop, profile = steps

@@ -76,7 +76,7 @@ CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
     "remove": (lambda ledger: ledger.remove("3"), "flight 3 was removed"),
     "model": (
         lambda ledger: ledger.keep_version("Astra", {"effects": []}),
-        "the plain model replaced by model version 1",
+        "no correction replaced by model version 1",
     ),
     "flight": (lambda ledger: ledger.add([FLOWN.with_changes(flight_id="9")]), "flight 9 added since"),
     "plan": (

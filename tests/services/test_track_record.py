@@ -63,4 +63,4 @@ def test_scores_since_a_day_leave_out_earlier_forecasts(tmp_path: Path, run: Run
     assert [flight for flight, _ in found[0]] == ["2", "3"]
     assert found[1] == found[0][1:]
     refused = run("score", "--since", "2026-06-01", status=1)
-    assert "found no clean flight with an apogee and a dry mass since 2026-06-01" in refused.err
+    assert "found no normal flight with an apogee and a dry mass since 2026-06-01" in refused.err

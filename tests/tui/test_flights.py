@@ -128,10 +128,10 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "2 · Astra A · F24-4W · 2026-04-18 10:25" in seen
         assert "Apogee 281.3 m" in seen
         assert "Top speed 83.4 m/s" in seen
-        assert "from 7 other clean flights" in seen
+        assert "from 7 other normal flights" in seen
         assert "no log with samples" in seen
         await press(pilot, "escape", "home", "enter")
-        assert "forecast of 2026-04-17 18:00, the plain model" in words(pilot)
+        assert "forecast of 2026-04-17 18:00, without a correction" in words(pilot)
         assert "flown 198.1 m: 4.1 m higher, inside the interval" in words(pilot)
         assert "◆" in shown(pilot)
 
@@ -179,7 +179,7 @@ async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> 
         assert third.startswith("3 · Astra")
         assert "83.4" in second
         assert "83.4" not in third
-        assert third.count("Cd  ") == third.count("alpha  ") == 1
+        assert third.count("Cd  ") == third.count("thrust  ") == 1
         assert "3 · Astra" in screen_words
         assert "2 · Astra" not in screen_words
 
@@ -232,16 +232,16 @@ async def test_the_effect_of_a_tag_is_shown_at_once_and_can_be_undone(file: Path
     async with opened(file) as pilot:
         await press(pilot, "end", "up", "t")
         assert "2 · Astra A" in shown(pilot)
-        assert "based on 8 clean flights" in words(pilot)
+        assert "based on 8 normal flights" in words(pilot)
         for tag in list(TAGS)[:5]:
             assert tag in shown(pilot)
         await press(pilot, "down", "enter")
-        assert "now 7 clean flights" in words(pilot)
+        assert "now 7 normal flights" in words(pilot)
         assert "[x] off_axis" in shown(pilot)
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ("off_axis",)
         await hurry(pilot, "space", "space", "u", "u", "u")
-        assert "based on 8 clean flights now" not in words(pilot)
+        assert "based on 8 normal flights now" not in words(pilot)
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ()
 
@@ -339,7 +339,7 @@ async def test_y_copies_the_row_and_the_card(file: Path) -> None:
         assert "fieldkit remove FLIGHT" in pilot.app.clipboard
         await press(pilot, "enter", "y")
         assert "Apogee" in pilot.app.clipboard
-        assert "alpha" in pilot.app.clipboard
+        assert "thrust" in pilot.app.clipboard
 
 
 async def test_text_from_files_is_shown_without_markup_and_escapes(tmp_path: Path) -> None:

@@ -242,11 +242,11 @@ async def test_the_forecast_follows_the_cursor_through_motors_that_fit(file: Pat
     async with opened(file, (100, 42), page="next_flight") as pilot:
         assert "Astra B on AeroTech" in shown(pilot)
         card = text_of(pilot, "#title")
-        assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in text_of(pilot, "#more")
+        assert "8 normal flights (1, 2, 3, 4, 9, 10, 11, 12), no correction" in text_of(pilot, "#more")
         await press(pilot, *["down"] * 3)
         assert "Astra B on" in shown(pilot)
         assert text_of(pilot, "#title") != card
-        for what in ("ejection", "by delay", "off rail", "T:W", "Cd", "alpha", "true"):
+        for what in ("ejection", "by delay", "off rail", "T:W", "Cd", "thrust", "true"):
             assert what in shown(pilot)
         assert "kg/m³" in text_of(pilot, "#more")  # below the edge of the terminal
         await press(pilot, "b")
@@ -418,7 +418,7 @@ async def test_the_loop_is_shown_and_earlier_versions_can_be_restored(file: Path
             await press(pilot, "right", "right", "right")
             assert "▸  0" in shown(pilot)
             await press(pilot, "enter")
-            assert "Astra forecasts with the plain model. u to undo" in words(pilot)
+            assert "Astra forecasts with no correction. u to undo" in words(pilot)
             with Ledger.open(file) as ledger:
                 assert ledger.active_version("Astra") is None
             await press(pilot, "u")
@@ -576,7 +576,7 @@ async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path
         for card in screen.query(ForecastCard):
             titles |= {line[:9].strip() for line in card.text.splitlines() if line[:9].strip() and line[9:11] == "  "}
         if isinstance(screen, FlightScreen):
-            titles |= {column.title for column in (*READOUTS, *SETUP, *CONDITIONS)} | {"Log", "Cd", "alpha"}
+            titles |= {column.title for column in (*READOUTS, *SETUP, *CONDITIONS)} | {"Log", "Cd", "thrust"}
         plain = {re.sub(r"^[✓!⊘✗?] | (m/s|s)$|[ ▲▼]+$", "", title).lower() for title in titles}
         assert plain
         assert not {title for title in plain if title not in helped and not title[:1].isdigit()}

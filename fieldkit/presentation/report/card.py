@@ -154,7 +154,7 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight, system: str) 
         return None
     interval = made.apogee_quantiles()
     shown = ShownUnits(system).length(interval[1])
-    others = counted(made.rests_on, "other clean flight")
+    others = counted(made.rests_on, "other normal flight")
     words = f"no saved forecast; from {others} it would have been {shown}"
     return CardForecast(made.apogee, interval, False, words)
 

@@ -116,7 +116,7 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
     panel = figure.subplots()
     shown = ShownUnits(card.system)
     place, record = np.arange(1, len(card.record) + 1), card.record / shown.length_factor
-    panel.plot(place[card.clean], record[card.clean], "o", color=FAINT_COLOR, markersize=5, mfc="white", label="clean")
+    panel.plot(place[card.clean], record[card.clean], "o", color=FAINT_COLOR, markersize=5, mfc="white", label="normal")
     tagged = ~card.clean
     if tagged.any():
         panel.plot(

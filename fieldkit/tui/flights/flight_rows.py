@@ -117,8 +117,8 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
         ),
         Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
         Shown(
-            "α" if tight else "alpha",
-            5 if not tight else 4,
+            "α" if tight else "thrust",
+            6 if not tight else 4,
             lambda r, _: _number(r.thrust, ".2f"),
             lambda r: r.thrust or 0.0,
             right=True,

@@ -62,7 +62,7 @@ def hills(flight: Flight, resources: Resources) -> Hills:
             f"{title}  {with_sd(values.mean(), values.std())}",
             draw_density(values, lambda value: f"{value:g}"),
         )
-        for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "alpha", drag.thrust))
+        for place, title, values in (("drag", drag.drag_name, drag.drag), ("thrust", "thrust", drag.thrust))
     )
     return Hills(drawn, drag.warnings)
 
@@ -86,7 +86,7 @@ class FlightScreen(PageScreen):
         "forecast, an interval that should hold nine flights in ten, and the result.",
         (
             ("Cd", "Drag of the rocket in this flight. A wide curve means these readouts constrain it poorly."),
-            ("alpha", "Thrust of this motor relative to the certified thrust; 1 is as certified."),
+            ("thrust", "Thrust factor (alpha) of this motor relative to the certified thrust; 1 is as certified."),
             ("├──●──┤", "The forecast: 5%, median and 95%. ◆ is the flown apogee."),
             ("± 1 m", "One standard deviation: the true value is this close two times in three."),
             (

@@ -14,7 +14,7 @@ FLIGHTS_HELP = Help(
         ("rocket, cfg", "The rocket, its configuration, and its motor with the delay."),
         ("apogee", "Highest point above the pad, as your altimeter showed it."),
         ("Cd", "How much drag the rocket had in this flight, inferred from its readouts alone."),
-        ("alpha", "Thrust of the motor: 1 is as certified, 0.95 is five percent weaker."),
+        ("thrust", "Thrust factor (alpha) of the motor: 1 is as certified, 0.95 is five percent weaker."),
         ("miss", "Flown minus forecast; empty if no forecast was saved before the flight."),
         ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
         ("miss*", "The forecast was stale: mass, motor, weather or model changed before the flight."),

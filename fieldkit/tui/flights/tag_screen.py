@@ -50,7 +50,7 @@ class Shift:
         return [
             ("Cd", with_sd(one.cd.mean(), one.cd.std())),
             ("next apogee", f"{middle}, 90% between {low} and {high}"),
-            ("based on", counted(one.rests_on, "clean flight")),
+            ("based on", counted(one.rests_on, "normal flight")),
         ]
 
     def apogee(self, name: str) -> IntervalBar:

@@ -83,7 +83,7 @@ LOOP_HELP = Help(
             "effect that S looks for, up to",
             "Before a search: each effect that it tries, and a strength that the effect rarely exceeds.",
         ),
-        ("Versions", "Saved models of this rocket, and the one in use. 0 is the plain model."),
+        ("Versions", "Saved models of this rocket, and the one in use. 0 is without a correction."),
         ("no., made, adds", "Number of the version, its date, and the effects that it adds."),
         ("held-out error", "Its mean error on held-out flights, before and after."),
     ),
@@ -201,7 +201,7 @@ class LoopScreen(PageScreen):
         """Show the models of the rocket, and which is in use."""
         self._standing, self._rocket = standing, standing.rocket
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
-        model = f"version {standing.used}" if standing.used else "the plain model"
+        model = f"version {standing.used}" if standing.used else "no correction"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · forecasts with {model}{more}")))
         self.panels.show_versions(standing, self.resources.settings.units)
         if not self._search:
@@ -327,7 +327,7 @@ class LoopScreen(PageScreen):
             return
         plain = self._standing is None or self._standing.plain
         if plain and all(not places for _, places in found.diagnosis.averaged):
-            self.show_notice("Nothing to accept: the plain model is in use")
+            self.show_notice("Nothing to accept: no correction is in use")
             return
         if self._is_accepted:
             self.show_notice("Already accepted: forecasts use it")
@@ -383,7 +383,7 @@ class LoopScreen(PageScreen):
         if self._standing is None:
             return
         rocket, number = self._standing.rocket, message.key
-        named = f"version {number}" if number else "the plain model"
+        named = f"version {number}" if number else "no correction"
         if number == self._standing.used:
             self.show_notice(f"{rocket} already uses {named}")
             return

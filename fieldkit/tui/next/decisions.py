@@ -68,10 +68,8 @@ def of_landing(answer: Answer, one: PlannedFlight, size: float | None, system: s
     """The answer with both pictures; `size` is of the field across. [m]"""
     unit = spelled(unit_of(cards.APOGEE, system))
     field = ", circle the field" if size else ""
-    title = (
-        f"{DRAWN_FLIGHTS} draws from the side, pad to apogee to landing; and landings from above, wind to the right: "
-    )
-    title += f"▲ pad, ellipse 90% of them{field} [{unit}]"
+    title = f"{DRAWN_FLIGHTS} simulations from the side, pad to apogee to landing; and landings from above, "
+    title += f"wind to the right: ▲ pad, ellipse 90% of them{field} [{unit}]"
     scaled = partial(_scaled, system)
     return replace(
         answer, title=title, draw=partial(_from_the_side, one, scaled), second=partial(_from_above, one, size, scaled)
@@ -317,7 +315,7 @@ class Decision:
         rocket = self.plan.rocket
         rows = [row for row in replayed(ledger, motors, rocket) if row.earlier]
         if not rows:
-            return Answer(("Needs two clean flights with an apogee: each is forecast from the earlier ones.",))
+            return Answer(("Needs two normal flights with an apogee: each is forecast from the earlier ones.",))
         found = judged_report(rows)
         words = (f"{len(rows)} flights of {rocket}, each forecast from the earlier ones", "")
         scores = (*_missed(found, self.system), "", *against_the_bar(found))

@@ -59,7 +59,7 @@ NEXT_HELP = Help(
         ("◆ ! ✗", "Before a motor: flown before, weak for this weight, not possible."),
         (
             "≈ apogee",
-            "Not final: a provisional answer, then a fit with few draws. The selected one is forecast in full.",
+            "Not final: a provisional answer, then a fit with few simulations. The selected one is forecast in full.",
         ),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
         (
@@ -100,8 +100,8 @@ NEXT_HELP = Help(
         ("top speed", "Top speed, at about burnout."),
         ("T:W", "Thrust over weight, in the first half second and on average: above 5 is good, below 3 is unsafe."),
         (
-            "Cd, alpha",
-            "Drag of the rocket and thrust of the motor used in the forecast, with their standard deviations.",
+            "Cd, thrust",
+            "Drag of the rocket and thrust factor (alpha) of the motor, each with its standard deviation.",
         ),
         (
             "air",

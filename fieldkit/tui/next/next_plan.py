@@ -36,7 +36,7 @@ b Rocket  the next rocket that has flown"""
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
 """Editable numbers of a plan; the delay is chosen with the motor."""
 QUESTIONS = (
-    Question("rocket", "Rocket", "Its name, as in the ledger. The forecast is based on its clean flights."),
+    Question("rocket", "Rocket", "Its name, as in the ledger. The forecast is based on its normal flights."),
     Question(
         "config", "Configuration", "The build, such as A. Mass and diameter are those of the flight entered last."
     ),
@@ -167,9 +167,9 @@ def rests_on(ledger: Ledger, rocket: str, flights: Sequence[Flight]) -> str:
     if not clean:
         return "no flights of it, only other rockets"
     version = ledger.active_version(rocket)
-    model = f"version {version.number}" if version else "the plain model"
+    model = f"version {version.number}" if version else "no correction"
     more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""
-    return f"{counted(len(clean), 'clean flight')} ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
+    return f"{counted(len(clean), 'normal flight')} ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
 
 
 def planned(values: Mapping[str, object]) -> Flight:

@@ -160,7 +160,7 @@ def of_build(group: Group, system: str, design: Configuration | None = None) -> 
 def _used(flights: Sequence[Flight]) -> str:
     """How many flights there are, and how many of them have no anomaly."""
     clean = sum(one.clean for one in flights)
-    return f"{len(flights)}, {'all' if clean == len(flights) else f'{clean} of them'} clean"
+    return f"{len(flights)}, {'all' if clean == len(flights) else f'{clean} of them'} normal"
 
 
 def _stability(design: Configuration) -> str:

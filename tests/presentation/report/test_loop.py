@@ -186,7 +186,7 @@ def test_nothing_is_plotted_if_forecasts_do_not_change(found: Findings) -> None:
         list(misses_drawn(replace(found, diagnosis=replace(found.diagnosis, verdict=LoopVerdict("none", 0.9, "")))))
         == []
     )
-    assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use the plain model"]
+    assert loop_document(plain)["verdict"]["accepting"] == ["forecasts use no correction"]
 
 
 # The fingerprint

@@ -268,6 +268,6 @@ def test_the_command_writes_the_report(file: Path, tmp_path: Path, capsys: pytes
     target = tmp_path / "card.html"
     assert main(["--ledger", str(file), "report", "1", "--out", str(target)]) == 0
     assert "card.html" in capsys.readouterr().out
-    assert "from 1 other clean flight it" in target.read_text(encoding="utf-8")
+    assert "from 1 other normal flight it" in target.read_text(encoding="utf-8")
     assert main(["--ledger", str(file), "report", "1", "--out", str(tmp_path / "card.doc")]) == 1
     assert "card.doc" in capsys.readouterr().err
