@@ -34,7 +34,7 @@ from tests.commands import Run
 from tests.pressing import opened, press, text_of
 from tests.user_units import foreign_figures
 from tests.vocabulary import unlisted
-from tools import benchmarks
+from tools import benchmarks, evidence
 from tools.manual import pages
 from tools.strings import listed
 
@@ -46,9 +46,10 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
 ALTIMETERS = ("altimetertwo", "perfectflite", "altos", "eggtimer", "rrc3", "blue-raven")
 """Pages of loggers, with what the import of a file answers."""
-RUN = ("start", "predictions", "installing", *ALTIMETERS[1:])
-"""Pages whose commands are run, each as a separate session. Commands on other pages are among the examples, except for
-those with real flights, which are not shipped."""
+NOT_SHIPPED = ("journal", "real-histories")
+"""Pages whose commands need flights that are not shipped."""
+SLOW = ("after-flight", "contest", "evidence", "landing", "loop", "planning", "safety")
+"""Pages whose sessions take seconds."""
 OWN_UNITS = {"inspect", "docs", "contest", "finals", "season"}
 """Commands that quote a file's columns, the manual, or a contest's rule."""
 PROPER_NAMES = """
@@ -63,7 +64,7 @@ TO_BE_MADE = {
     ".venv/bin",
 }
 """Paths that the reader creates."""
-MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "sheet.pdf"}
+MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "log-book.csv", "sheet.pdf"}
 """Files that the examples write."""
 
 
@@ -87,7 +88,17 @@ def lines_of(name: str) -> list[str]:
         text = (ROOT / "docs" / name).read_text(encoding="utf-8")
     else:
         text = "".join(block + "\n" for block in EXAMPLES) if name == "README" else "".join(blocks("sh", PAGES[name]))
+    text = re.sub(r" &&\n *", "\n", text).replace(".venv/bin/fieldkit", "fieldkit")
     return [line for line in text.splitlines() if line and not line.startswith("#")]
+
+
+RUN = [
+    pytest.param(name, marks=pytest.mark.thorough) if name in SLOW else name
+    for name in PAGES
+    if not name.startswith("commands") and name not in (*NOT_SHIPPED, ALTIMETERS[0])  # run beside its answers
+    if any(line.startswith("fieldkit ") for line in lines_of(name))
+]
+"""Pages whose commands are run, each as a separate session."""
 
 
 @pytest.mark.usefixtures("at_the_root")
@@ -135,10 +146,17 @@ def test_the_long_examples_are_valid(line: str) -> None:
     assert main([*shlex.split(line)[1:], "--help"]) == 0
 
 
-@pytest.mark.parametrize("name", sorted(set(PAGES) - {*RUN, *ALTIMETERS, "commands", "journal", "real-histories"}))
-def test_commands_on_other_pages_are_in_a_session(name: str) -> None:
+def test_the_commands_of_every_page_run() -> None:
+    """Those on the pages of commands are the examples; other pages are run, or only their options are checked."""
     shown = {*lines_of("examples.sh"), *lines_of("examples-long.sh")}
-    assert {line for line in lines_of(name) if line.startswith("fieldkit ")} <= shown
+    listed = {line for name in PAGES if name.startswith("commands") for line in lines_of(name)}
+    assert listed == shown
+    assert len(RUN) > 15
+
+
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_no_page_is_longer_than_two_thousand_words(page: str) -> None:
+    assert len(page.split()) <= 2000
 
 
 @pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
@@ -150,12 +168,12 @@ def test_every_block_of_code_is_of_a_kind_that_a_test_runs(page: str) -> None:
     shown = [line for language, block in fences if language == "console" for line in block.splitlines()]
     assert [line for line in shown if not line.startswith("$ fieldkit ") and line != "pipx install ."] == []
     assert not blocks("python", page) or page == PAGES["extending"]
-    assert not blocks("toml", page) or page == PAGES["planning"]
+    assert not blocks("toml", page) or page == PAGES["safety"]
 
 
 @pytest.mark.usefixtures("at_the_root")
 def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (block,) = blocks("toml", PAGES["planning"])
+    (block,) = blocks("toml", PAGES["safety"])
     (tmp_path / "rules").mkdir()
     (tmp_path / "rules" / "moorland.toml").write_text(block, encoding="utf-8")
     plan = ["--motor", "C6-5", "--dry-mass", "70g", "--diameter", "42mm", "--wind", "8.5m/s"]
@@ -184,20 +202,49 @@ def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:
         own = ("fieldkit", "fieldkit, from apogees alone", "mixed with rivals")
         return min((row for name, row in table.items() if name not in own), key=lambda row: float(row[2]))
 
-    flights, median, crps = journal["fieldkit"]
-    assert f"on {flights} flights the median error is {median}% and the CRPS {crps}%" in claims
-    assert "against {1}% and {2}% of the best simple rule".format(*best(journal)) in claims
     flights, median, crps = contest["fieldkit"]
-    assert (
-        f"in learning, {flights} flights: {median}% and {crps}%, against {{1}}% and {{2}}%".format(*best(contest))
-        in claims
-    )
+    own = f"in learning, {flights} flights: median error {median}%, CRPS {crps}%"
+    assert f"{own}, against {{1}}% and {{2}}% of the best simple rule".format(*best(contest)) in claims
+    flights, median, crps = journal["fieldkit"]
+    own = f"from his earlier ones, {flights}: {median}% and {crps}%"
+    assert f"{own}, against {{1}}% and {{2}}%".format(*best(journal)) in claims
     assert reference["fieldkit"][0] == "7"
     assert f"is better, {best(reference)[2]}% against {reference['fieldkit'][2]}%" in claims
 
 
+def test_the_verdicts_in_the_readme_are_those_of_the_page() -> None:
+    claims, page = " ".join(README.split()), PAGES["undeclared-effects"]
+    right = re.search(r"In decidable histories, (\d+ of \d+) verdicts are right", page)
+    assert right is not None
+    assert f"{right[1]} verdicts are right" in claims
+    nulls = [int(count) for count in re.findall(r"false alarms on nulls: 0 of (\d+),", page)]
+    assert f"without one, 0 of {sum(nulls)} get a name" in " ".join(claims.split())
+
+
+def test_the_pictures_of_measured_flights_show_the_figures_of_the_pages() -> None:
+    """Those that need no fit are drawn again."""
+    for name, draw in (("brakes", evidence.brakes_picture), ("scores", evidence.scores_picture)):
+        assert (ROOT / "docs" / f"evidence_{name}.svg").read_text(encoding="utf-8") == draw(), (
+            "python -m tools.evidence"
+        )
+    page, text = PAGES["real-forces"], " ".join(PAGES["evidence"].split())
+    left_out = re.search(r"mean error ([\d.]+) m.*?verdict ([\d.]+) m.*?and ([\d.]+) m if", page, flags=re.DOTALL)
+    step = re.search(r"probability (\d+%).*?by ([\d.]+ ± [\d.]+);", page, flags=re.DOTALL)
+    assert left_out is not None
+    assert step is not None
+    assert "miss by {} m with no correction, by {} m with it, and by {} m if".format(*left_out.groups()) in text
+    assert f"with a probability of {step[1]}" in text
+    assert f"a factor of {step[2]}" in text
+
+
+@pytest.mark.thorough
+def test_the_picture_of_single_flights_is_of_this_model() -> None:
+    assert (ROOT / "docs" / "evidence_one_offs.svg").read_text(encoding="utf-8") == evidence.one_offs_picture()
+
+
 def test_every_command_has_an_example() -> None:
-    commands = re.findall(r"^## `fieldkit (\w+)`", PAGES["commands"], flags=re.MULTILINE)
+    pages = "".join(page for name, page in PAGES.items() if name.startswith("commands-"))
+    commands = re.findall(r"^## `fieldkit (\w+)`", pages, flags=re.MULTILINE)
     shown = {shlex.split(line)[1] for name in ("examples.sh", "examples-long.sh") for line in lines_of(name)}
     assert len(commands) >= 30
     assert set(commands) == shown
@@ -246,7 +293,7 @@ def test_the_manual_can_be_read_in_the_terminal(page: str, capsys: pytest.Captur
 
 def test_for_a_missing_page_the_existing_ones_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["docs", "xyzzy"]) == 1
-    assert "no page 'xyzzy', expected one of: index, start, predictions" in capsys.readouterr().err
+    assert "no page 'xyzzy', expected one of: index, installing, start" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
@@ -309,7 +356,7 @@ def test_every_tool_and_option_that_is_mentioned_exists(page: str) -> None:
         assert [word for word in words if word.startswith("--") and f'"{word}"' not in code] == [], text
 
 
-@pytest.mark.parametrize("name", ["journal", "real-histories"])
+@pytest.mark.parametrize("name", NOT_SHIPPED)
 def test_commands_on_flights_that_are_not_shipped_are_valid(name: str) -> None:
     for line in lines_of(name):
         assert main([*shlex.split(line)[1:], "--help"]) == 0, line
@@ -423,7 +470,7 @@ def test_the_picture_is_of_this_demo() -> None:
     words = re.findall(r"<text[^>]*>([^<]*)</text>", picture)
     source = (ROOT / "fieldkit" / "cli" / "demo.py").read_text(encoding="utf-8")
     assert "Astra" in " ".join(words)
-    for heading in ("flight", "motor", "apogee", "Cd", "alpha", "tag", "ejection"):
+    for heading in ("flight", "motor", "apogee", "Cd", "thrust", "tag", "ejection"):
         assert heading in words
         assert f'"{heading}"' in source
 

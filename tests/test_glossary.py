@@ -26,7 +26,7 @@ BANNED = _set(
     thinning tilt told took turns unlike untold wander wanders warmth witness woken
     """
 )
-"""Words of the left column of `docs/glossary.md` that have no ordinary meaning as part of a name here."""
+"""Words of the left column of `docs/words.md` that have no ordinary meaning as part of a name here."""
 
 BARE = _set(
     """
@@ -137,9 +137,7 @@ def test_variables_hold_no_word_that_the_glossary_replaces(modules: Modules) -> 
 
 
 def test_the_glossary_says_what_to_write_for_every_banned_word() -> None:
-    rows = [
-        line for line in (ROOT / "docs/glossary.md").read_text(encoding="utf-8").splitlines() if line.startswith("|")
-    ]
+    rows = [line for line in (ROOT / "docs/words.md").read_text(encoding="utf-8").splitlines() if line.startswith("|")]
     left = " ".join(row.split("|")[1] for row in rows)
     assert set(re.findall(r"[a-z]+", left)) >= BANNED
 

@@ -19,7 +19,7 @@ MIGRATIONS = "fieldkit/ledger/migrations/versions/"
 """Steps of the ledger's schema, which are never edited after a release."""
 THIS = {"tests/test_plain_words.py", "tests/test_glossary.py"}
 """The files with the words themselves."""
-GLOSSARY = ROOT / "docs/glossary.md"
+GLOSSARY = ROOT / "docs/words.md"
 
 ORDINARY = {
     "a fit that steps back": "`steps back` is looked for",

@@ -22,7 +22,7 @@ _ELSEWHERE = {
     "accelerations": r"(?im)^.*acceleration.*$|[-\d.]+ to [-\d.]+ g$",
     "seconds and then a word": r"\b\d[\d.]* in (the|a|all)\b",
 }
-"""Text with units of its own, as `docs/glossary.md` states."""
+"""Text with units of its own, as `docs/words.md` states."""
 
 
 def foreign_figures(text: str, system: str) -> list[str]:

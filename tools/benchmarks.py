@@ -80,9 +80,9 @@ ABOUT = """# Speed
 
 Processor seconds, the shortest of several rounds, with their ratio to a baseline from the same run. Ratios differ less
 between machines than seconds. The command above each table repeats the measurement and saves it in `docs/benchmarks/`;
-`python tools/benchmarks.py --page` writes this page from the latest run of each. A key is *answered* when the screen
-first shows a change after it, in wall-clock time, and *done* when everything that it computes is shown, in processor
-time."""
+`python tools/benchmarks.py --page` writes this page from the latest run of each, of a series of sizes the smallest and
+the largest. A key is *answered* when the screen first shows a change after it, in wall-clock time, and *done* when
+everything that it computes is shown, in processor time."""
 
 
 def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
@@ -95,8 +95,18 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
         yield from ("| what | seconds | relative to | rate or response times |", "|---|---|---|---|")
-        rows = [row for row in kept["benchmarks"] if f"def {row['name'].partition('[')[0]}(" in source]
+        rows = _ends([row for row in kept["benchmarks"] if f"def {row['name'].partition('[')[0]}(" in source])
         yield from (_line(row) for row in rows if row.keys() & {"ratio", *RATES})
+
+
+def _ends(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of rows that differ only in a number, the first and the last; the others are in the saved run."""
+    series = [re.sub(r"\d+", "", row["name"]) for row in rows]
+    first = {name: place for place, name in reversed(list(enumerate(series)))}
+    last = {name: place for place, name in enumerate(series)}
+    return [
+        row for place, (row, name) in enumerate(zip(rows, series, strict=True)) if place in (first[name], last[name])
+    ]
 
 
 RATES = {"flights_per_second": "flights", "megabytes_per_second": "MB"}

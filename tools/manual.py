@@ -25,7 +25,7 @@ from fieldkit.inference.network.ensemble import read_card
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
 from tools.markdown import WRITTEN_BY
-from tools.prior_page import prior_table
+from tools.prior_page import prior_scores, prior_table
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -46,8 +46,8 @@ def examples() -> dict[str, list[str]]:
     return found
 
 
-def commands() -> str:
-    """Every command: its help, examples and options."""
+def commands() -> Iterator[tuple[str, str]]:
+    """The pages of commands: the list of all, and for each group its commands with help, examples and options."""
     group = get_command(app)
     assert isinstance(group, TyperGroup)
     context = group.context_class(group, info_name="fieldkit")
@@ -60,12 +60,14 @@ def commands() -> str:
         example = f"\n**Examples**:\n\n```sh\n{lines}\n```\n" if lines else ""
         text = usage.sub(lambda block: block[1] + example, text, count=1).strip()  # noqa: B023  # called here
         parts.append(_with_whole_help(text, command))
-        heads.append(f"| [`{name}`](#fieldkit-{name}) | {_first_sentence(command.help or '')} |")
+        heads.append(f"| [`{name}`]({PAGE_OF[name]}.md#fieldkit-{name}) | {_first_sentence(command.help or '')} |")
     shared = _options_in_all(part for name, part in zip(group.commands, parts, strict=True) if name in PLANNED)
     parts = [
         _without(part, shared) if name in PLANNED else part for name, part in zip(group.commands, parts, strict=True)
     ]
-    return f"""# Every command
+    yield (
+        "commands",
+        f"""# Every command
 
 Most commands take `--json`; `fieldkit COMMAND --help` prints all of its options. The examples are one session,
 `docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or run for long are in
@@ -78,15 +80,46 @@ what was found and what was expected. An `import` that rejects rows lists them, 
 |---|---|
 {chr(10).join(heads)}
 
-{(chr(10) * 2).join(parts)}
-
 ## Options of a plan
 
 {_listed(PLANNED)} take these options. What is not given is as in the flight entered last, or standard; the answer
 says which.
 
 {chr(10).join(shared)}
-"""
+""",
+    )
+    by_name = dict(zip(group.commands, parts, strict=True))
+    for page, (title, names) in COMMAND_PAGES.items():
+        sections = (chr(10) * 2).join(by_name[name] for name in names)
+        yield page, f"# {title}\n\nPart of [every command](commands.md). {WRITTEN_BY}\n\n{sections}\n"
+
+
+COMMAND_PAGES = {
+    "commands-flights": (
+        "Commands for flights",
+        (
+            *("inspect", "import", "export", "mappings", "capture", "add", "flights", "show", "edit"),
+            *("tag", "untag", "remove", "compare", "remeasure", "weather"),
+        ),
+    ),
+    "commands-forecasts": (
+        "Commands for forecasts and the loop",
+        ("infer", "predict", "predictions", "loop", "model", "score", "report"),
+    ),
+    "commands-motors": ("Commands for motors", ("motors", "delay", "ballast", "simulate")),
+    "commands-planning": (
+        "Commands for a day, a field and a season",
+        ("landing", "track", "daysheet", "contest", "finals", "season", "ork", "sites", "kits", "flyer"),
+    ),
+    "commands-ledger": (
+        "Commands for the ledger and the program",
+        ("tui", "serve", "demo", "undo", "redo", "history", "backups", "units", "docs"),
+    ),
+    "commands-studies": ("Commands for studies", ("paper", "study", "learn", "train")),
+}
+"""Pages of commands: title, and the commands in order."""
+PAGE_OF = {name: page for page, (_, names) in COMMAND_PAGES.items() for name in names}
+"""The page of each command."""
 
 
 PLANNED = ("predict", "motors", "delay", "ballast", "contest", "finals", "landing", "daysheet")
@@ -104,7 +137,7 @@ def _without(part: str, shared: Sequence[str]) -> str:
     """The section of a command with one line in place of its shared options."""
     lines = [line for line in part.splitlines() if line not in shared]
     place = lines.index("* `--help`: Show this message and exit.")
-    return "\n".join([*lines[:place], "* The [options of a plan](#options-of-a-plan).", *lines[place:]])
+    return "\n".join([*lines[:place], "* The [options of a plan](commands.md#options-of-a-plan).", *lines[place:]])
 
 
 def _with_whole_help(text: str, command: Command) -> str:
@@ -272,8 +305,10 @@ def _first_words(name: str) -> str:
 
 def pages() -> Iterator[tuple[Path, str]]:
     """Every page that this tool writes, with its text."""
-    written = {"commands": commands, "effects": effect_table, "models": model_cards, "map": code_map}
-    for name, write in {**written, "priors": prior_table}.items():
+    for name, text in commands():
+        yield DOCS / f"{name}.md", text
+    written = {"effects": effect_table, "models": model_cards, "map": code_map}
+    for name, write in {**written, "priors": prior_table, "priors-scores": prior_scores}.items():
         yield DOCS / f"{name}.md", write()
 
 

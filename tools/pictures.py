@@ -62,7 +62,7 @@ PAGES = {
     "app_flight": ("field", ["enter"]),
 }
 """Pages of the app in the README: their colors, and the keys to press; `_` waits."""
-SIZE = (120, 44)
+SIZE = (100, 34)
 """Size of the terminal in the pictures."""
 
 
@@ -81,7 +81,7 @@ async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
 
     app = FieldkitApp(ledger, ledger.with_name("settings.json"))
     async with app.run_test(size=SIZE) as pilot:
-        app.choose(theme=theme, units="mixed")
+        app.choose(theme=theme, units="US")
         app.action_read()
         await calm(pilot)
         for key in keys:

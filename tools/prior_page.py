@@ -18,7 +18,7 @@ SOURCES = {
     ),
     "mass": "log ratio of flown to recorded mass: altimeter, recovery, wadding",
     "stretch": "log ratio of actual to certified burn time",
-    "delay": "log ratio of actual to rated delay (NFPA 1125: within 20%, at most 3 s)",
+    "delay": "log ratio of actual to rated delay (NFPA 1125: within 20% or 1.5 s, whichever is more, at most 3 s)",
     "tilt": "squared launch angle of a single flight, in units of (5 degrees)²",
     "apogee": "log ratio of apogee to the one from drag, thrust and mass",
     "top_speed": "log ratio of the readout to the simulated one",
@@ -33,7 +33,7 @@ SOURCES = {
 
 
 def prior_table() -> str:
-    """Every prior and noise figure of the model with its source, and the scores of forecasts."""
+    """Every prior and noise figure of the model with its source."""
     card, given = learned(), CERTIFIED_PRIOR
     names = list(dict.fromkeys([*card.sds, *given.sds]))
     rows = [_random_effect(name, card, given) for name in names]
@@ -108,9 +108,18 @@ simulated flights of the paper's network.
 | flyer | flights | rockets | sha256 of the files |
 |---|---|---|---|
 {chr(10).join(data)}
-{chr(10).join(_high_power(card.about.get("high_power_flights", {})))}
-{chr(10).join(_left_out_tables(card.about.get("scores", {})))}
-{chr(10).join(_step_tables(card.about.get("scores_by_readouts", {})))}"""
+{chr(10).join(_high_power(card.about.get("high_power_flights", {})))}"""
+
+
+def prior_scores() -> str:
+    """Scores of forecasts of rockets that the hyperprior did not see, as `fieldkit learn --check` printed them."""
+    about = learned().about
+    return f"""# Forecasts of rockets that the priors did not see
+
+Scores of `{about["command"]}` with `--check`,
+on the commit that learned [the priors](priors.md). {WRITTEN_BY}
+{chr(10).join(_left_out_tables(about.get("scores", {})))}
+{chr(10).join(_step_tables(about.get("scores_by_readouts", {})))}"""
 
 
 def _of_motors(card: Hyperprior) -> str:
@@ -155,7 +164,8 @@ def _digests(digests: Mapping[str, str]) -> str:
 def _random_effect(name: str, card: Hyperprior, given: Hyperprior) -> str:
     quantity, _, level = name.partition(".")
     cells = [f"{one.sds[name]:.3g}" if one.sds.get(name) else "" for one in (START, card, given)]
-    return f"| {quantity.replace('_', ' ')} | {level.replace('_', ' x ')} | {' | '.join(cells)} | {SOURCES[quantity]} |"
+    named = "launch angle" if quantity == "tilt" else quantity.replace("_", " ")
+    return f"| {named} | {level.replace('_', ' x ')} | {' | '.join(cells)} | {SOURCES[quantity]} |"
 
 
 def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:

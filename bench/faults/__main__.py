@@ -18,6 +18,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
@@ -41,6 +42,8 @@ from bench.faults import (
 from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
+CALLS = "a call fails"
+"""The part in which system calls of a command fail."""
 SEED = 8
 KILLS = 60
 """Number of kills for the page. [1]"""
@@ -207,7 +210,10 @@ def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
     """The summary, in Markdown; `of` is the tested commit."""
     killed = sum(one.tried for one in found if one.part == "kill -9")
     faults = [fault for one in found for fault in one.faults]
-    rows = [f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |" for one in found]
+    rows = [
+        f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |"
+        for one in _by_command(found)
+    ]
     system = f"Python {platform.python_version()}, SQLite {sqlite3.sqlite_version}, {platform.system()}"
     text = (ROOT / "bench" / "faults" / "page.md").read_text(encoding="utf-8")
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
@@ -216,6 +222,17 @@ def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
         system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
         reads=failing.MAX_READS, others=others, every=f"{laptops.EVERY:g}",
     )  # fmt: skip
+
+
+def _by_command(found: Sequence[Outcome]) -> Iterator[Outcome]:
+    """The results with those of commands whose calls fail in one row, after the commands that were not tried."""
+    failing_calls = [one for one in found if one.part == CALLS and one.tried]
+    yield from (one for one in found if one.part != CALLS or not one.tried)
+    if failing_calls:
+        counts = sum((Counter(one.counts) for one in failing_calls), Counter[str]())
+        faults = [fault for one in failing_calls for fault in one.faults]
+        commands = f"{len(failing_calls)} commands and histories of commands"
+        yield Outcome(CALLS, commands, sum(one.tried for one in failing_calls), dict(counts), faults)
 
 
 def _counts(one: Outcome) -> str:

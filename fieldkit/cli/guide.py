@@ -197,7 +197,10 @@ def _print(
     say(f"{len(choices)} of {counted(of, 'motor')} of {width} fit and are not excluded by a check")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         rail = ShownUnits(system()).length(RAIL_LENGTH, 1)
-        say_wrapped(f"rail    not given: {rail} assumed for the speed off it; give --rail-length", "        ")
+        say_wrapped(
+            f"rail    not given: {rail} assumed for the speed off it, and a longer one gives more; give --rail-length",
+            "        ",
+        )
     if plan.site.ceiling is None:
         say_wrapped(
             "ceiling not given: no motor is excluded by its height; give --waiver, or save the site's", "        "

@@ -22,11 +22,12 @@ from fieldkit.shapes import Array
 
 CLUSTER_NOTE = (
     "a cluster: thrusts are added as if every motor lights; the delay counts from the end of the last burn; changes in "
-    "drag and failed ignitions are not modeled"
+    "drag and failed ignitions are not modeled: with one of three C6 unlit the flight is 45% lower"
 )
 STAGES_NOTE = (
     "stages: a booster drops at its burnout, and the next motor lights at once; the Cd is that of the top stage, and "
-    "of the rocket with its boosters too unless --booster-cd states another; the descent of boosters is not modeled"
+    "of the rocket with its boosters too unless --booster-cd states another, so boosters that drag more fly lower; the "
+    "descent of boosters is not modeled"
 )
 DROP_TIME = 1e-3
 """Time within which a booster drops. [s]"""

@@ -253,6 +253,14 @@ def test_the_page_states_its_command_and_one_commit() -> None:
     assert "| kill -9 | add | 3 |  | 0 |\n" in page
 
 
+def test_commands_whose_calls_fail_share_a_row_of_the_page() -> None:
+    found = [ledgers.Outcome("a call fails", name, 2, {"refused": 1, name: 1}, ["broken"]) for name in ("add", "edit")]
+    untried = ledgers.Outcome("a call fails", "serve: not tried")
+    page = bench.page([*found, untried], "python -m bench.faults", "aaaa111", 8)
+    assert "| 2 commands and histories of commands | 4 | add: 1; edit: 1; refused: 2 | 2 |\n" in page
+    assert "| a call fails | serve: not tried |  |  | 0 |\n" in page
+
+
 def test_a_checkout_with_changed_files_has_no_commit(tmp_path: Path) -> None:
     def git(*arguments: str) -> None:
         subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a", *arguments], cwd=tmp_path, check=True)

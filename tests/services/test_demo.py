@@ -50,6 +50,10 @@ def test_the_demo_shows_readouts_to_next_apogee_and_does_not_touch_the_flyers_le
     assert all(int(low) < int(middle) < int(high) for *_, middle, low, high in forecasts)
     assert "verdict:" in loop
     assert re.search(r"F24-4W +47\.3 N s +64\.5 N s +\+36%", profile)
+    after = profile.partition("Next, type a flight of yours")[2]
+    typed = re.findall(r"^  \S+ (add|predict|--ledger demo\.db) ", after, flags=re.MULTILINE)
+    assert typed == ["add", "predict", "--ledger demo.db", "--ledger demo.db"]
+    assert "checkout" not in printed.out
 
 
 def test_the_demo_refuses_a_ledger_that_is_in_use(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
