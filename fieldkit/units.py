@@ -102,6 +102,7 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "µs": Unit(1e-6),
         "ns": Unit(1e-9),
         "min": Unit(60.0),
+        "days": Unit(86_400.0),
     },
     "temperature": {
         "c": Unit(1.0, ZERO_CELSIUS),
@@ -143,6 +144,7 @@ _WORDS = {
     "us": "microsecond microseconds micros usec μs",
     "ns": "nanosecond nanoseconds nanos nsec",
     "min": "minute minutes mins",
+    "days": "day",
     "m": "meter meters metre metres mtr metro metros mètre mètres metri м",
     "mm": "millimeter millimeters millimetre millimetres",
     "cm": "centimeter centimeters centimetre centimetres",

@@ -17,8 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.mutations import handed_on, tables
 from bench.mutations.files import FILES
-from bench.mutations.tables import KINDS, log_of
+from bench.mutations.tables import log_of
 from bench.recorders.flights import draw
 from bench.recorders.judge import compared
 from fieldkit.analysis import Recorded
@@ -27,6 +28,8 @@ from fieldkit.importing.read import read
 from fieldkit.importing.tables.mapping import read_choice
 from fieldkit.parallel import processes
 
+KINDS = {**tables.KINDS, **handed_on.KINDS}
+"""Kinds of tables by what was done."""
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 
 

@@ -49,6 +49,12 @@ _REPEAT_TIME, _BOOST_ACCELERATION, _FIX_NOISE = 2.0, 600.0, 20.0
 _HELD_TIME, _HELD_SAMPLES, _HELD_JUMP = 0.25, 3, 5.0
 """Shortest time [s] and number of samples for which a barometer that failed repeats a height, and the least jump after
 it, beyond what a coarse resolution or shocks show [m]."""
+_STOPPED_CLIMB, _STOPPED_TIME = 10.0, 1.0
+"""Climb rate [m/s] after which heights that do not change for this long [s], to the end of a log, are of a sensor that
+failed: at such a rate a rocket climbs 5 m more in that time."""
+_REST_PART, _MANY_RUNS = 0.1, 10
+"""Largest height of a rest above the lowest heights, as a fraction of the highest, and how many times longer than any
+run of one value before it a run is that is not from a coarse resolution. [1]"""
 _WINDOW, _MIN_SIZE, _MAX_SIZE = 0.5, 5, 61
 """Length of the running median that reveals spikes [s], and its limits in samples. [1]"""
 
@@ -196,7 +202,8 @@ def _without_held(time: Float[Array, "_"], values: Float[Array, "_"], name: str)
     """Remove the repetitions of a value that a receiver without satellites, a sensor that failed, or a radio holds.
 
     They end in a jump that no rocket at rest makes from one sample to the next, and after a rise or a fall that would
-    have reached there. The values do not show when the repetitions of a receiver began, whose last fix may be old.
+    have reached there, or last to the end of the log at a height where no rocket rests. The values do not show when the
+    repetitions of a receiver began, whose last fix may be old.
     """
     known = np.flatnonzero(np.isfinite(values))
     when, height = time[known], values[known]
@@ -214,7 +221,23 @@ def _without_held(time: Float[Array, "_"], values: Float[Array, "_"], name: str)
     kept = values.copy()
     for begin, end in zip(*(places[(lasts > shortest) & enough & jumps] for places in (begins, changes)), strict=True):
         kept[known[begin + 1 : end + 1]] = np.nan
+    if _fails(when, height, int(changes[-1]) + 1, int((changes - begins).max()) + 1):
+        kept[known[changes[-1] + 2 :]] = np.nan
     return kept
+
+
+def _fails(time: Float[Array, "_"], height: Float[Array, "_"], last: int, longest: int) -> bool:
+    """Whether heights keep their last value, at a place, because the sensor failed: after a climb so fast that it would
+    have gone on against gravity, or high above the ground, for much longer than the `longest` run of one value before.
+    """
+    before = int(np.searchsorted(time, time[last] - _HELD_TIME))
+    count = time.size - last
+    if last - before < _HELD_SAMPLES or count < _HELD_SAMPLES or time[-1] - time[last] < _STOPPED_TIME:
+        return False
+    climbs = height[last] - height[before] > _STOPPED_CLIMB * (time[last] - time[before])
+    ground, top = np.quantile(height[:last], (0.01, 1.0))
+    is_high = height[last] - ground > _REST_PART * (top - ground)
+    return bool(climbs or (is_high and count > _MANY_RUNS * longest))
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:

@@ -89,7 +89,7 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
         return None
     step = median_step(time)
     even = np.arange(time[0], time[-1], max(step, 0.05))
-    width = max(5, round(_FALL_WINDOW / (even[1] - even[0]))) | 1
+    width = max(5, round(_FALL_WINDOW / max(step, 0.05))) | 1
     if even.size < 2 * width:
         return None
     speed = local_slopes(np.interp(even, time, height), width, even[1] - even[0])

@@ -17,7 +17,7 @@ from fieldkit.importing.tables.nmea import fixes_table
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.tracks import track_table
-from fieldkit.importing.tables.wrapped_lines import unwrapped
+from fieldkit.importing.tables.wrapped_lines import unstamped, unwrapped
 from fieldkit.importing.weather import is_weather
 from fieldkit.messages import with_words
 from fieldkit.plugins import plugins
@@ -207,9 +207,11 @@ def table_of(log: bytes, source: str) -> bytes:
 def _sheet_of(log: bytes, source: str) -> SheetTable:
     """A log without wrapped lines, or as CSV: a spreadsheet, fixes, a track or labeled values. Raises DamagedLog."""
     if not is_spreadsheet(log):
-        log = unwrapped(log)
+        log = unwrapped(log).replace("\N{MINUS SIGN}".encode(), b"-")  # as spreadsheets of some countries write it
         table = fixes_table(log) or track_table(log) or labeled_table(log)
-        return SheetTable(log if table is None or claims(log) else table)
+        if table is not None:
+            return SheetTable(log if claims(log) else table)
+        return SheetTable(next((one for one in unstamped(log) or () if claims(one)), log))
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet)))
     except DamagedLog as error:

@@ -5,16 +5,33 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.mutations.__main__ import Count, _judge, main
+from bench.mutations.__main__ import KINDS, Count, _judge, main
 from bench.mutations.files import FILES
-from bench.mutations.tables import KINDS, log_of, plain
+from bench.mutations.tables import log_of, plain
 from bench.recorders.flights import draw
 
 pytestmark = pytest.mark.sampled
 
 
-def test_there_are_at_least_ninety_kinds_of_tables() -> None:
-    assert len(KINDS) >= 90
+RIGHT = (
+    "lines of a serial monitor",
+    "lines of a serial monitor, the only clock",
+    "lines of a terminal",
+    "days of a spreadsheet",
+    "minutes and seconds over an hour",
+    "hours, minutes and seconds in one number",
+    "the minus of a spreadsheet",
+    "twelve empty columns",
+    "the first barometer of two fails in the climb",
+    "a barometer that fails in the climb",
+    "a barometer that fails in the descent",
+    "cut off in the coast, a barometer alone",
+)
+REFUSED = ("cut off in the boost", "cut off in the boost, a barometer alone", "milliseconds called seconds")
+
+
+def test_there_are_at_least_160_kinds_of_tables() -> None:
+    assert len(KINDS) >= 160
     assert not KINDS.keys() & FILES.keys()
 
 
@@ -33,3 +50,13 @@ def test_feet_that_are_called_meters_are_refused(capsys: pytest.CaptureFixture[s
     out = capsys.readouterr().out
     assert "| feet called meters | 0 | 2 | 0 |" in out
     assert "| **4 variants** | 0 | 4 | 0 |" in out
+
+
+@pytest.mark.parametrize("kind", [*RIGHT, *REFUSED])
+def test_a_table_as_flyers_hand_it_on_is_read_or_refused(kind: str) -> None:
+    (path,) = draw(np.random.default_rng(99), 1)
+    sheet = KINDS[kind](log_of(path, np.random.default_rng(1)))
+    count = Count()
+    _judge(count, kind, sheet.text(), sheet.maps, (sheet.path or path).readouts())
+    assert not count.wrong
+    assert (count.right, count.refused) == ((1, 0) if kind in RIGHT else (0, 1))

@@ -47,6 +47,10 @@ Beside an altitude in a known unit, a pressure or a height above sea level witho
 _START_SAMPLES, _ZERO_PART = 11, 0.01
 """Heights are above the pad if the median of this number of first samples is closer to zero than this fraction of
 their range. [1]"""
+_SLOWEST = 20.0
+"""Time between rows that no log of a flight has. [s]"""
+_MUCH = 0.2
+"""A sensor that stays constant while another changes by this fraction of its range has failed. [1]"""
 _HOUR = 3600.0
 LIMIT = 1e12
 """Largest magnitude of a sample; anything beyond is damaged. [any unit except of time]"""
@@ -190,7 +194,7 @@ def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     if pick.unit == "clock":
         return _over_midnight(values)
     if pick.channel == "time":
-        return _running_on(values)
+        return _running_on(_of_digits(values))
     values = np.where(np.abs(values) < LIMIT, values, np.nan)
     return _unwrapped(values) if pick.channel in (*HEIGHTS, "pressure") else values
 
@@ -225,6 +229,8 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
         if _agree(rival, values[pick.channel], pick, column) or pick.channel not in REQUIRED_CHANNELS:
             continue
         if _are_numbered(rival, pick):
+            if not rival.chosen and _fails_first(values[pick.channel], column):
+                kept[kept.index(rival)], values[pick.channel] = pick, column
             continue
         if preferred := _barometric_one(rival, pick):
             kept[kept.index(rival)] = preferred
@@ -248,6 +254,15 @@ def _is_stuck(values: Float[Array, "row"]) -> bool:
     """Whether a sensor returned one value throughout a log."""
     there = values[np.isfinite(values)]
     return there.size >= _START_SAMPLES and float(np.ptp(there)) == 0
+
+
+def _fails_first(values: Float[Array, "row"], other: Float[Array, "row"]) -> bool:
+    """Whether a sensor keeps its last value while another of the same kind still changes by much of its range."""
+    there = np.isfinite(values) & np.isfinite(other)
+    changes = np.flatnonzero(np.diff(values[there]))
+    if not changes.size or not (after := other[there][int(changes[-1]) + 1 :]).size:
+        return False
+    return float(np.ptp(after)) > _MUCH * float(np.ptp(other[there]))
 
 
 def _with_satellite_height(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
@@ -304,9 +319,27 @@ def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Ar
 
 def _over_midnight(clock: Float[Array, "row"]) -> Float[Array, "row"]:
     """A time of day continued past midnight, or minutes continued past the hour. [s]"""
-    span = _HOUR if float(np.nanmax(clock, initial=0.0)) < _HOUR else 24 * _HOUR
+    span = _HOUR if float(np.nanmax(clock, initial=0.0)) <= _HOUR else 24 * _HOUR
     over = np.diff(clock, prepend=clock[:1]) < -0.9 * span
     return np.asarray(clock + np.cumsum(over) * span)
+
+
+def _of_digits(clock: Float[Array, "row"]) -> Float[Array, "row"]:
+    """A time of day whose hours, minutes and seconds are digits of one number, `110659.5`, in seconds; other clocks as
+    they are.
+
+    No second is above 59, and from one minute to the next it jumps by 40.
+    """
+    there = np.isfinite(clock)
+    minutes, seconds = np.divmod(np.where(there, clock, 0.0), 100.0)
+    changes = np.diff(minutes[there]) != 0
+    steps = np.diff(clock[there])
+    jumps = np.mod(steps[changes], 100.0) - 40.0
+    usual = float(np.max(np.abs(steps[~changes]), initial=0.0))
+    digits = (seconds < 60).all() and (minutes % 100 < 60).all() and (minutes < 2400).all()
+    if not (changes.any() and digits and usual < _SLOWEST and (np.abs(jumps) <= 2 * usual).all()):
+        return clock
+    return np.asarray(clock - 40 * minutes - 2400 * (minutes // 100))
 
 
 _WRAPPED_UNITS = (1.0, 0.1, 0.01)

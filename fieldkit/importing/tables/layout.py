@@ -178,8 +178,9 @@ def _names(line: str, separator: str | None, width: int) -> list[str] | None:
     cells = [cell.strip() for cell in split(_MARK.sub("", line), separator)]
     while len(cells) > width and not cells[-1]:
         cells.pop()
-    enough = sum(bool(re.search(r"[^\W\d]", cell)) for cell in cells)
-    if len(cells) > width or len(cells) < 2 or enough * 2 < len(cells):
+    words = sum(bool(re.search(r"[^\W\d]", cell)) for cell in cells)
+    enough = words * 2 >= len(cells) or words == sum(map(bool, cells)) > 1  # a spreadsheet adds empty columns
+    if len(cells) > width or len(cells) < 2 or not enough:
         return None
     return cells + [f"#{i}" for i in range(len(cells) + 1, width + 1)]
 

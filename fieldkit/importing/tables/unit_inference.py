@@ -15,7 +15,7 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS
 
 CANDIDATES: Mapping[str, tuple[str, ...]] = {
-    "time": ("s", "ms", "us"),
+    "time": ("s", "ms", "us", "days"),
     "altitude": ("m", "ft"),
     "speed": ("m/s", "ft/s", "mph", "km/h"),
 }

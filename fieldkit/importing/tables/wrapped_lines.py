@@ -1,4 +1,4 @@
-"""Lines that a mail program or a spreadsheet wrapped: `> ` before each line, or each whole line in quotation marks."""
+"""Lines that another program wrapped: `> ` or a time before each line, or each whole line in quotation marks."""
 
 import re
 
@@ -9,6 +9,8 @@ _LOOKED_AT, _MAX_LINE, _MAX_SIZE = 60, 4096, 32 << 20
 that is unwrapped [byte]."""
 _CITED, _QUOTED = re.compile(r"[ \t]{0,8}>"), re.compile(r'"(?:[^"]|"")*"[,; \t\r]*')
 _CITATION = re.compile(rb"^[ \t]{0,8}>[ \t]?", re.MULTILINE)
+_STAMPED = rb"[ \t]{0,8}\[?(\d{1,2}:\d\d:\d\d(?:[.,]\d{1,6})?)(?:\]|[ \t]*->)[ \t]?"
+"""The time of day that the monitor of the Arduino IDE or a terminal puts before each line."""
 _QUOTATION = re.compile(rb'^"((?:[^"\r\n]|"")*)"[,; \t]*(?=\r?$)', re.MULTILINE)
 
 
@@ -23,3 +25,15 @@ def unwrapped(log: bytes) -> bytes:
     if all(map(_QUOTED.fullmatch, start)):
         return _QUOTATION.sub(lambda line: line[1].replace(b'""', b'"'), narrow(log))
     return log
+
+
+def unstamped(log: bytes) -> tuple[bytes, bytes] | None:
+    """A log without the time of day before each line, and with it as a first column; None if one of its first lines
+    has no such time. Raises DamagedLog."""
+    start = [line[:_MAX_LINE].encode() for line in first_lines(log, most=_LOOKED_AT) if line.strip()]
+    if len(log) > _MAX_SIZE or len(start) < 2 or not all(re.match(_STAMPED, line) for line in start):
+        return None
+    plain, stamps = narrow(log), re.compile(rb"^" + _STAMPED, re.MULTILINE)
+    separator = max((b",", b";", b"\t"), key=start[-1].count)
+    _, _, others = stamps.sub(lambda line: line[1] + separator, plain).partition(separator)
+    return stamps.sub(b"", plain), b"time" + separator + others
