@@ -1,4 +1,4 @@
-"""Tables as flyers hand them on: saved again by a spreadsheet, copied from a console, cut, joined, started in flight."""
+"""Tables as flyers hand them on: saved by a spreadsheet, copied from a console, cut, joined, started in flight."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
