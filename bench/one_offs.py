@@ -1,10 +1,12 @@
-"""`python -m bench.one_offs [--processes 16] [--keep ROWS.json] [--out docs/one-offs.md]`: what single faulty flights
-among healthy ones are named.
+"""`python -m bench.one_offs [--as logs rocketpy] [--processes 16] [--keep ROWS.json] [--out docs/one-offs.md]`: what
+single faulty flights among healthy ones are named.
 
 Ten flights of a rocket, one of them with a fault at one of three strengths, as the ten readouts of a device, flown by
-the bench's simulator (`fast_truth`). Devices and flights scatter about as real ones do, in forms of their own: readouts
-have Student t noise with three degrees of freedom around a bias of the device, thrust and drag 1.6 times the bench's
-usual scatter. The answer is the cause that `fieldkit loop` would name, computed by the same function.
+the bench's simulator (`fast_truth`); with `--as logs` as logs of recorders (`bench.recorders`), from which the program
+measures the readouts itself, and with `--as rocketpy` as such logs of flights in RocketPy. Devices and flights scatter
+about as real ones do, in forms of their own: readouts have Student t noise with three degrees of freedom around a bias
+of the device, thrust and drag 1.6 times the bench's usual scatter. The answer is the cause that `fieldkit loop` would
+name, computed by the same function.
 
 Beside it an exact fit knows the rocket, the device and every fault and strength exactly, and only
 has to recognize them in the scatter. What it cannot decide, no program can.
@@ -18,19 +20,27 @@ import sys
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path as File
 from typing import Any
 
 import numpy as np
 
 from bench import fast_truth
+from bench.air import GRAVITY
 from bench.altimeter import exact_readouts
 from bench.fleet import Flown, Season, draw, scattered
 from bench.motors import motors
+from bench.recorders.flights import Path, paths
+from bench.recorders.models import RECORDERS, Recorder
+from bench.recorders.record import written
 from bench.rockets import CLASSES, Needs
 from bench.world import Launch
+from fieldkit.analysis import columns, measure
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.forecast.one_offs import beside_others
+from fieldkit.importing import Reading
+from fieldkit.importing.recognize import open_log
 from fieldkit.motors import catalogue
 from fieldkit.shapes import Array, Float
 from tools.markdown import prose
@@ -50,6 +60,11 @@ ORACLE_DRAWS = 40
 MIN_DECIDED = 0.9
 """Probability of the true cause from which an exact fit could decide. [1]"""
 HEALTHY = "healthy"
+READOUTS, LOGS, ROCKETPY = "readouts", "logs", "rocketpy"
+RECORDERS_FLOWN = ("20 Hz", "50 Hz", "accel 50 Hz", "accel 100 Hz", "three axes")
+"""Recorders of the logs, one for each rocket in turn."""
+FIELDS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+"""The compared readouts as fields of a flight, in SI."""
 Shown = dict[str, float]
 
 
@@ -177,13 +192,33 @@ def as_flight(flown: Flown, shown: Shown, number: int) -> Flight:
         date_time=flown.when,
         dry_mass=float(flown.declared["dry_mass_g"]) / 1000,
         diameter=float(flown.declared["diameter_mm"]) / 1000,
-        apogee=shown.get("apogee_m"),
-        top_speed=shown.get("top_speed_mps"),
-        burn_time=shown.get("burn_time_s"),
-        peak_accel=shown["peak_accel_g"] * 9.80665 if "peak_accel_g" in shown else None,
-        coast_to_apogee=shown.get("coast_to_apogee_s"),
-        apogee_to_eject=shown.get("apogee_to_eject_s"),
-    )
+    ).with_changes(**in_si(shown))
+
+
+def in_si(shown: Shown) -> dict[str, float]:
+    """The compared readouts as fields of a flight, in SI."""
+    units = dict.fromkeys(COMPARED, 1.0) | {"peak_accel_g": GRAVITY}
+    return {field: shown[name] * units[name] for field, name in zip(FIELDS, COMPARED, strict=True) if name in shown}
+
+
+def in_columns(values: Mapping[str, float | None]) -> Shown:
+    """The compared readouts among fields of a flight, in the units of a table."""
+    units = dict.fromkeys(COMPARED, 1.0) | {"peak_accel_g": GRAVITY}
+    known = ((name, values.get(field), units[name]) for field, name in zip(FIELDS, COMPARED, strict=True))
+    return {name: value / unit for name, value, unit in known if value is not None}
+
+
+def from_log(flight: Flight, path: Path, recorder: Recorder, rng: np.random.Generator) -> Flight:
+    """A flight with the readouts that the program measures in the log that a recorder writes; without any if it refuses
+    the log."""
+    try:
+        found = open_log(written(path, recorder, rng), "log", None).found
+    except FieldkitError:
+        return flight
+    reading = next((item for item in found if isinstance(item, Reading) and item.clocks), None)
+    if reading is None:
+        return flight
+    return flight.with_changes(**columns(measure(reading.clocks, reading.events), {})[0])
 
 
 def oracle_launches(one: Case) -> list[Launch]:
@@ -194,13 +229,16 @@ def oracle_launches(one: Case) -> list[Launch]:
     return [*usual, flown.launch, *(bent(name, level, flown.launch, flown) for name in FAULTS for level in range(3))]
 
 
-def oracle(one: Case, shown: Shown, exact: Sequence[Shown]) -> dict[str, float]:
+def oracle(
+    one: Case, shown: Shown, exact: Sequence[Shown], bias: Float[Array, "readout"], noise: Float[Array, "readout"]
+) -> dict[str, float]:
     """The probability of every cause, and of health, for an exact fit: normal scatter of usual flights around
-    the exact readouts of every fault at every strength, all equally likely. `exact` are those of `oracle_launches`."""
+    the exact readouts of every fault at every strength, all equally likely. `exact` are those of `oracle_launches`;
+    bias and noise of the device are as in `compared`."""
     usual = len(one.season.flights)
     values = np.array([compared(x) for x in exact])
     flown = values[:usual][np.isfinite(values[:usual]).all(axis=1)]
-    spread = np.cov(flown.T) + np.diag(np.square(NOISE))
+    spread = np.cov(flown.T) + np.diag(np.square(noise))
     centers = {HEALTHY: [values[usual]]}
     for place, (name, level) in enumerate(((n, k) for n in FAULTS for k in range(3)), start=usual + 1):
         change = FAULTS[name].readout
@@ -210,7 +248,7 @@ def oracle(one: Case, shown: Shown, exact: Sequence[Shown]) -> dict[str, float]:
     seen = np.isfinite(compared(shown)) & np.isfinite(values[usual])
     log_likelihood: dict[str, float] = {}
     for name, some in centers.items():
-        found = [_log_density(compared(shown) - one.bias - center, spread, seen) for center in some]
+        found = [_log_density(compared(shown) - bias - center, spread, seen) for center in some]
         log_likelihood[name] = float(np.logaddexp.reduce(found) - np.log(len(found)))
     total = np.logaddexp.reduce(list(log_likelihood.values()))
     return {name: float(np.exp(x - total)) for name, x in log_likelihood.items()}
@@ -224,25 +262,61 @@ def _log_density(off: Array, spread: Array, seen: Array) -> float:
     return float(-0.5 * (off[known] @ np.linalg.solve(part, off[known]) + np.linalg.slogdet(part)[1]))
 
 
-def all_judged(cases: Sequence[Case]) -> list[dict[str, Any]]:
+def all_judged(cases: Sequence[Case], kind: str = READOUTS) -> list[dict[str, Any]]:
     """What the program and a fit that knows the truth say about some cases, flown in one batch."""
-    launches = [[*one.launches, *oracle_launches(one)] for one in cases]
-    exact = iter(measured([launch for some in launches for launch in some]))
-    each = [[next(exact) for _ in some] for some in launches]
-    return [judged(one, some[:FLIGHTS], some[FLIGHTS:]) for one, some in zip(cases, each, strict=True)]
+    exact = iter(measured([launch for one in cases for launch in [*one.launches, *oracle_launches(one)]]))
+    found = []
+    for one in cases:
+        true, some = ([next(exact) for _ in every] for every in (one.launches, oracle_launches(one)))
+        rng = np.random.default_rng([one.number, one.level, zlib.crc32(one.name.encode()), 1])
+        if kind == READOUTS:
+            found.append({"kind": kind} | judged(one, as_typed(one, true, rng), some, one.bias, np.array(NOISE)))
+            continue
+        flights, noise = as_logs(one, kind, rng)
+        some = [in_columns(path.readouts()) for path in paths(oracle_launches(one), rng)]
+        found.append({"kind": kind} | judged(one, flights, some, np.zeros(len(COMPARED)), noise))
+    return found
 
 
-def judged(one: Case, true: Sequence[Shown], oracle_exact: Sequence[Shown]) -> dict[str, Any]:
-    """What the program and a fit that knows the truth say about a case, from the readouts without noise."""
-    rng = np.random.default_rng([one.number, one.level, zlib.crc32(one.name.encode()), 1])
+def as_typed(one: Case, true: Sequence[Shown], rng: np.random.Generator) -> list[Flight]:
+    """The flights of a case with the readouts of a device."""
     shown = [as_shown(each, one.bias, rng) for each in true]
     change = FAULTS[one.name].readout
     if change is not None:
         shown[one.row] = change(shown[one.row], FAULTS[one.name].strengths[one.level], one.number)
-    flights = [
-        as_flight(flown, readings, number)
-        for number, (flown, readings) in enumerate(zip(one.season.flights, shown, strict=False))
-    ]
+    each = zip(one.season.flights, shown, strict=False)
+    return [as_flight(flown, readings, number) for number, (flown, readings) in enumerate(each)]
+
+
+def as_logs(one: Case, kind: str, rng: np.random.Generator) -> tuple[list[Flight], Float[Array, "readout"]]:
+    """The flights of a case with the readouts of their logs, and the noise of those of the faulty one, as in
+    `compared`; that of a readout that is missing is never used."""
+    recorder = RECORDERS[RECORDERS_FLOWN[one.number % len(RECORDERS_FLOWN)]]
+    tracks = None
+    if kind == ROCKETPY:
+        from bench import truth  # RocketPy takes seconds to import, and is in the extra `bench`
+
+        tracks = [truth.fly(launch) for launch in one.launches]
+    flown = zip(one.season.flights, paths(one.launches, rng, tracks), strict=False)
+    flights = [from_log(as_flight(each, {}, n), path, recorder, rng) for n, (each, path) in enumerate(flown)]
+    change, faulty = FAULTS[one.name].readout, flights[one.row]
+    shown = in_columns(faulty.readouts())
+    if change is not None and shown:
+        changed = change(shown, FAULTS[one.name].strengths[one.level], one.number)
+        flights[one.row] = faulty.with_changes(**in_si(changed))
+    logarithms = [*(faulty.number(name) or 1.0 for name in FIELDS[:-1]), 1.0]
+    noise = [faulty.sd.get(name, 0.0) / abs(value) for name, value in zip(FIELDS, logarithms, strict=True)]
+    return flights, np.array(noise)
+
+
+def judged(
+    one: Case,
+    flights: Sequence[Flight],
+    oracle_exact: Sequence[Shown],
+    bias: Float[Array, "readout"],
+    noise: Float[Array, "readout"],
+) -> dict[str, Any]:
+    """What the program and a fit that knows the truth say about the flights of a case."""
     found = beside_others([(flight, catalogue().resolve(flight.motor)) for flight in flights])
     named = found[one.row]
     return {
@@ -256,7 +330,7 @@ def judged(one: Case, true: Sequence[Shown], oracle_exact: Sequence[Shown]) -> d
             for row, other in enumerate(found)
             if row != one.row and other.departures
         ],
-        "oracle": oracle(one, shown[one.row], oracle_exact),
+        "oracle": oracle(one, in_columns(flights[one.row].readouts()), oracle_exact, bias, noise),
     }
 
 
@@ -312,18 +386,27 @@ def _share(rows: Sequence[Mapping[str, Any]], right: Callable[[Mapping[str, Any]
     return f"{np.mean([right(row) for row in rows]):.0%}" if rows else ""
 
 
-def page(rows: Sequence[Mapping[str, Any]], code: str) -> list[str]:
-    """The page in Markdown; `code` is the revision that gave the rows."""
-    return [
-        "# Single flights that differ",
+FLOWN_AS = {
+    READOUTS: (
+        "as the readouts of an altimeter with Student t noise (3 degrees of freedom: speed and burn time 4%, peak 10%, "
+        "coast 5%, ejection 0.4 s) and biases of its own"
+    ),
+    LOGS: f"as logs of recorders ({', '.join(RECORDERS_FLOWN)}), from which the program measures the readouts",
+    ROCKETPY: "as such logs of flights in RocketPy; what an exact fit could decide is that of `fast_truth`",
+}
+"""How the flights of a table were recorded."""
+
+
+def page(rows: Sequence[Mapping[str, Any]], code: str, command: str) -> list[str]:
+    """The page in Markdown, a table for each way of recording; `code` is the revision that gave the rows."""
+    lines = [
+        "# Single flights that differ" + ("" if rows[0]["kind"] == READOUTS else ", from logs"),
         "",
         *prose(
-            "`python -m bench.one_offs --out docs/one-offs.md` writes this page; the figures are of revision",
-            f"{code or 'unknown'}. {len(rows)} rockets fly ten times each in the bench's own simulator",
-            "(`fast_truth`), and one flight of each has a fault at one of three strengths. The readouts are those",
-            "of an altimeter with Student t noise (3 degrees of freedom: speed and burn time 4%, peak 10%, coast",
-            "5%, ejection 0.4 s) and biases of its own; thrust and drag scatter by 4 and 3%. The answer is that",
-            "of `fieldkit loop` before any flight is tagged.",
+            f"`{command}` writes this page; the figures are of revision {code or 'unknown'}. Rockets fly",
+            "ten times each in another simulator, `fast_truth` unless stated otherwise, and one flight of each has a",
+            "fault at one of three strengths; thrust and drag scatter by 4 and 3%. The answer is that of `fieldkit",
+            "loop` before any flight is tagged.",
         ),
         *prose(
             "*Singled out*: the flight is probably a one-off (above 50%). *Named first* and *among three*: the",
@@ -331,59 +414,64 @@ def page(rows: Sequence[Mapping[str, Any]], code: str) -> list[str]:
             "device, causes and strengths exactly and only has to recognize them in the scatter; it could decide",
             "if the true cause has more than 90% there.",
         ),
-        table(rows),
-        "",
-        *prose(
-            "**What it misses.** A mass that is wrong on one flight looks like a weak motor. An ejection that is",
-            "late by up to three seconds is within the scatter of delays. A readout in feet that was taken for",
-            "meters is often impossible, so that it is left out before the comparison, and the flight looks usual",
-            "without it. The prevalences and typical strengths of the causes are round judgments",
-            "(`fieldkit/model/causes.py`); of these, the strength of weak motors was lowered from 20% to 10% of",
-            "the impulse, by what certification allows, after the first look at the open journal's flights.",
-        ),
-        *prose("Logs of recorders are not part of this bench."),
     ]
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        some = [row for row in rows if row["kind"] == kind]
+        lines += [*prose(f"{len(some)} rockets, {FLOWN_AS[kind]}:"), table(some), ""]
+    lines += prose(
+        "**What it misses.** A mass that is wrong on one flight looks like a weak motor. An ejection that is",
+        "late by up to three seconds is within the scatter of delays. A readout in feet that was taken for",
+        "meters is often impossible, so that it is left out before the comparison, and the flight looks usual",
+        "without it. The prevalences and typical strengths of the causes are round judgments",
+        "(`fieldkit/model/causes.py`); of these, the strength of weak motors was lowered from 20% to 10% of",
+        "the impulse, by what certification allows, after the first look at the open journal's flights.",
+    )
+    return lines
 
 
 def revision() -> str:
     """The revision of the code that runs, empty if it is not in version control."""
     asked = ["git", "describe", "--always", "--dirty", "--exclude=*"]
     try:
-        found = subprocess.run(asked, cwd=Path(__file__).parent, capture_output=True, text=True, check=False)
+        found = subprocess.run(asked, cwd=File(__file__).parent, capture_output=True, text=True, check=False)
     except OSError:
         return ""
     return found.stdout.strip()
 
 
-def _round(arguments: tuple[int, int]) -> list[dict[str, Any]]:
+def _round(arguments: tuple[str, int, int]) -> list[dict[str, Any]]:
     """One case of every cause and strength."""
-    number, seed = arguments
-    return all_judged([case(name, level, number, seed) for name in FAULTS for level in range(3)])
+    kind, number, seed = arguments
+    return all_judged([case(name, level, number, seed) for name in FAULTS for level in range(3)], kind)
 
 
 def main() -> None:
     """Run the bench, or print what a file contains."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--cases", type=int, default=40, help="cases for each cause and strength")
+    parser.add_argument("--as", dest="kinds", nargs="+", choices=FLOWN_AS, default=[READOUTS], help="how recorded")
     parser.add_argument("--seed", type=int, default=31)
     parser.add_argument("--processes", type=int, default=1)
-    parser.add_argument("--keep", type=Path, help="a file of results, to resume and to print again")
-    parser.add_argument("--out", type=Path, help="the page")
+    parser.add_argument("--keep", type=File, help="a file of results, to resume and to print again")
+    parser.add_argument("--out", type=File, help="the page")
     options = parser.parse_args()
     kept = json.loads(options.keep.read_text()) if options.keep and options.keep.exists() else {}
     rows: list[dict[str, Any]] = kept.get("rows", [])
     code: str = kept.get("code") or revision()
-    done = {row["number"] for row in rows}
-    missing = [(number, options.seed) for number in range(options.cases) if number not in done]
+    done = {(row["kind"], row["number"]) for row in rows}
+    every = [(kind, number) for kind in options.kinds for number in range(options.cases)]
+    missing = [(*one, options.seed) for one in every if one not in done]
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         for found in pool.imap_unordered(_round, missing):
             rows += found
             if options.keep:
                 lines = ",\n".join(json.dumps(_rounded(row)) for row in rows)
                 options.keep.write_text(f'{{"code": "{code}", "rows": [\n{lines}\n]}}\n')
-            sys.stderr.write(f"{len(rows)} of {24 * options.cases}\n")
-    rows.sort(key=lambda row: int(row["number"]))
-    text = "\n".join(page(rows, code)).rstrip() + "\n"
+            sys.stderr.write(f"{len(rows)} of {24 * len(every)}\n")
+    rows.sort(key=lambda row: (options.kinds.index(row["kind"]), int(row["number"])))
+    named = "" if options.kinds == [READOUTS] else f" --as {' '.join(options.kinds)} --cases {options.cases}"
+    command = f"python -m bench.one_offs{named} --out {options.out or 'PAGE'}"
+    text = "\n".join(page(rows, code, command)).rstrip() + "\n"
     if options.out:
         options.out.write_text(text, encoding="utf-8")
     else:

@@ -84,9 +84,10 @@ def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, launch_an
     return paths([replace(one, tilt=launch_angle or one.tilt) for one in launches], rng)
 
 
-def paths(launches: Sequence[Launch], rng: np.random.Generator) -> list[Path]:
-    """The paths of launches, in their order."""
-    return [_path(launch, track, rng) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
+def paths(launches: Sequence[Launch], rng: np.random.Generator, tracks: Sequence[Track] | None = None) -> list[Path]:
+    """The paths of launches, in their order, from their tracks in another simulator if given."""
+    flown = fast_truth.fly(launches) if tracks is None else tracks
+    return [_path(launch, track, rng) for launch, track in zip(launches, flown, strict=True)]
 
 
 def sport_launch(rng: np.random.Generator) -> Launch:

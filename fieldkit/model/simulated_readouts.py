@@ -14,13 +14,15 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import Model
 from fieldkit.model.sources import has_log
 from fieldkit.physics.effect import Effect
-from fieldkit.physics.logged import burn_impulse, coast_drag
+from fieldkit.physics.logged import burn_impulse, climbed_drag, climbed_impulse, climbed_peak, coast_drag
 from fieldkit.physics.setups import in_other_weather
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import FORECAST_RESOLUTION, Resolution
 from fieldkit.physics.unique import fly_unique
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
+HEIGHT_SENSORS = ("baro", "gps")
+"""Sensors of heights: a top speed from one is a climb rate."""
 EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across", "drift_speed", "across_speed")
 """Figures of a flight that a plan needs and the altimeter does not show."""
 REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
@@ -41,12 +43,18 @@ def shown(
     setup, readings_bends = _bent_setup(model, values, scatter)
     flown = fly_unique(setup)
     readings: Mapping[str, Any] = flown.readouts()
+    for name, climbed in (("top_speed", flown.top_climb), ("peak_accel", climbed_peak(flown))):
+        readings = {**readings, name: np.where(_by_heights(model, name), climbed, readings[name])}
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)
     grounded = flown.lift_off == 0
     logged = dict.fromkeys(FROM_LOGS, np.full(grounded.shape, np.nan))
     if any(map(has_log, model.flights)):
-        logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
+        drag, impulse = coast_drag(setup, flown), burn_impulse(setup)
+        logged = {
+            "coast_drag": np.where(_by_heights(model, "coast_drag"), climbed_drag(flown, drag), drag),
+            "burn_impulse": np.where(_by_heights(model, "burn_impulse"), climbed_impulse(flown, impulse), impulse),
+        }
     readings = {**readings, **logged}
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
     for name in OBSERVED_READOUTS:
@@ -57,6 +65,12 @@ def shown(
     higher = np.exp(bent(model, values, "apogee"))  # this is an error of the simulator, not of the altimeter
     sinking = out["duration"] - figures["rise_time"] - np.fmax(np.nan_to_num(out["apogee_to_eject"]), 0.0)
     return out | figures | {"true": flown.apogee * higher, "duration": out["duration"] + (higher - 1) * sinking}
+
+
+def _by_heights(model: Model, name: str) -> Flags:
+    """Whether a readout of each flight is measured in heights, which show the upward part of a slanted path."""
+    found = [flight.readout(name) for flight in model.flights]
+    return np.array([one is not None and one.source in HEIGHT_SENSORS for one in found], bool)
 
 
 def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:

@@ -81,6 +81,12 @@ def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apog
     return track, coast(setup.after_burnout(), track, fires, timed=highlights), fires
 
 
+def _upward(velocity: Array) -> Array:
+    """Upward part of a velocity relative to its size [1]; 1 at rest."""
+    size = np.sqrt((velocity**2).sum(axis=0))
+    return np.asarray(np.divide(velocity[0], size, out=np.ones_like(size), where=size > 0))
+
+
 def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> FlightResult:
     lifted = np.isfinite(track.time)
     start = np.where(lifted, track.time - track.flying, 0.0)
@@ -92,6 +98,7 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
         "apogee": top.height,
         "apogee_shown": top.height * setup.altimeter_gain,
         "top_speed": track.top_speed,
+        "top_climb": track.top_speed * _upward(track.velocity),
         "burn_time": burn_time,
         "peak_accel": track.peak_accel,
         "avg_accel": track.top_speed / np.where(burn_time > 0, burn_time, np.inf),

@@ -6,6 +6,7 @@ Derivation: that of `fieldkit.analysis.drag_and_impulse`, with the simulated acc
 import numpy as np
 
 from fieldkit.physics.forces import EquationsOfMotion
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Float
 
@@ -34,6 +35,48 @@ def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
         slowed += shape * acceleration.drag_like(height, speed, mass)
         squares += shape**2
     return np.asarray(slowed / np.where(squares > 0, squares, np.nan))
+
+
+def climbed_drag(flown: FlightResult, drag: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Drag b of a coast that heights show [1/m], from that along the path [1/m]: a slanted path has more of it.
+
+    Derivation: the upward speed w falls by g + b V w with V the speed along the path, so heights show b V/w, here
+    weighted as in `coast_drag`. With V near w in the drag, the horizontal speed falls as the root of g + b w².
+    """
+    upward = _upward(flown)
+    slant = (1 - upward**2) / upward**2  # squared ratio of horizontal to upward speed at burnout
+    slowed = drag * flown.top_climb**2 / GRAVITY
+    parts = np.array(_PARTS)
+    across = slant[..., None] * (1 + slowed[..., None] * parts**2) / (1 + slowed[..., None])
+    ratio = (np.sqrt(1 + across / parts**2) * parts**4).sum(axis=-1) / (parts**4).sum()
+    return np.asarray(drag * ratio)
+
+
+def climbed_impulse(flown: FlightResult, impulse: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Impulse over mass that heights show [m/s], from that along the path [m/s].
+
+    Derivation: with c the upward part of the path's direction, the speed J - g t c - D shows as c times that, to which
+    g t and the drag c D are added again.
+    """
+    upward = _upward(flown)
+    return np.asarray(upward * impulse + GRAVITY * flown.burn_time * (1 - upward**2))
+
+
+def climbed_peak(flown: FlightResult) -> Float[Array, "*draw"]:
+    """Peak acceleration that heights show, at least a tenth of that along the path [m/s^2].
+
+    Derivation: of the felt acceleration p + g c along the path, with c the upward part of its direction, heights show c
+    times it, less g.
+    """
+    upward = _upward(flown)
+    return np.asarray(np.maximum(upward * (flown.peak_accel + GRAVITY * upward) - GRAVITY, 0.1 * flown.peak_accel))
+
+
+def _upward(flown: FlightResult) -> Float[Array, "*draw"]:
+    """Upward part of the path's direction at burnout, at least a tenth. [1]"""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = np.where(flown.top_speed > 0, flown.top_climb / flown.top_speed, 1.0)
+    return np.asarray(np.clip(found, 0.1, 1.0))
 
 
 def burn_impulse(setup: Setup) -> Float[Array, "*draw"]:

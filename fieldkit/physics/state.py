@@ -143,15 +143,17 @@ class FlightResult:
     """Results of a simulated flight, one entry per draw, in SI units; heights above the pad.
 
     `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` the readings of a
-    barometric altimeter. `burn_time` is from lift-off to top speed, as the altimeter defines it; accelerations are net
-    of gravity. `drift` is the downwind distance of the apogee, `across` its distance to the right of the wind,
-    `drift_speed` and `across_speed` the horizontal speeds there. `rise_time` is from lift-off to apogee, `coast_time`
-    from burnout, negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
+    barometric altimeter. `top_speed` is that along the path, and `top_climb` its upward part, with the direction at
+    burnout. `burn_time` is from lift-off to top speed, as the altimeter defines it; accelerations are net of gravity.
+    `drift` is the downwind distance of the apogee, `across` its distance to the right of the wind, `drift_speed` and
+    `across_speed` the horizontal speeds there. `rise_time` is from lift-off to apogee, `coast_time` from burnout,
+    negative if the motor still burns at apogee. nan if undefined (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]
     apogee_shown: Float[Array, "*draw"]
     top_speed: Float[Array, "*draw"]
+    top_climb: Float[Array, "*draw"]
     burn_time: Float[Array, "*draw"]
     peak_accel: Float[Array, "*draw"]
     avg_accel: Float[Array, "*draw"]
