@@ -38,6 +38,17 @@ def add(
             help="Mass ready to fly with the motor: 620g, 22oz; replaces the dry mass.", rich_help_panel=PANEL
         ),
     ] = None,
+    timer_1_s: Annotated[
+        str | None,
+        typer.Option(
+            "--timer-1-s", "--timer-1", metavar="S", help="What a watch showed: 38.42.", rich_help_panel=PANEL
+        ),
+    ] = None,
+    timer_2_s: Annotated[
+        str | None,
+        typer.Option("--timer-2-s", "--timer-2", metavar="S", help="What a second one did.", rich_help_panel=PANEL),
+    ] = None,
+    eggs: Annotated[str | None, typer.Option(help="2 intact, 1 cracked.", rich_help_panel=PANEL)] = None,
     again: Annotated[
         bool, typer.Option("--again", help="Add the flight even if the ledger has one with the same values.")
     ] = False,
@@ -51,6 +62,7 @@ def add(
     """
     from fieldkit.services.unknown_names import unknown_names
 
+    given |= {"timer_1_s": timer_1_s, "timer_2_s": timer_2_s, "eggs": eggs}
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes or lift_off_mass is not None:

@@ -1,6 +1,7 @@
 """What `fieldkit motors --fit` prints: every motor that fits a rocket, and how it would fly."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,13 +49,16 @@ def print_guide(
     """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
     points; with `quick`, only quick forecasts."""
     from fieldkit.planning.contest_limits import approved_motors
-    from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
+    from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, label, lifts, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
 
     target = length("--target", fit["target"])
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted, boxed=boxed)
         motors = suitable_motors(plan.motors, wanted)
+        if boxed:
+            own = {label(motor): motor for motor in _box(plan)}
+            motors = [own[label(motor)] for motor in motors]
         mass = plan.flight.dry_mass or 0.0  # without one the guide prints a note
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
         names = {motor: _called(motor, plan.motors) for motor in motors}
@@ -105,12 +109,11 @@ def _in_season(
     return held, motor_advice(held, rule, label(last) if last is not None else None)
 
 
-def _boxed(plan: PlanContext) -> dict[str, int]:
+def _box(plan: PlanContext) -> "Counter[Motor]":
     """How many of each motor are in the flyer's range box."""
-    from fieldkit.planning.motor_guide import label
     from fieldkit.services.flyer_card import motors_in_box
 
-    return {label(motor): count for motor, count in motors_in_box(read_settings().flyer, plan.motors).items()}
+    return motors_in_box(read_settings().flyer, plan.motors)
 
 
 def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
@@ -129,7 +132,7 @@ def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
 
 
 def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool, boxed: bool) -> "Wanted":
-    from fieldkit.planning.motor_guide import Wanted, mount_of, widest_motor
+    from fieldkit.planning.motor_guide import Wanted, label, mount_of, widest_motor
     from fieldkit.services.shortlist import shortlist
 
     last = mount_of(plan.rocket, plan.flight.config) or plan.rocket.mount
@@ -140,7 +143,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
         raise UnknownMotor("found no flights that show the motor mount and no diameter, expected --mount such as 29mm")
     names = shortlist(plan.ledger, plan.flight.rocket) if shortlisted else None
     if boxed:
-        box = frozenset(_boxed(plan))
+        box = frozenset(label(motor) for motor in _box(plan))
         names = box if names is None else box & names
     if fit["in_stock"]:
         stock = _in_stock(plan, Path(fit["in_stock"]))
@@ -216,7 +219,7 @@ def _print(
         say_wrapped(
             "mount   not given: all motors no wider than the body are listed; give --mount, as in 29mm", "        "
         )
-    box = _boxed(plan)
+    box = {label(motor): count for motor, count in _box(plan).items()}
     if held := [f"{names[one.motor]} ({box[label(one.motor)]})" for one in choices if label(one.motor) in box]:
         say_wrapped(f"box     in your range box: {', '.join(held)}; --box forecasts only those", "        ")
     say_wrapped(f"based on {rests_in_words(prediction)}")

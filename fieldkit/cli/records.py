@@ -198,6 +198,7 @@ def edit(
 
     A readout also has a standard deviation and a source: apogee_sd_m=2, apogee_source=gps.
     lift_off_mass=620g is the mass weighed with the motor, from which the dry mass follows.
+    timer_1_s=38.42 and timer_2_s are what two watches showed, eggs="2 intact" how a contest flight was judged.
     """
     from fieldkit.motors.several import tagged
 

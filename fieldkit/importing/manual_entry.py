@@ -24,6 +24,7 @@ from fieldkit.flight import (
     read_date,
     read_tags,
 )
+from fieldkit.flight.further import JUDGED, TIMERS
 from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
@@ -156,8 +157,8 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
     extra = dict(flight.extra)
     details: dict[str, dict[str, object]] = {}
     for name, text in changes.items():
-        if name in extra:
-            extra = {key: text if key == name else old for key, old in extra.items() if text or key != name}
+        if name in extra or name in JUDGED:
+            extra = {key: old for key, old in (extra | {name: _judged(name, text)}).items() if old or key != name}
             continue
         try:
             if place := beside(name.strip().lower().replace("-", "_")):
@@ -178,6 +179,16 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
         both = {**getattr(changed, part), **new}
         values[part] = {name: value for name, value in both.items() if value is not None}
     return values | ({"extra": extra} if extra != dict(flight.extra) else {})
+
+
+def _judged(name: str, text: str) -> str:
+    """A column in which a contest flight is judged, as a table has it: seconds without their unit. Raises BadValue."""
+    if name not in TIMERS or not text.strip():
+        return text
+    try:
+        return f"{units.parse(text, 'time', 's'):.10g}"
+    except BadValue as error:
+        raise BadValue(message(f"{name}: {marked(error)}")) from error
 
 
 def answer_text(flight: Flight, name: str) -> str:

@@ -189,16 +189,16 @@ def _found(name: Name, listing: Listing, text: str, note: str = "") -> Found:
 
 
 @cache
-def _bag(motor: Motor, longest: float) -> Motor:
-    """The motor as printed on its bag, with only its longest delay; cached, so each is a single object."""
-    return replace(motor, delays=(longest,))
+def with_delays(motor: Motor, *delays: float) -> Motor:
+    """The motor with only these delays [s], such as that printed on its bag; cached, so each is a single object."""
+    return replace(motor, delays=delays)
 
 
 def as_printed(motor: Motor, name: Name) -> Motor:
     """The motor with only the longest delay that a name states, as in `H128W-14A`, if the catalog lacks that delay."""
     if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor
-    return _bag(motor, name.delay)
+    return with_delays(motor, name.delay)
 
 
 def _likelihood(listing: Listing) -> tuple[bool, bool, int]:

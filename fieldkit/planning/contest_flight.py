@@ -12,11 +12,10 @@ from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
-from fieldkit.flight.further import text_under
+from fieldkit.flight.further import TIMERS, text_under
 from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.units import FOOT
 
-TIMERS = ("timer_1_s", "timer_2_s")
 WHOLE_EGGS = ("intact", "whole", "ok", "okay", "uncracked", "unbroken", "good", "fine", "survived", "not cracked")
 """Texts in the column `eggs` that mean intact eggs, also after `all`, `eggs`, or their number as in `2 intact`."""
 EGG_COUNTS = {"one": 1, "two": 2, "both": 2, "three": 3}

@@ -214,7 +214,9 @@ def certification_line(governed_by: Governed, own: int | None = None) -> SafetyC
             return _check(name, "unsafe", f"{governed_by.build.impulse:.0f} N s is beyond every level", rule)
         text = f"requires certification level {level:.0f}"
         if own is None:
-            return _check(name, "caution", f"{text}; yours is not known: fieldkit flyer --certification 1", rule)
+            return _check(
+                name, "caution", f"{text}; yours is not on your card (fieldkit flyer --certification 1)", rule
+            )
         if own >= level:
             return _check(name, "ok", f"{text}; yours is {own}", rule)
         yours = f"yours is {own}" if own else "you have none"
@@ -233,7 +235,7 @@ def age_line(governed_by: Governed, age: int | None = None) -> SafetyCheck:
         least = rule.rows[0].value
         if age is None:
             return _check(
-                name, "unknown", f"from {least:.0f} years on; yours is not known: fieldkit flyer --born", rule
+                name, "unknown", f"from {least:.0f} years on; yours is not on your card (fieldkit flyer --born)", rule
             )
         verdict: Verdict = "ok" if age >= least else "unsafe"
         return _check(name, verdict, f"from {least:.0f} years on; you are {age}", rule)

@@ -1,12 +1,14 @@
 """The flyer's card as texts to edit, and their values."""
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
+from collections.abc import Collection
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from fieldkit import units
 from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.motors.search import with_delays
 from fieldkit.planning.rules import governing, known_rules, read_authorities
 from fieldkit.quantities import ShownUnits
 from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, FlyerCard, Settings
@@ -74,9 +76,19 @@ def _boxed(text: str) -> BoxedMotors:
 
 
 def motors_in_box(card: FlyerCard, motors: "Catalogue") -> "Counter[Motor]":
-    """How many of each motor are in the range box; a name that no motor has any more is left out."""
-    found: Counter[Motor] = Counter()
+    """How many of each motor are in the range box, each with only the delays that are there, if they are named; a name
+    that no motor has any more is left out."""
+    counts: Counter[Motor] = Counter()
+    delays: defaultdict[Motor, set[float | None]] = defaultdict(set)
     for one in card.box:
         with suppress(FieldkitError):
-            found[motors.resolve(one.motor).motor] += one.count
-    return found
+            found = motors.resolve(one.motor)
+            counts[found.motor] += one.count
+            delays[found.motor].add(found.delay)
+    return Counter({_boxed_motor(motor, delays[motor]): count for motor, count in counts.items()})
+
+
+def _boxed_motor(motor: "Motor", delays: Collection[float | None]) -> "Motor":
+    """A motor with the delays in the box; with all of its own if one there has no known delay."""
+    known = sorted(delay for delay in delays if delay is not None)
+    return with_delays(motor, *known) if len(known) == len(delays) else motor

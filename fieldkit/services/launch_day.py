@@ -6,6 +6,7 @@ from datetime import date
 
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.flight.columns import WEATHER
+from fieldkit.flight.recovery import STABILITY, recovery_header
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.importing.manual_entry import answer_text, read_answer
 from fieldkit.ledger import Ledger
@@ -18,6 +19,14 @@ from fieldkit.services.plans import completed_plan, stated_bodies
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, list_forecasts
 from fieldkit.settings import Settings
 
+FURTHER = (
+    MOTOR_TEMPERATURE,
+    STABILITY,
+    *map(recovery_header, ("parachute_diameter", "main_speed", "drogue_speed", "main_altitude", "wind_aloft")),
+)
+"""The further columns of a plan that its form asks for."""
+OF_THE_ROCKET = FURTHER[1:-1]
+"""Those that belong to its rocket."""
 PLAN_DRAFT = "plan"
 """Name under which the ledger saves the plan of the next flight."""
 
@@ -134,8 +143,8 @@ def first_forecast(ledger: Ledger, motors: Catalogue, settings: Settings, plan: 
 
 
 def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
-    """The fields of a plan from the entered answers, in the form saved in the ledger, with the motor's temperature.
-    Raises BadValue."""
-    values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
-    warm = texts.get(MOTOR_TEMPERATURE, "")
-    return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})
+    """The fields of a plan from the entered answers, in the form saved in the ledger, with its further columns. Raises
+    BadValue."""
+    values = {name: read_answer(name, text) for name, text in texts.items() if name not in FURTHER}
+    further = {name: texts[name] for name in FURTHER if texts.get(name)}
+    return values | ({"extra": further} if further else {})

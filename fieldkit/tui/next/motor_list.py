@@ -30,7 +30,8 @@ class MotorList:
     quick: dict[Motor, QuickChoice] = field(default_factory=dict)
     fitting: bool = True
     box: Mapping[Motor, int] | None = None
-    """How many of each motor are in the flyer's range box, to list only these; None lists all."""
+    """How many of each motor are in the flyer's range box, to list only these, each with the delays that are there;
+    None lists all."""
     exact: set[Motor] = field(default_factory=set)
     """Motors with a forecast at full precision, as it would be saved; the others have fewer draws."""
 
@@ -38,7 +39,8 @@ class MotorList:
         """All matches of a text, those that fit first; without a text, only those that fit unless all are requested."""
         found, plan = motors.search(text), self.plan
         if self.box is not None:
-            found = [motor for motor in found if motor in self.box]
+            names = {(motor.maker, motor.designation) for motor in found}
+            found = [motor for motor in self.box if (motor.maker, motor.designation) in names]
         if plan is None:
             return found
         if self.fitting and self.box is None and not text.strip():

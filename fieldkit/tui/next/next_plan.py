@@ -5,8 +5,16 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from fieldkit.errors import UnknownMotor
-from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
+from fieldkit.flight import BY_NAME, CONDITIONS, SETUP, Flight
 from fieldkit.flight.further import motor_temperature
+from fieldkit.flight.recovery import (
+    RECOVERY_COLUMNS,
+    RECOVERY_TEXTS,
+    STABILITY,
+    check_recovery,
+    recovery_of,
+    stability,
+)
 from fieldkit.flight.site import Site
 from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.ledger import Ledger
@@ -45,7 +53,22 @@ QUESTIONS = (
         for name in PLAN
     ),
     Question("site", "Site", "Its elevation, size and ceiling are saved with `fieldkit sites`. Empty: the last site."),
-    Question(MOTOR_TEMPERATURE, "Motor temperature", "In °C, or with a unit: 60F. Used only for its safety check."),
+    *(
+        Question(name, title, about)
+        for name, (title, about) in zip(
+            launch_day.FURTHER,
+            (
+                ("Motor temperature", "In °C, or with a unit: 60F. Used only for its safety check."),
+                ("Stability", RECOVERY_TEXTS[STABILITY]),
+                ("Parachute", f"{RECOVERY_COLUMNS['parachute_diameter'][2]} In mm without a unit."),
+                ("Descent speed", f"{RECOVERY_COLUMNS['main_speed'][2]} In m/s without a unit."),
+                ("Drogue speed", f"{RECOVERY_COLUMNS['drogue_speed'][2]} In m/s without a unit."),
+                ("Main opens at", f"{RECOVERY_COLUMNS['main_altitude'][2]} In m without a unit."),
+                ("Wind aloft", "10m/s, 20mph; the same as the wind for one that does not grow with height."),
+            ),
+            strict=True,
+        )
+    ),
 )
 
 
@@ -122,7 +145,8 @@ def next_build(plan: Plan | PlanWithoutMass) -> Flight | None:
         return None
     now = (plan.flight.rocket, plan.flight.config)
     rocket, config = names[(names.index(now) + 1) % len(names)] if now in names else names[0]
-    return plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None)
+    extra = {name: text for name, text in plan.flight.extra.items() if name not in launch_day.OF_THE_ROCKET}
+    return plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None, extra=extra)
 
 
 def read_plan(resources: Resources) -> Plan | PlanWithoutMass | None:
@@ -173,11 +197,12 @@ def rests_on(ledger: Ledger, rocket: str, flights: Sequence[Flight]) -> str:
 
 
 def planned(values: Mapping[str, object]) -> Flight:
-    """The plan from a filled-in form. Raises BadValue for an invalid motor temperature."""
-    warm = str(values.get(MOTOR_TEMPERATURE) or "")
-    rest = {name: value for name, value in values.items() if name != MOTOR_TEMPERATURE}
-    plan = Flight(extra={MOTOR_TEMPERATURE: warm} if warm else {}).with_changes(**rest)
-    motor_temperature(plan)
+    """The plan from a filled-in form. Raises BadValue for a further column that cannot be read."""
+    further = {name: text for name in launch_day.FURTHER if (text := str(values.get(name) or ""))}
+    rest = {name: value for name, value in values.items() if name not in launch_day.FURTHER}
+    plan = Flight(extra=further).with_changes(**rest)
+    for check in (motor_temperature, recovery_of, check_recovery, stability):
+        check(plan)
     return plan
 
 
@@ -191,4 +216,4 @@ def plan_texts(plan: Flight, system: str | None = None) -> dict[str, str]:
 
 
 def _answer(plan: Flight, name: str) -> str:
-    return "" if name == MOTOR_TEMPERATURE else answer_text(plan, name)
+    return "" if name in launch_day.FURTHER else answer_text(plan, name)

@@ -11,7 +11,7 @@ from textual.worker import Worker
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.quantities import unit_of
-from fieldkit.services.launch_day import save_plan
+from fieldkit.services.launch_day import OF_THE_ROCKET, save_plan
 from fieldkit.services.plans import completed_plan
 from fieldkit.tui.add.fields import Field, Form
 from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
@@ -65,7 +65,8 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
         as_shown = {name for name in PLAN if not_retyped(form.shown, name, values[name], system)}
         values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
         if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # its figures follow its last flight
-            values = {**values, **dict.fromkeys(as_shown.intersection(BODY))}
+            same = {name for name in OF_THE_ROCKET if values[name] == plan.extra.get(name, "")}
+            values = {**values, **dict.fromkeys(as_shown.intersection(BODY) | same)}
         try:
             keep(planned(values))
         except BadValue as error:
