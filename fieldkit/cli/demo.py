@@ -54,15 +54,17 @@ def demo(context: typer.Context) -> None:
 def _next(ledger: str | None) -> None:
     """What to type next: a flight of the user's own, and the same flights again."""
     fieldkit = "fieldkit" if which("fieldkit") else sys.argv[0]
-    say("Next, type a flight of yours and a forecast; without options, add asks for each figure:")
-    say(f"  {fieldkit} add --rocket Lark --motor F24-4W --dry-mass 322g --diameter 66mm --apogee 923ft")
-    say(f"  {fieldkit} predict --motor F39-6T --wind 8mph")
+    say("Next, enter a flight of yours (add asks for each figure) and forecast another:")
+    say(f"  {fieldkit} add")
+    say(f"  {fieldkit} predict --motor F24-4W --wind 8mph")
     if ledger is None:
-        say("These twelve flights were in a temporary ledger. To save them in one of their own, and use it:")
+        say("These twelve flights were in a temporary ledger. To save and use them:")
         ledger = "demo.db"
         say(f"  {fieldkit} --ledger {ledger} demo")
     say(f"  {fieldkit} --ledger {ledger} predict --motor F24-7W")
-    say(f"{fieldkit} alone opens the app; {fieldkit} docs start is the manual.")
+    say("The app, and the manual:")
+    say(f"  {fieldkit}")
+    say(f"  {fieldkit} docs start")
 
 
 def _named_ledger(context: typer.Context) -> str | None:

@@ -64,6 +64,28 @@ GROUPS = {
     "docs": ("docs",),
 }
 """The commands of every module of `fieldkit.cli`, in the order in which `--help` lists them."""
+PAGES = {
+    "app": ("tui", "serve"),
+    "formats": ("inspect", "import"),
+    "spreadsheet": ("export", "mappings"),
+    "after-flight": ("add", "show", "edit", "tag", "untag", "score", "report"),
+    "weather": ("weather",),
+    "predictions": ("infer", "predict", "predictions"),
+    "loop": ("loop", "model"),
+    "first-rocket": ("ork", "kits"),
+    "planning": ("motors", "delay", "ballast", "daysheet", "flyer", "simulate"),
+    "landing": ("landing", "track"),
+    "safety": ("sites",),
+    "contest": ("contest", "finals", "season"),
+    "other-programs": ("compare",),
+    "troubleshooting": ("capture", "undo", "redo", "history", "backups"),
+    "reference-study": ("paper", "study"),
+    "priors": ("learn",),
+    "models": ("train",),
+}
+"""The commands that a page of the manual explains; their help names it."""
+EXPLAINED_ON = {command: page for page, commands in PAGES.items() for command in commands}
+"""The page of the manual of each command that has one."""
 HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
 """The module of each command."""
 
@@ -87,9 +109,11 @@ class OnDemand(Mapping[str, Any]):
 def _module(name: str) -> Mapping[str, Any]:
     """The commands of one module."""
     commands = get_group(import_module(f"fieldkit.cli.{name}").app).commands
-    for command in commands.values():
+    for title, command in commands.items():
         name_values(command)
         _join_lines(command)
+        if title in EXPLAINED_ON:
+            command.epilog = f"In the manual: fieldkit docs {EXPLAINED_ON[title]}"
     return commands
 
 

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from typer.main import get_command
 
-from fieldkit.cli.main import app, main
+from fieldkit.cli.docs import page_names
+from fieldkit.cli.main import EXPLAINED_ON, app, main
 from fieldkit.cli.metavars import placeholders
 
 pytestmark = pytest.mark.fast
@@ -34,6 +35,13 @@ def test_no_option_shows_a_type_from_the_code(command: str, capsys: pytest.Captu
 @pytest.mark.parametrize("command", sorted(COMMANDS))
 def test_the_help_wraps_at_the_width_of_the_terminal_alone(command: str) -> None:
     assert "\n" not in COMMANDS[command].help.replace("\n\n", "")
+
+
+@pytest.mark.parametrize("command", sorted(EXPLAINED_ON))
+def test_the_help_names_a_page_of_the_manual(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert EXPLAINED_ON[command] in page_names()
+    assert main([command, "--help"]) == 0
+    assert f"In the manual: fieldkit docs {EXPLAINED_ON[command]}" in capsys.readouterr().out
 
 
 def test_each_placeholder_belongs_to_an_option_or_argument() -> None:

@@ -34,6 +34,7 @@ def test_the_demo_shows_readouts_to_next_apogee_and_does_not_touch_the_flyers_le
 ) -> None:
     mine = tmp_path / "mine.db"
     monkeypatch.setenv("FIELDKIT_LEDGER", str(mine))
+    monkeypatch.setattr("sys.argv", ["fieldkit"])
     assert main(["demo"]) == 0
     printed = capsys.readouterr()
     assert printed.err == ""
@@ -50,9 +51,11 @@ def test_the_demo_shows_readouts_to_next_apogee_and_does_not_touch_the_flyers_le
     assert all(int(low) < int(middle) < int(high) for *_, middle, low, high in forecasts)
     assert "verdict:" in loop
     assert re.search(r"F24-4W +47\.3 N s +64\.5 N s +\+36%", profile)
-    after = profile.partition("Next, type a flight of yours")[2]
-    typed = re.findall(r"^  \S+ (add|predict|--ledger demo\.db) ", after, flags=re.MULTILINE)
-    assert typed == ["add", "predict", "--ledger demo.db", "--ledger demo.db"]
+    after = profile.partition("Next, enter a flight of yours")[2]
+    typed = re.findall(r"^  fieldkit ?(.*)$", after, flags=re.MULTILINE)
+    predict = "predict --motor F24-4W --wind 8mph"
+    save, use = "--ledger demo.db demo", "--ledger demo.db predict --motor F24-7W"
+    assert typed == ["add", predict, save, use, "", "docs start"]
     assert "checkout" not in printed.out
 
 
