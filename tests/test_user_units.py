@@ -47,6 +47,19 @@ kits
 sites Meadow --elevation 700ft --size 1300ft --ceiling 3000ft
 sites
 predict --rocket Astra --motor F24-4W --site Meadow
+predict --rocket Fresh --lift-off-mass 14oz --diameter 2.6in --motor F39-6T --rail-length 6ft --stability-cal 1.5
+predict --rocket Astra --motor F24-4W --main-altitude 500ft --drogue-speed 60mph --main-speed 12mph --wind 9mph
+flyer --certification 1 --born 2009-05-31 --rails 3ft,6ft
+motors --about
+simulate --motor D12-0/C6-0/C6-7 --booster-mass 2oz/1.5oz --dry-mass 3.5oz --diameter 1.2in --cd 0.6
+add --rocket Astra --motor F24-4W --apogee 879ft --date-time 2026-05-16T14:30 --site Moor --site-elevation 1440ft
+weather docs/example-weather.csv --site Moor
+show 13
+remeasure --dry-run
+units
+paper
+history
+mappings
 predictions
 """
 """A session of a user with US customary units; nothing is typed in metric ones."""
