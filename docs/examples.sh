@@ -65,7 +65,7 @@ fieldkit loop --rocket Astra --dry-run
 # the same at once, provisional
 fieldkit loop --rocket Astra --quick
 fieldkit model --rocket Astra
-# go back to the plain model
+# go back to forecasts without a correction
 fieldkit model --rocket Astra --use 0
 fieldkit score --rocket Astra
 # two recordings of one flight; the first is the reference

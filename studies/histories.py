@@ -145,7 +145,7 @@ def _lines(found: Sequence[RocketHistory], unnamed: bool) -> Iterator[str]:
     yield "# Effects in real histories"
     yield ""
     yield fill(
-        f"Every rocket with at least {MIN_CLEAN_FLIGHTS} clean flights that have an apogee. The verdict is the "
+        f"Every rocket with at least {MIN_CLEAN_FLIGHTS} normal flights that have an apogee. The verdict is the "
         f"loop's on all of them. Each flight after the first {MIN_CLEAN_FLIGHTS} is forecast from the earlier ones "
         "only: by the plain model (*before*), and with what the loop finds in those earlier flights (*after*). Errors "
         "are fractions of the flown apogee.",
@@ -192,7 +192,7 @@ def _totals(found: Sequence[RocketHistory], before: Array, after: Array) -> Iter
 def _changed(found: Sequence[RocketHistory], old: Array, new: Array) -> str:
     named = np.array([name not in ("none", "unexplained") for one in found for name in one.verdicts])
     if not named.any():
-        return "For none of them had the loop found an effect in the earlier flights, so the forecasts are the same."
+        return "For none of them had the loop named an effect; what changes is the average over improbable ones."
     rise = (new - old)[named]
     low, high = 100 * np.quantile(rise[resampled(len(rise))].mean(axis=1), LEVELS)
     return (

@@ -164,8 +164,8 @@ def effect_table() -> str:
     rows = [_effect_row(name, effect) for name, effect in effects().items()]
     return f"""# The effects
 
-What the plain model may lack. Each is a file in `models/effects/` ([how to add one](extending.md)); each has one
-strength, which is zero if the effect is absent. [The physics](physics.md) has the equations that they change,
+What a forecast without a correction may lack. Each is a file in `models/effects/`
+([how to add one](extending.md)); each has one strength, which is zero if the effect is absent. [The physics](physics.md) has the equations that they change,
 [the loop](loop.md) how one is chosen. Priors are normal distributions, truncated at their bounds; if the square of the
 strength is fitted, the prior is of the square. {WRITTEN_BY}
 

@@ -40,7 +40,8 @@ def simulate(
         typer.Option(min=0.001, max=50.0, callback=finite, help="Drag coefficient; default: that of other rockets."),
     ] = None,
     alpha: Annotated[
-        float, typer.Option(min=0.01, max=10.0, callback=finite, help="Thrust relative to certified thrust.")
+        float,
+        typer.Option(min=0.01, max=10.0, callback=finite, help="Thrust factor: thrust relative to the certified."),
     ] = 1.0,
     physics: Annotated[
         Physics, typer.Option(help="fieldkit's simulator (field), or the reference paper's.")

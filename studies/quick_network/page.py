@@ -155,7 +155,8 @@ derivatives, and the scales of scatter, readings and documents are a few values.
 the fit answers where the check fails.
 
 A network answered before. This page is the comparison that retired it, printed by
-`python -m tools.quick_network` from measurements that it repeats with networks of `python -m studies.quick_network`.
+`python -m tools.quick_network` on 58540097, from measurements that it repeats with networks of
+`python -m studies.quick_network`; the shipped pass has another grid of the scale of documents since.
 Networks of three layers of attention over the
 flights were trained on {histories:,} simulated histories ({seconds} s on {device}), whose world is the one model,
 simulated without linearization: effects from their priors, causes of single flights, heavy-tailed scales of scatter and
