@@ -164,10 +164,10 @@ def effect_table() -> str:
     rows = [_effect_row(name, effect) for name, effect in effects().items()]
     return f"""# The effects
 
-What a forecast without a correction may lack. Each is a file in `models/effects/`
-([how to add one](extending.md)); each has one strength, which is zero if the effect is absent. [The physics](physics.md) has the equations that they change,
-[the loop](loop.md) how one is chosen. Priors are normal distributions, truncated at their bounds; if the square of the
-strength is fitted, the prior is of the square. {WRITTEN_BY}
+What a forecast without a correction may lack. Each is a file in `models/effects/` ([how to add one](extending.md));
+each has one strength, which is zero if the effect is absent. [The physics](physics.md) has the equations that they
+change, [the loop](loop.md) how one is chosen. Priors are normal distributions, truncated at their bounds; if the
+square of the strength is fitted, the prior is of the square. {WRITTEN_BY}
 
 | effect | description | strength | prior | one strength for | changes | source |
 |---|---|---|---|---|---|---|
