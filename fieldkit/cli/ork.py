@@ -33,7 +33,7 @@ def ork(
     json: AsJson = False,
 ) -> None:
     """Read a rocket that has not flown from its design in OpenRocket, RockSim or RASAero: mass without motor, diameter,
-    length, stability and, from OpenRocket, Cd."""
+    length, stability and, except from RockSim, Cd."""
     from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 

@@ -1,10 +1,11 @@
 """RASAero designs (`.CDX1`) in the terms of an OpenRocket design, so that the same code reads both.
 
-Lengths are in inches, weights in pounds. A file has the outline of the rocket and no masses of its parts, but a
-simulation states its launch weight and the center of gravity with its motor. Without its motor, which ends where the
-rocket does and balances in its middle, the rocket has the mass m = M - m_motor and its center at
-(M x - m_motor x_motor) / m. A fin's place is that of its leading edge ahead of the aft end of its tube. The
-names of the elements are from memory of RASAero II files: none was at hand to compare with.
+Lengths are in inches, weights in pounds; of the launch site and the results, heights and the rod in feet, the wind in
+mph. A file has the outline of the rocket and no masses of its parts, but a simulation states its launch weight and the
+center of gravity with its motor. Without its motor, which ends where the rocket does and balances in its middle, the
+rocket has the mass m = M - m_motor and its center at (M x - m_motor x_motor) / m. Its Cd grows with speed and is not in
+the file: the stored apogees imply one, as in `implied`. A fin's place is that of its leading edge ahead of the aft end
+of its tube. The names of the elements are from memory of RASAero II files: none was at hand to compare with.
 """
 
 import math
@@ -16,7 +17,7 @@ from xml.etree.ElementTree import Element, SubElement
 from fieldkit.errors import FieldkitError
 from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.parts import number
-from fieldkit.units import INCH, POUND
+from fieldkit.units import FOOT, INCH, POUND, UNITS
 
 SHAPES = {
     "conical": ("conical", None),
@@ -28,6 +29,13 @@ SHAPES = {
     "elliptical": ("ellipsoid", None),
 }
 """Profile and shape parameter of a nose by its name; that of a power law is in the file."""
+SITE = (
+    ("launchaltitude", "Altitude", FOOT),
+    ("launchrodlength", "RodLength", FOOT),
+    ("launchrodangle", "RodAngle", 1.0),
+    ("windaverage", "WindSpeed", UNITS["speed"]["mph"].to_si(1.0)),
+)
+"""Conditions of the launch site as OpenRocket and as RASAero name them, and the unit of the latter."""
 MAKERS = {"AT": "AeroTech", "CTI": "Cesaroni", "ES": "Estes", "LR": "Loki", "AMW": "Animal Motor Works", "QU": "Quest"}
 """Abbreviations of makers in the name of a motor: `K550W  (AT)`."""
 _MOTOR = re.compile(r"(?P<name>[^()]{1,40})(?:\((?P<maker>[^()]{1,20})\))?\s{0,9}")
@@ -66,7 +74,9 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
     tubes = [one for one in body if one.tag == "bodytube"]
     if tubes:
         mount = SubElement(tubes[-1], "motormount")
-        for _, text in engines[:100]:
+        site, results = root.find("LaunchSite"), SubElement(document, "simulations")
+        for one, text in engines[:100]:
+            results.append(_simulation(one, text, site, str(len(mount))))
             named = _MOTOR.fullmatch(text)
             motor = SubElement(mount, "motor", configid=str(len(mount)))
             SubElement(motor, "designation").text = named["name"] if named else text
@@ -74,6 +84,19 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
     length = sum(number(one, "length") for one in body)
     notes.append("not tried on a file of RASAero yet: compare mass, length and margin with what it shows")
     return document, [*notes, *_weigh(stage, engines, length)]
+
+
+def _simulation(one: Element, name: str, site: Element | None, motor: str) -> Element:
+    """The summary of a simulation on the motor of that id, from the launch site of the file."""
+    made = Element("simulation", status="uptodate")
+    SubElement(made, "name").text = name
+    conditions = SubElement(made, "conditions")
+    SubElement(conditions, "configid").text = motor
+    if site is not None:
+        for ours, theirs, unit in SITE:
+            SubElement(conditions, ours).text = repr(number(site, theirs) * unit)
+    SubElement(made, "flightdata", maxaltitude=repr(number(one, "MaxAltitude") * FOOT))
+    return made
 
 
 def _weigh(stage: Element, engines: list[tuple[Element, str]], length: float) -> list[str]:

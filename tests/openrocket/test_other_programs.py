@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from fieldkit.errors import DamagedLog
+from fieldkit.flight import Flight
 from fieldkit.motors import catalogue
 from fieldkit.openrocket import Design, read_design
-from fieldkit.units import INCH, POUND
+from fieldkit.physics.single import field_flight
+from fieldkit.units import FOOT, INCH, POUND
 from tests.commands import Run
 
 pytestmark = pytest.mark.fast
@@ -58,8 +60,9 @@ def rocksim(fins: str = FINS.format(mass=FINS_MASS, code=0), more: str = "", sta
 </RockSimDocument>""".encode()
 
 
-def rasaero(weight: float, cg: float, engine: str = "F24W  (AT)") -> bytes:
-    """The same outline in inches; the launch weight [kg] and the center with the motor [m] are of its simulation."""
+def rasaero(weight: float, cg: float, engine: str = "F24W  (AT)", apogee: float = 0.0) -> bytes:
+    """The same outline in inches; the launch weight [kg], the center with the motor [m] and the apogee [m] are of its
+    simulation, on a rod of 5 ft in a wind of 5 mph at 1,000 ft."""
 
     def inches(meters: float) -> str:
         return f"{meters / INCH:.6f}"
@@ -70,7 +73,8 @@ def rasaero(weight: float, cg: float, engine: str = "F24W  (AT)") -> bytes:
 <BodyTube><PartType>BodyTube</PartType><Length>{inches(0.4)}</Length><Diameter>{inches(0.05)}</Diameter>
 <Fin><Count>3</Count><Chord>{inches(0.08)}</Chord><Span>{inches(0.05)}</Span><SweepDistance>{inches(0.04)}</SweepDistance>
 <TipChord>{inches(0.04)}</TipChord><Location>{inches(0.09)}</Location></Fin></BodyTube></RocketDesign>
-<SimulationList><Simulation><SustainerEngine>{engine}</SustainerEngine>
+<LaunchSite><Altitude>1000</Altitude><RodLength>5</RodLength><RodAngle>0</RodAngle><WindSpeed>5</WindSpeed></LaunchSite>
+<SimulationList><Simulation><MaxAltitude>{apogee / FOOT}</MaxAltitude><SustainerEngine>{engine}</SustainerEngine>
 <SustainerLaunchWt>{weight / POUND}</SustainerLaunchWt><SustainerCG>{inches(cg)}</SustainerCG></Simulation>
 </SimulationList></RASAeroDocument>""".encode()
 
@@ -131,6 +135,20 @@ def test_a_rasaero_design_has_the_mass_and_balance_of_its_simulation() -> None:
     assert (theirs.balance.cp, theirs.balance.dry_cg) == pytest.approx((own.balance.cp, own.balance.dry_cg), abs=1e-5)
     assert [(one.maker, one.designation) for one in theirs.motors] == [("AeroTech", "F24W")]
     assert theirs.start("Lark", "", "Lark.CDX1").margin == pytest.approx((own.balance.cp - center) / 0.05, abs=1e-3)
+
+
+def test_the_apogees_of_a_rasaero_design_imply_its_cd() -> None:
+    found, level = catalogue().resolve("AeroTech F24W"), {"wind_aloft_mps": "2.2352", "wind_aloft_height_m": "1000"}
+    site = {"rail_length": 5 * FOOT, "site_elevation": 1000 * FOOT, "wind": 2.2352}
+    plan = Flight(dry_mass=0.113, diameter=0.05, extra=level).with_changes(**site)
+    apogee = field_flight(plan, found, 0.62, 1.0)["true_apogee_m"]
+    design = read_design(rasaero(0.113 + found.motor.loaded_mass, 0.3, apogee=apogee), "Lark.CDX1")
+    assert design.cd == pytest.approx(0.62, rel=0.003)
+    assert design.cd_by == "the apogees of 1 simulation"
+    assert not any(note.startswith("no Cd") for note in design.notes)
+    (again,) = design.flown_again
+    assert again.difference == pytest.approx(0.0, abs=0.005)
+    assert read_design(rasaero(0.2, 0.3), "Lark.CDX1").cd is None, "no apogee is stored"
 
 
 def test_a_rasaero_design_on_an_unknown_motor_asks_for_the_mass() -> None:
