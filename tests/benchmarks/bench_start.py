@@ -44,6 +44,10 @@ for name in {!r}:
 """
 LIBRARIES = ["numpy", "onnxruntime", "sqlalchemy", "typer"]
 """The program's libraries."""
+LOG = str(ROOT / "sample_logs/perfectflite__drogue_and_main.pf2")
+"""One small log."""
+COPIED = "import shutil; shutil.copy({!r}, {!r}); "
+"""An import adds a flight only once, so each round has a ledger of its own."""
 COMMANDS = {
     "flights": [],
     "show": ["1"],
@@ -102,3 +106,12 @@ def test_a_prediction(benchmark: BenchmarkFixture, what: str, ledger: str, whole
     arguments = ["--ledger", ledger if what == "12 apogees" else whole, "predict", *COMMANDS["predict"]]
     seconds = measured(benchmark, whole_process, FIELDKIT.format(arguments))
     assert beside(benchmark, seconds, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT
+
+
+@pytest.mark.parametrize("libraries", [["numpy", "pandas"], ["numpy", "scipy.linalg", "sqlalchemy", "typer"]])
+def test_an_import_of_one_log(benchmark: BenchmarkFixture, libraries: list[str], ledger: str, tmp_path: Path) -> None:
+    """Relative to the libraries that read a table elsewhere, and to those that the import uses."""
+    copy = str(tmp_path / "ledger.db")
+    code = COPIED.format(ledger, copy) + FIELDKIT.format(["--ledger", copy, "import", LOG])
+    seconds = measured(benchmark, whole_process, code)
+    beside(benchmark, seconds, least(BARE.format(libraries)), "bare " + ", ".join(libraries))
