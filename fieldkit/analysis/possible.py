@@ -11,8 +11,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import atan, erfc, exp, hypot, log1p, pi, sqrt
 
+from fieldkit.analysis.channels import sensor
 from fieldkit.analysis.labels import figure_text, in_column_unit
 from fieldkit.analysis.notes import ENERGY_NOTE
+from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
@@ -26,6 +28,8 @@ so raises that one. [1]"""
 _MOST_RISE, _MOST_DRAG, _COAST_MODEL = 1.3, 1e3, 0.12
 """Largest rise of a coast relative to g t²/2, beyond which a charge has ended it; the largest drag, in weights; and the
 relative error of the speed by rise and duration, because drag is not quite in proportion to v². [1]"""
+_DRAG_RISE = 0.7 * 335.0
+"""Speed above which drag grows faster than v², so that the coast shows its start with twice the error. [m/s]"""
 _LEAST_VARIANCE = 0.01
 """Smallest fraction of a variance that a bound leaves. [1]"""
 _SWINGS = 4.0
@@ -66,10 +70,10 @@ def by_energy(
     notes.
 
     A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of burnout moves by its
-    height: the normal distribution of the measured speed, truncated there. With drag in proportion to v², the rise h
-    and the duration t of a coast give the speed too. If the measured speed is short of the bound, its error is larger
-    than stated, by Birge's ratio: its difference from either in standard deviations; and both are averaged by their
-    variances. A top speed still farther from either contradicts the rest of the flight, and the boost is not reported.
+    height: a normal distribution truncated there. With drag in proportion to v², the rise h and the duration t of a
+    coast give the speed too, and both are averaged by their variances. If the measured speed is short of the bound, its
+    error is larger than stated, by Birge's ratio: its difference from either in standard deviations. A top speed still
+    farther from either contradicts the rest of the flight, and the boost is not reported.
 
     Source: Birge, The calculation of errors by the method of least squares, Physical Review 40 (1932).
     """
@@ -88,7 +92,7 @@ def by_energy(
     if short > _CONTRADICTION_SDS:
         return _without_boost(figures, speed, f"at least {least:.0f} m/s")
     mean = replace(speed, sd=speed.sd * max(1.0, short, abs(beyond))) if short > 0 else speed
-    mean = _average(mean, other) if other and short > 0 else mean
+    mean = _average(mean, other) if other else mean
     spread = hypot(mean.sd, least_sd)
     bounded = _beyond_bound(mean, (least - mean.value) / spread, spread)
     return _with_speed(figures, bounded), ((ENERGY_NOTE.format(least),) if short > 0 else ())
@@ -128,23 +132,30 @@ def speed_of_coast(rise: float, coast: Figure) -> Figure | None:
     drag explains both, as after an early charge. [m/s]
 
     With drag D times the weight at the start, the rise is ln(1 + D)/D times v²/2g, and lasts arctan(sqrt(D))/sqrt(D)
-    times v/g. So the rise over g t²/2 is ln(1 + D)/arctan²(sqrt(D)), which increases with D.
+    times v/g. So the rise over g t²/2 is ln(1 + D)/arctan²(sqrt(D)), which increases with D. The error of the duration
+    is that of burnout, which moves the rise too, by v; static ports that are off by s move it by s v²/2g.
     """
 
-    def of(lasts: float) -> float | None:
-        if lasts <= 0 or not 1.0 <= 2 * rise / (GRAVITY * lasts**2) <= _MOST_RISE:
+    def of(lasts: float, rises: float) -> float | None:
+        if lasts <= 0 or not 1.0 <= 2 * rises / (GRAVITY * lasts**2) <= _MOST_RISE:
             return None
-        wanted, low, high = 2 * rise / (GRAVITY * lasts**2), 1e-6, _MOST_DRAG
+        wanted, low, high = 2 * rises / (GRAVITY * lasts**2), 1e-6, _MOST_DRAG
         for _ in range(60):
             drag = sqrt(low * high)
             low, high = (drag, high) if log1p(drag) / atan(sqrt(drag)) ** 2 < wanted else (low, drag)
         return GRAVITY * lasts * sqrt(low) / atan(sqrt(low))
 
-    ends = [of(coast.value + step) for step in (-coast.sd, 0.0, coast.sd)]
-    if ends[1] is None or ends[0] is None or ends[2] is None:
+    value = of(coast.value, rise)
+    if value is None:
         return None
-    spread = abs(ends[2] - ends[0]) / 2
-    return Figure(ends[1], hypot(spread, _COAST_MODEL * ends[1]), coast.source)
+    ports = STATIC_SD * value**2 / (2 * GRAVITY) if sensor(coast.source) != "gps" else 0.0
+    errors = [_COAST_MODEL * value * (2 if value > _DRAG_RISE else 1)]
+    for longer, higher in ((coast.sd, value * coast.sd), (0.0, ports)):
+        ends = [of(coast.value + sign * longer, rise + sign * higher) for sign in (-1, 1)]
+        if ends == [None, None]:
+            return None
+        errors.append(max(abs(end - value) for end in ends if end is not None))
+    return Figure(value, hypot(*errors), coast.source)
 
 
 def _without_boost(figures: Mapping[str, Figure], speed: Figure, needed: str) -> tuple[dict[str, Figure], tuple[str]]:
