@@ -61,7 +61,7 @@ DIALECT = """
     heed, henceforth, herein, heretofore, hitherto, in so far, inasmuch, insofar, is said, is told, lest, mend, mended,
     mends, naught, nigh, notwithstanding, of itself, on record, ought, reckon, reckoned, reckons, said so, say so, says
     nothing of, says so, shall, so long as, some sixty, that is none, the page Add, the page Flights, the page Home, the
-    page Import, the page Loop, the page Next, the page Setup, thereby, therein, thereof, thereupon, thrice, to and fro,
+    page Import, the page Loop, the page Fly, the page Setup, thereby, therein, thereof, thereupon, thrice, to and fro,
     unasked, unto, went on, what it is worth, whence, whereby, wherever, whilst, whoever
 """
 """Words that a native speaker would not write here, besides those of the glossary, and parts of its phrases."""

@@ -1,8 +1,8 @@
 """Writes the generated pages of the manual: `python tools/manual.py`.
 
 `commands.md` from the command line and `docs/examples.sh`, `effects.md` from the effects, `models.md` from the cards of
-the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the first words
-of the code. A test compares them with the files.
+the trained ensembles, `priors.md` from the hyperprior, `keys.md` from the bindings of the app, `map.md` from the layers
+in `pyproject.toml` and the first words of the code. A test compares them with the files.
 """
 
 import ast
@@ -24,6 +24,7 @@ from fieldkit.cli.main import app
 from fieldkit.inference.network.ensemble import read_card
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
+from tools.key_page import key_table
 from tools.markdown import WRITTEN_BY
 from tools.prior_page import prior_scores, prior_table
 
@@ -310,7 +311,7 @@ def pages() -> Iterator[tuple[Path, str]]:
     """Every page that this tool writes, with its text."""
     for name, text in commands():
         yield DOCS / f"{name}.md", text
-    written = {"effects": effect_table, "models": model_cards, "map": code_map}
+    written = {"effects": effect_table, "models": model_cards, "map": code_map, "keys": key_table}
     for name, write in {**written, "priors": prior_table, "priors-scores": prior_scores}.items():
         yield DOCS / f"{name}.md", write()
 

@@ -25,6 +25,8 @@ SINGLED_OUT = 0.5
 SUGGESTED = 0.5
 """A tag is suggested for the most probable cause, and for others at least this fraction as probable. [1]"""
 
+NORMAL_95 = 1.645
+"""The 95% quantile of the standard normal distribution. [1]"""
 JUDGED_BY = 0.9
 """Probability of the sets of effects that flights are compared with: the others hardly change what a flight misses by.
 [1]"""
@@ -57,6 +59,14 @@ class FlightBesideOthers:
     departures: Mapping[str, tuple[float, float]]
     probability: float
     causes: tuple[PossibleCause, ...]
+
+    @property
+    def interval(self) -> tuple[float, float, float] | None:
+        """The apogee to expect from the other flights at 5, 50 and 95% [m]; None without an apogee to compare."""
+        if "apogee" not in self.departures:
+            return None
+        spread = float(np.exp(NORMAL_95 * self.departures["apogee"][1]))
+        return self.forecast / spread, self.forecast, self.forecast * spread
 
     @property
     def singled_out(self) -> bool:

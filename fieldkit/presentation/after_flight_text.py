@@ -31,7 +31,7 @@ def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
         yield " ".join(one_off_lines([found.beside]))
     before, after = found.cd
     if _visible(before, after):
-        yield f"Cd {before:.2f} is now {after:.2f}."
+        yield f"Next Cd {after:.2f}, before {before:.2f}."
     yield f"Next on {found.flight.motor}: {_interval(found.next_flight, system)}."
 
 
@@ -46,7 +46,7 @@ def outcome_facts(found: Outcome, system: str) -> Iterator[tuple[str, str]]:
     if found.beside is not None and found.beside.singled_out:
         yield "Cause", why(found.beside)
     before, after = found.cd
-    yield "Cd", f"{before:.2f} is now {after:.2f}" if _visible(before, after) else f"{after:.2f}, unchanged"
+    yield "Next Cd", f"{before:.2f} is now {after:.2f}" if _visible(before, after) else f"{after:.2f}, unchanged"
     yield "Next", f"{_interval(found.next_flight, system)} on {found.flight.motor}"
 
 

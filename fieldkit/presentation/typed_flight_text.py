@@ -9,14 +9,14 @@ APOGEE = BY_NAME["apogee"]
 
 
 def estimate_line(found: TypedEstimate, system: str) -> str:
-    """Cd, alpha and the next apogee with their 90% intervals, marked as provisional, or the missing inputs."""
+    """Cd, alpha and apogee of the next flight with 90% intervals, marked as provisional, or the missing inputs."""
     if found.needs:
-        return f"Cd and next apogee: needs {_listed(found.needs)}"
+        return f"Next Cd and apogee: needs {_listed(found.needs)}"
     if found.cd is None or found.alpha is None or found.next_apogee is None:
-        return f"Cd and next apogee: {in_system(found.implausible_because, system)}"
+        return f"Next Cd and apogee: {in_system(found.implausible_because, system)}"
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
     apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
-    return f"Cd {_ratio(found.cd)}  thrust {_ratio(found.alpha)}  next apogee {apogee}"
+    return f"next Cd {_ratio(found.cd)}  thrust {_ratio(found.thrust)}  next apogee {apogee}"
 
 
 def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Three]]:
@@ -27,7 +27,7 @@ def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Thr
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
     apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
     return [
-        ("Cd", _ratio(found.cd), found.cd),
+        ("next Cd", _ratio(found.cd), found.cd),
         ("thrust", _ratio(found.alpha), found.alpha),
         ("next apogee", apogee, found.next_apogee),
     ]

@@ -102,10 +102,12 @@ def look(
     accept: bool = False,
     given: Sequence[str] = (),
     declined: Sequence[str] = (),
+    fits: Fits | None = None,
 ) -> Findings:
     """Diagnose a rocket and collect everything for a report.
 
-    Nothing changes unless `accept`. Raises the errors of `close_loop`.
+    Nothing changes unless `accept`. `fits` as in `fieldkit.forecast.predict.predict`. Raises the errors of
+    `close_loop`.
     """
     diagnosis = close_loop(
         ledger,
@@ -117,7 +119,7 @@ def look(
         declined=declined,
     )
     history = flown(ledger, motors, rocket)
-    shared, fits = fleet_prior(ledger, motors, rocket), Fits()
+    shared, fits = fleet_prior(ledger, motors, rocket), {} if fits is None else fits
     cds = ledger.rocket(rocket).cds(flight.config for flight, _ in history)
     flights = beside_others(history, diagnosis.averaged, cds=cds, shared=shared, fits=fits)
     upcoming = next_flight(history, diagnosis.averaged, cds=cds, shared=shared, fits=fits)

@@ -12,6 +12,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.quantities import area_unit, counted
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.inferred import FlightInference, draws, inferable, warnings
+from fieldkit.services.one_offs import Comparisons
 from fieldkit.services.saved_forecasts import of_flight
 from fieldkit.shapes import Array, Float
 
@@ -51,9 +52,11 @@ def drag_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: str = 
     return DragFacts(area / factor, f"drag area {unit}", thrust, doubts)
 
 
-def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: str = "SI") -> ForecastFacts:
-    """The forecast saved before a flight, or else a forecast from the other flights; figures in the text are in the
-    units of a system. Raises FieldkitError if there is none."""
+def forecast_facts(
+    flight: Flight, ledger: Ledger, motors: Catalogue, comparisons: Comparisons, system: str = "SI"
+) -> ForecastFacts:
+    """The forecast saved before a flight, or else what the other flights lead to expect, as on the other pages; figures
+    in the text are in the units of a system. Raises FieldkitError if there is none."""
     kept = of_flight(ledger, motors, flight)
     if kept is not None:
         model = model_in_words(str(kept.made.payload.get("model", "")))
@@ -63,6 +66,9 @@ def forecast_facts(flight: Flight, ledger: Ledger, motors: Catalogue, system: st
         )
     if not flight.motor:
         raise ImpossibleFlight("the flight has no motor; press e to enter one, such as F24-4W")
+    beside = [one for one in comparisons.of(ledger, motors, flight.rocket) if one.flight.flight_id == flight.flight_id]
+    if beside and (interval := beside[0].interval) is not None:
+        return ForecastFacts(*interval, "none saved; what the other flights lead to expect")
     made = forecast_from_others(ledger, motors, flight)
     others = counted(made.rests_on, "other normal flight")
     return ForecastFacts(*made.apogee_quantiles(), f"none saved; computed from {others}")

@@ -20,14 +20,20 @@ class ListedFlight:
     id: str
     flight: Flight
     forecast: "SavedForecast | None"
-    computed: float | None = None
-    """Flown minus the apogee to expect from the other flights, for a flight without a saved forecast. [m]"""
+    expected: tuple[float, float, float] | None = None
+    """The apogee to expect from the other flights at 5, 50 and 95%, shown for a flight without a saved forecast. [m]"""
+
+    @property
+    def interval(self) -> tuple[float, float, float] | None:
+        """The saved forecast, or else what the other flights lead to expect. [m]"""
+        return self.expected if self.forecast is None else self.forecast.interval
 
     @property
     def miss(self) -> float | None:
-        """Flown minus forecast: the saved forecast, or else what the other flights lead to expect. [m]"""
-        saved = None if self.forecast is None else self.forecast.miss
-        return self.computed if saved is None else saved
+        """Flown minus the middle of `interval`. [m]"""
+        if self.forecast is not None and self.forecast.miss is not None:
+            return self.forecast.miss
+        return None if self.expected is None or self.flight.apogee is None else self.flight.apogee - self.expected[1]
 
 
 def listed_at_once(where: str | Path | None) -> list[ListedFlight]:

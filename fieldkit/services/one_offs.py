@@ -1,7 +1,11 @@
 """The flights of a rocket in a ledger, each beside its forecast from the others."""
 
+from dataclasses import dataclass, field
+from threading import Lock
+
 from fieldkit.flight import Flight
 from fieldkit.forecast.one_offs import FlightBesideOthers, beside_others
+from fieldkit.forecast.predict import Fits
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.selection.candidates import Averaged
@@ -10,12 +14,12 @@ from fieldkit.services.forecasts import accepted_average, flown
 
 
 def flights_beside_others(
-    ledger: Ledger, motors: Catalogue, rocket: str, averaged: Averaged | None = None
+    ledger: Ledger, motors: Catalogue, rocket: str, averaged: Averaged | None = None, fits: Fits | None = None
 ) -> tuple[FlightBesideOthers, ...]:
     """The flights of a rocket that can be simulated, in the order flown; empty if there are none.
 
-    By default with the sets of effects that its forecasts use. Raises BadValue for a recovery figure or rail direction
-    that cannot be read, DamagedModel if the hyperprior cannot be read.
+    By default with the sets of effects that its forecasts use. `fits` as in `fieldkit.forecast.predict.predict`. Raises
+    BadValue for a recovery figure or rail direction that cannot be read, DamagedModel if the hyperprior cannot be read.
     """
     history = flown(ledger, motors, rocket)
     if not history:
@@ -24,7 +28,7 @@ def flights_beside_others(
     sets = accepted_average(ledger, rocket, flights=flights) if averaged is None else averaged
     shared = fleet_prior(ledger, motors, rocket)
     cds = ledger.rocket(rocket).cds(flight.config for flight in flights)
-    return beside_others(history, sets, cds=cds, shared=shared)
+    return beside_others(history, sets, cds=cds, shared=shared, fits=fits)
 
 
 def flight_beside_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> FlightBesideOthers | None:
@@ -34,3 +38,33 @@ def flight_beside_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> F
         if one.flight.flight_id == flight.flight_id and one.departures:
             return one
     return None
+
+
+@dataclass(slots=True)
+class Comparisons:
+    """The flights of rockets beside the others, compared once until the ledger changes, for all pages of an app, with
+    the fits of the rocket asked for last."""
+
+    _length: int = -1
+    _found: dict[str, tuple[FlightBesideOthers, ...]] = field(default_factory=dict)
+    _fitted: str = ""
+    _fits: Fits = field(default_factory=dict)
+    _lock: Lock = field(default_factory=Lock)
+
+    def of(self, ledger: Ledger, motors: Catalogue, rocket: str) -> tuple[FlightBesideOthers, ...]:
+        """The flights of a rocket as in `flights_beside_others`. Raises BadValue for a recovery figure or rail
+        direction that cannot be read, DamagedModel if the hyperprior cannot be read."""
+        fits = self.fits(ledger, rocket)
+        with self._lock:
+            if rocket not in self._found:
+                self._found[rocket] = flights_beside_others(ledger, motors, rocket, fits=fits)
+            return self._found[rocket]
+
+    def fits(self, ledger: Ledger, rocket: str) -> Fits:
+        """The fits of the flights of a rocket so far, to be used and added to while the ledger does not change."""
+        with self._lock:
+            if (length := ledger.length()) != self._length:
+                self._length, self._found, self._fitted = length, {}, ""
+            if rocket != self._fitted:
+                self._fitted, self._fits = rocket, {}
+            return self._fits

@@ -119,7 +119,7 @@ class Finder(Provider):
         """Every field explained on a page or beside the decisions, and every equivalent command."""
         commands: set[str] = set()
         topics = [(page.title, page.screen.ABOUT) for page in pages().values()]
-        topics.append(("Next, then d", PlanScreen.ABOUT))
+        topics.append(("Fly, then d", PlanScreen.ABOUT))
         for title, about in topics:
             for name, text in about.fields:
                 topic = replace(about, about=f"{name}: {text}")

@@ -23,7 +23,9 @@ from fieldkit.tui.resources import IMPORTING
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 from fieldkit.tui.widgets.table import Table
 
-LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
+LEAVE_LINE = Binding(
+    "enter", "leave_line", "Done", key_display="Enter", priority=True, tooltip="Leave the search for the list"
+)
 """Enter in a search moves the focus to the table; Textual's input would only send a message."""
 
 

@@ -16,6 +16,7 @@ from fieldkit.settings import Settings, change_settings, read_settings
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
+    from fieldkit.services.one_offs import Comparisons
     from fieldkit.services.own_draft import OwnDraft
     from fieldkit.services.pickers import Names
 IMPORTING = RLock()
@@ -87,10 +88,23 @@ class Resources:
 
         return names_of(self.ledger, self.motors)
 
+    @property
+    def comparisons(self) -> "Comparisons":
+        """The flights of rockets beside the others, for Home and the Loop page."""
+        with IMPORTING:
+            return self._comparisons
+
+    @cached_property
+    def _comparisons(self) -> "Comparisons":
+        from fieldkit.services.one_offs import Comparisons
+
+        return Comparisons()
+
     def forget_motors(self) -> None:
         """Read the motors again on their next use."""
         with IMPORTING:
             self.__dict__.pop("_motors", None)
+            self.__dict__.pop("_comparisons", None)
 
     def choose(self, **changes: Any) -> None:
         """Change settings and save the changes, keeping those that another app has saved since. Raises FieldkitError if

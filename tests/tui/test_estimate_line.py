@@ -53,7 +53,7 @@ async def test_missing_input_is_named_and_figures_appear_once_it_is_entered(file
         mass = page.query_one("#in-dry_mass")
         page.set_focus(mass)
         await press(pilot, "ctrl+u")
-        assert text_of(pilot, "#estimate") == "Cd and next apogee: needs mass"
+        assert text_of(pilot, "#estimate") == "Next Cd and apogee: needs mass"
         await press(pilot, *typed("448"))
         assert figures(text_of(pilot, "#estimate"))
 

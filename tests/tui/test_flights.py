@@ -405,7 +405,7 @@ async def test_beside_the_table_are_the_cd_of_the_configuration_and_the_climb_fr
         assert "burnout" in shown(pilot)
         assert "flight by flight" not in shown(pilot), "one flight is no course"
         await press(pilot, "escape", "slash", "ctrl+u", *typed("f39"), "enter")
-        assert "Cd of Astra B, flight by flight" in shown(pilot)
+        assert "Cd of each flight of Astra B" in shown(pilot)
         assert "altitude [m]" not in shown(pilot)
         await press(pilot, "down", "down")
         beside = pilot.app.screen.query_one(Table).size.width

@@ -226,7 +226,7 @@ async def test_the_palette_finds_a_flight_a_rocket_a_motor_a_setting_and_help(fi
         assert "The catalog data of this motor" in words(pilot)
         await press(pilot, "escape", "ctrl+p", *typed("setting: target"), "_", "enter", *typed("800ft"), "enter")
         assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
-        await press(pilot, "escape", "ctrl+p", *typed("help: top speed (next)"), "_", "enter", "_")
+        await press(pilot, "escape", "ctrl+p", *typed("help: top speed (fly)"), "_", "enter", "_")
         assert "Top speed, at about" in words(pilot)
         await press(pilot, "escape", "ctrl+p", *typed("help: ballast"), "_", "enter", "_")
         assert "best chance of an apogee" in words(pilot)

@@ -11,7 +11,7 @@ from textual.binding import Binding
 
 from fieldkit import tui
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.page import PageScreen
+from fieldkit.tui.page import PageScreen, pages
 from tools.strings import texts as texts_of
 
 pytestmark = pytest.mark.fast
@@ -49,6 +49,17 @@ def test_a_key_has_one_meaning() -> None:
     assert all(len({word for word, _ in meanings[key]}) == 1 for key in KINDS)
     assert len({word for word, _ in meanings[FORM]}) == len({action for _, action in meanings[FORM]})
     assert len(meanings) > 20
+
+
+def test_a_word_names_one_key() -> None:
+    """One page had two words, Fly and Next; `Add` added flights, and kits by another key."""
+    keys = defaultdict(set)
+    for binding in bindings():
+        if binding.description and len(binding.key) == 1:
+            keys[binding.description].add(binding.key)
+    assert {word: several for word, several in keys.items() if len(several) > 1} == {}
+    titles = {page.title for page in pages().values()}
+    assert {"Add", "Fly"} <= titles, "the words of the keys a and f"
 
 
 def test_keys_that_change_the_model_are_capital_letters() -> None:

@@ -1,4 +1,4 @@
-"""The decisions for a motor on the Next page: delay, ballast and contest points, by keys, with every safety line."""
+"""The decisions for a motor on the Fly page: delay, ballast and contest points, by keys, with every safety line."""
 
 import re
 from datetime import timedelta
@@ -235,7 +235,7 @@ async def test_a_landing_is_drawn_from_the_side_and_on_the_field(file: Path) -> 
         keep_day(ledger, 2027, site=Site("North field", size=400.0))
     async with opened(file, (160, 50), page="home") as pilot:
         await press(pilot, "4", "_", "d", "_", "right", "right", "right", "_")
-        assert "not given: press p on the Next page to enter it" in text_of(pilot, "#answer")
+        assert "not given: press p on the Fly page to enter it" in text_of(pilot, "#answer")
         assert not pilot.app.screen.query_one("#second").display, "where it lands is not known without a wind"
         await press(pilot, "escape", "0", "e", *typed("3m/s"), "ctrl+s", "_", "4", "_", "d", "_", *["left"] * 5)
         answer = text_of(pilot, "#answer")

@@ -420,11 +420,12 @@ class Browser:
             await self._heard()
 
     async def phone(self) -> None:
-        """Have the width of a phone, and identify as one."""
+        """Have the width of a phone, and identify as one; the ratio of pixels is the browser's own, because terminals
+        measure the screen, which an emulated ratio leaves as it is."""
         agent = "Mozilla/5.0 (Linux; Android 15) AppleWebKit/537.36 Chrome/140.0.0.0 Mobile Safari/537.36"
         await self.call("Network.enable")
         await self.call("Network.setUserAgentOverride", userAgent=agent)
-        await self.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+        await self.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=0, mobile=True)
 
     async def tap(self, x: int, y: int) -> None:
         """Touch a position."""
@@ -442,10 +443,11 @@ class Browser:
 
 
 @asynccontextmanager
-async def browsing(http: ClientSession, folder: Path) -> AsyncIterator[Browser]:
-    """A headless Chromium with one empty page."""
+async def browsing(http: ClientSession, folder: Path, pixel_ratio: int = 1) -> AsyncIterator[Browser]:
+    """A headless Chromium with one empty page, on a screen with this many pixels for one of a page. [1]"""
     port = folder / "DevToolsActivePort"
     flags = ["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0", f"--user-data-dir={folder}"]
+    flags.append(f"--force-device-scale-factor={pixel_ratio}")
     with child([str(CHROMIUM), *flags, "about:blank"], {}):
         while not port.exists() or not port.read_text().strip():
             await asyncio.sleep(0.1)
@@ -461,7 +463,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
         page = await listening_(http, served)
         assert VIEWPORT in page
         assert FOCUS in page
-        async with browsing(http, tmp_path / "chromium") as browser:
+        async with browsing(http, tmp_path / "chromium", pixel_ratio=2) as browser:
             await browser.phone()
             await browser.call("Page.navigate", url=served)
             await browser.until(b"Flights", b"Astra", b"No open forecast")
@@ -473,7 +475,9 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
             await asyncio.sleep(0.5)  # until it is painted
             second = await browser.picture()
             where = await browser.call("Runtime.evaluate", expression="location.href + ' ' + innerWidth")
+            drawn = await browser.call("Runtime.evaluate", expression="document.querySelector('canvas').width")
     assert where["result"]["value"] == f"{served}&fontsize=10 390"
+    assert drawn["result"]["value"] == 2 * 390, "nothing is clipped at two pixels for one"
     for name, picture in (("first", first), ("second", second)):
         (tmp_path / f"{name}.png").write_bytes(picture)
         colours = Image.open(io.BytesIO(picture)).convert("RGB").getcolors(1 << 24)

@@ -6,16 +6,18 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
+from textual.pilot import Pilot
 from textual.widgets import Input
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import usual
+from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.settings import change_settings
 from fieldkit.tui.next.intervals import HeightScale, IntervalBar, Intervals, bar
 from fieldkit.tui.next.next_page import ForecastCard
-from fieldkit.tui.widgets.big import GLYPHS
+from fieldkit.tui.widgets.big import GLYPHS, Big
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
@@ -264,6 +266,79 @@ async def test_home_lists_tags_and_the_miss_of_every_flight_and_explains_the_sel
         assert "Misses of Astra" in shown(pilot)
     async with opened(file, (120, 36), page="home") as pilot:
         assert not pilot.app.screen.query("Pane")
+
+
+async def final_figure(pilot: Pilot[None]) -> str:
+    """The apogee on the Fly page of the motor under the cursor, once its forecast is final."""
+    for _ in range(400):
+        await press(pilot)
+        text = pilot.app.screen.query_one(ForecastCard).text
+        if text and "≈" not in text:
+            break
+        await pilot.pause(0.05)  # until the cursor has rested
+    found = re.search(r": ([\d.]+) m on the altimeter", text)
+    assert found, text
+    return found[1]
+
+
+async def test_a_plan_has_one_apogee_on_all_pages(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    async with opened(file, (120, 36), page="next_flight") as pilot:
+        figure = await final_figure(pilot)
+        await press(pilot, "enter", "_")
+        assert f" to {figure} m" in notice(pilot)
+        await press(pilot, "d", "_", "right", "right", "_")
+        contest = re.search(r"apogee (\d+) ft on the altimeter", text_of(pilot, "#answer"))
+        assert contest
+        assert float(contest[1]) * 0.3048 == pytest.approx(float(figure), abs=0.2)
+        await press(pilot, "escape", "0", "_")
+        assert pilot.app.screen.query_one("#next Big", Big).value == figure
+        await press(pilot, "a", "_", *typed("198"), "ctrl+s", "_")
+        assert f"Forecast {figure} m" in words(pilot)
+        following = re.search(r"Next ([\d.]+) m", words(pilot))
+        await press(pilot, "f", "_")
+        assert following
+        assert following[1] == await final_figure(pilot)
+
+
+async def test_a_flight_missed_by_the_same_on_home_on_its_own_page_and_on_the_loop_page(file: Path) -> None:
+    async with opened(file, (160, 50), page="home") as pilot:
+        await press(pilot, "end", "_")
+        missed = re.search(r"([\d.]+) m (above|below) what the other", text_of(pilot, "#pane-facts"))
+        assert missed
+        await press(pilot, "enter", "_")
+        assert f"{missed[1]} m {'higher' if missed[2] == 'above' else 'lower'}" in text_of(pilot, "#forecast")
+
+
+async def test_keys_pressed_while_the_pane_of_a_large_screen_opens_do_not_end_the_app(file: Path) -> None:
+    async with opened(file, (160, 50), page="home") as pilot:
+        screen = pilot.app.screen
+        await screen.query_one("Pane").remove()
+        for _ in range(3):
+            screen._moved()  # type: ignore[attr-defined]  # before its widgets are there
+        await press(pilot, "down", "_")
+        assert "flown" in text_of(pilot, "#pane-facts")
+
+
+async def test_home_and_the_loop_page_compare_the_flights_of_a_rocket_once(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compared = []
+
+    def counted(*args: object, **named: object) -> object:
+        compared.append(args[2])
+        return flights_beside_others(*args, **named)  # type: ignore[arg-type]  # as passed
+
+    monkeypatch.setattr("fieldkit.services.one_offs.flights_beside_others", counted)
+    async with opened(file, (160, 50), page="home") as pilot:
+        await press(pilot, "5", "_", "0", "_")
+        assert compared == ["Astra"]
+        with Ledger.open(file) as other:
+            other.edit("4", tags=["extra_drag"])
+        await press(pilot, "5", "_", "f", "_", "0", "_")
+        pilot.app.look_round()  # type: ignore[attr-defined]
+        await press(pilot, "_")
+        assert compared == ["Astra", "Astra"], "again after a change of the ledger"
 
 
 async def test_what_rockets_share_is_on_home(file: Path) -> None:

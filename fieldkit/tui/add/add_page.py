@@ -194,10 +194,10 @@ class AddScreen(PageScreen):
     ABOUT = ABOUT
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
-        Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
+        Binding("enter", "go_on", "Next", key_display="Enter", priority=True, tooltip="The next field"),
         Binding("down", "step(1)", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
-        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start over: clears what was typed"),
+        Binding("ctrl+n", "start_again", "Start over", key_display="^N", tooltip="Clear what was typed"),
         Binding("up", "step(-1)", "Previous field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("N", "next_units", "Units", tooltip="Next units: SI, US, mixed"),

@@ -236,7 +236,11 @@ class FlightScreen(PageScreen):
         self.query_one("#figures", Static).update(stacked(blocks))
         self.ask(or_why(partial(hills, flight, self.resources)), self._show_hills, "hills")
         self.ask(
-            or_why(partial(forecast_facts, flight, self.resources.ledger, self.resources.motors, system)),
+            or_why(
+                lambda: forecast_facts(
+                    flight, self.resources.ledger, self.resources.motors, self.resources.comparisons, system
+                )
+            ),
             self._have_forecast,
             "forecast",
         )

@@ -67,7 +67,7 @@ class FlightCard(VerticalScroll):
         known = [one for one in build if one.drag is not None][-MAX_DRAWN_FLIGHTS:]
         if row is not None and len(known) > 1:
             name = " ".join(part for part in (row.flight.rocket, row.flight.config) if part)
-            self._plot("course", f"Cd of {name}, flight by flight", partial(_draw_course, row, known))
+            self._plot("course", f"Cd of each flight of {name}", partial(_draw_course, row, known))
         else:
             self._plot("course", "", None)
         before, self._shown = self._shown, row.id if row is not None else None
@@ -140,7 +140,7 @@ class FlightsScreen(PageScreen):
     ABOUT = FLIGHTS_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "filter", "Filter", key_display="/"),
+        Binding("slash", "find", "Find", key_display="/", tooltip="Find flights by any words"),
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
@@ -339,7 +339,7 @@ class FlightsScreen(PageScreen):
         if self._rows:
             self.call_later(self._refill)  # after the new width has taken effect
 
-    def action_filter(self) -> None:
+    def action_find(self) -> None:
         """Focus the filter."""
         self.set_focus(self.query_one(Input))
 

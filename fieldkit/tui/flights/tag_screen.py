@@ -48,7 +48,7 @@ class Shift:
         one = self.forecast
         low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
         return [
-            ("Cd", with_sd(one.cd.mean(), one.cd.std())),
+            ("next Cd", with_sd(one.cd.mean(), one.cd.std())),
             ("next apogee", f"{middle}, 90% between {low} and {high}"),
             ("based on", counted(one.rests_on, "normal flight")),
         ]
@@ -91,7 +91,7 @@ class TagCard(VerticalScroll):
         """Show Cd and the next apogee when the list was opened, and now."""
         same = before.forecast is now.forecast
         for name, title, spelled in (
-            ("drag", "Cd of the rocket, 90% interval, ● median", lambda value: f"{value:.2f}"),
+            ("drag", "Cd of the next flight, 90% interval, ● median", lambda value: f"{value:.2f}"),
             ("apogee", "Apogee of its next flight on this motor", lambda value: measure(cards.APOGEE, value, system)),
         ):
             rows = (

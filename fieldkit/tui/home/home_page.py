@@ -13,7 +13,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import date, datetime
 from functools import cached_property, partial
-from math import isfinite
 from threading import Event
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -21,7 +20,7 @@ from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.widget import Widget
+from textual.widget import AwaitMount, Widget
 from textual.widgets import Static
 
 from fieldkit.flight import BY_NAME, Flight
@@ -228,7 +227,11 @@ class HomeScreen(PageScreen):
                 "other flights lead to expect.",
             ),
             ("profile", "Height against time, from the log of the flight. Empty without a log."),
-            ("forecast ◆ ◎", "Forecast, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% interval with the median."),
+            (
+                "forecast ◆ ◎",
+                "Forecast, or what the other flights lead to expect, flown ◆, target ◎ on one scale: ├─●─┤ is the 90% "
+                "interval with the median.",
+            ),
             ("stale", "Mass, motor, weather or model has changed since the forecast was saved."),
         ),
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
@@ -333,9 +336,9 @@ class HomeScreen(PageScreen):
         """Show the misses of flights without a saved forecast, and why flights missed."""
         self._beside = beside
         if self._view is not None:
-            misses = {key: one.miss for key, one in beside.items() if isfinite(one.miss)}
+            expected = {key: one.interval for key, one in beside.items()}
             flights = [
-                replace(one, computed=misses.get((one.flight.rocket, one.flight.flight_id)))
+                replace(one, expected=expected.get((one.flight.rocket, one.flight.flight_id)))
                 for one in self._view.flights
             ]
             self._view = replace(self._view, flights=tuple(flights))
@@ -428,13 +431,18 @@ class HomeScreen(PageScreen):
         pane = next(iter(self.query(Pane)), None)
         if pane is None:
             pane = Pane()
-            self.query_one("#split").mount(pane)
-            self.call_after_refresh(self._show_pane, key)  # when it has its widgets
+            self.run_worker(self._show_when(self.query_one("#split").mount(pane)), group="pane")
+        if not pane.is_mounted:
             return
         pane.display = True
         pane.show(one, flights, self._beside, self.resources.settings.units)
         if one is not None and one.flight.has_log:
             self.ask(partial(self._read_climb, one.id), self._show_climb, "climb")
+
+    async def _show_when(self, mounted: AwaitMount) -> None:
+        """Show the flight under the cursor once the pane has its widgets."""
+        await mounted
+        self._moved()
 
     def _read_climb(self, id: str) -> "Drawn | None":
         from fieldkit.tui.flights.log_plot import Drawn, drawn

@@ -9,7 +9,7 @@ from fieldkit.quantities import number
 from fieldkit.services.listed_flights import ListedFlight
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import go_on, or_why
-from fieldkit.tui.next.intervals import Bounds, HeightScale, heading
+from fieldkit.tui.next.intervals import HeightScale, heading
 from fieldkit.tui.resources import IMPORTING, Resources
 from fieldkit.tui.widgets.table import Head
 
@@ -29,7 +29,7 @@ def listed(
 ) -> tuple[list[Head], Callable[[ListedFlight, str], Sequence[str]]]:
     """The columns that fit in a width, without those that are empty for all flights, and the cells of a flight and its
     profile, all intervals on one scale."""
-    scale = HeightScale.of(((_bounds(one), one.flight.apogee) for one in flights), settings.target)
+    scale = HeightScale.of(((one.interval, one.flight.apogee) for one in flights), settings.target)
     tagged = TAG_CELLS + 1 if width >= NORMAL_TABLE and any(one.flight.tags for one in flights) else 0
     logged = width >= NORMAL_TABLE + tagged and any(one.flight.has_log for one in flights)
     profiles = PROFILE_CELLS if logged else 0
@@ -62,26 +62,23 @@ def _row(profiles: int, bars: int, scale: HeightScale, system: str) -> Callable[
         motor = motor_name(flight.motor, MOTOR_CELLS)
         texts = [one.id, when, build_of(flight), motor, apogee, miss, " ".join(flight.tags)]
         texts += [profile] if profiles else []
-        return [*texts, scale.line(_bounds(one), flight.apogee, bars)] if bars else texts
+        return [*texts, scale.line(one.interval, flight.apogee, bars)] if bars else texts
 
     return cells
 
 
 def _outside(one: ListedFlight) -> str:
     """The mark of a flight outside its forecast's interval, or of a miss that was computed from the other flights."""
-    bounds, apogee = _bounds(one), one.flight.apogee
-    if bounds is None or apogee is None or one.forecast is None or one.forecast.miss is None:
+    apogee = one.flight.apogee
+    if apogee is None or one.forecast is None or one.forecast.miss is None:
         return COMPUTED
-    return "" if bounds[0] <= apogee <= bounds[2] else "!"
+    low, _, high = one.forecast.interval
+    return "" if low <= apogee <= high else "!"
 
 
 def signed(height: float, system: str) -> str:
     """A difference of heights [m] with its sign."""
     return ("+" if height >= 0 else "-") + number(APOGEE, abs(height), system)
-
-
-def _bounds(one: ListedFlight) -> Bounds | None:
-    return None if one.forecast is None else one.forecast.interval
 
 
 def logs_of(resources: Resources, flights: Sequence[ListedFlight]) -> dict[str, str]:

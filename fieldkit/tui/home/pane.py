@@ -16,7 +16,6 @@ from fieldkit.presentation.one_off_text import why
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.listed_flights import ListedFlight
-from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.tui.asking import go_on
 from fieldkit.tui.flights.log_plot import Drawn, draw_trace
 from fieldkit.tui.resources import Resources
@@ -37,7 +36,7 @@ class Pane(VerticalScroll, can_focus=False):
     Pane { width: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1 0 0; border-title-color: $foreground; }
     Pane Static { height: auto; }
     Pane #pane-why { margin: 1 0; }
-    Pane Plot { height: 1fr; min-height: 8; max-height: 16; border-top: solid $border-blurred;
+    Pane Plot { height: 1fr; min-height: 8; max-height: 24; border-top: solid $border-blurred;
         border-title-color: $foreground; }
     """
 
@@ -118,7 +117,7 @@ def beside_others(resources: Resources, flights: Sequence[ListedFlight]) -> Besi
     for rocket in dict.fromkeys(one.flight.rocket for one in flights if one.flight.rocket):
         go_on()
         try:
-            every = flights_beside_others(resources.ledger, resources.motors, rocket)
+            every = resources.comparisons.of(resources.ledger, resources.motors, rocket)
         except FieldkitError:
             continue  # the page of the rocket reports what cannot be read
         found |= {(rocket, one.flight.flight_id): one for one in every}

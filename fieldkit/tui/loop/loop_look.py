@@ -10,7 +10,6 @@ from fieldkit.progress import ReportProgress
 from fieldkit.services import close_loop
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import which_rocket
-from fieldkit.services.one_offs import flights_beside_others
 from fieldkit.services.plausible_flights import motor_type
 from fieldkit.tui.resources import Resources
 
@@ -65,9 +64,10 @@ def look(resources: Resources, rocket: str, on_progress: ReportProgress) -> Find
 
     Raises NoFlights if there are too few flights.
     """
-    return close_loop.look(resources.ledger, resources.motors, rocket, on_progress)
+    fits = resources.comparisons.fits(resources.ledger, rocket)
+    return close_loop.look(resources.ledger, resources.motors, rocket, on_progress, fits=fits)
 
 
 def beside_the_others(resources: Resources, rocket: str) -> tuple[FlightBesideOthers, ...]:
     """The flights of a rocket, each beside the others. Raises FieldkitError if they cannot be compared."""
-    return flights_beside_others(resources.ledger, resources.motors, rocket)
+    return resources.comparisons.of(resources.ledger, resources.motors, rocket)

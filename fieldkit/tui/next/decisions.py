@@ -41,7 +41,7 @@ from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
 from fieldkit.presentation.score_text import against_the_bar, histogram
 from fieldkit.presentation.season_text import SeasonWays, season_steps
-from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.quantities import measure, number, shown_unit, spelled, unit_of
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
 from fieldkit.services.season_guide import season_guide
 from fieldkit.services.track_record import replayed
@@ -145,7 +145,10 @@ def of_apogee(answer: Answer, apogee: Float[Array, "draw"], target: float | None
     marks = [Marked("◎", target)] if target is not None else []
     at = " at that mass; ◎ is the target" if target is not None else ""
     title = f"Apogee on the altimeter{at}; filled 90%, line the median"
-    return replace(answer, title=title, draw=draw_density(apogee, lambda height: _height(height, system), *marks))
+    unit = shown_unit(cards.APOGEE, system)
+    return replace(
+        answer, title=title, draw=draw_density(apogee, lambda height: _height(height, system), *marks, unit=unit)
+    )
 
 
 def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
@@ -302,7 +305,7 @@ class Decision:
         """The saved forecasts of the rocket, the newest first, each marked if it is stale, with the reason."""
         found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
-            return Answer(("No saved forecasts of this rocket yet. Press Enter on the Next page to save one.",))
+            return Answer(("No saved forecasts of this rocket yet. Press Enter on the Fly page to save one.",))
         words = [standing(found)]
         for one in reversed([one for one in found if one.state in LISTED_STATES]):
             payload = one.made.payload

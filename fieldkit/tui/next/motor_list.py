@@ -1,4 +1,4 @@
-"""The motors of the Next page: their selection, order and forecasts."""
+"""The motors of the Fly page: their selection, order and forecasts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -6,8 +6,10 @@ from math import inf
 
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Catalogue, Motor
+from fieldkit.planning.check import Verdict
 from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.planning.quick_guide import QuickChoice
+from fieldkit.planning.safety import thrust_line
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
@@ -94,23 +96,39 @@ class MotorList:
             self.exact.add(motor)
 
     def fits(self, motor: Motor) -> bool:
-        """Whether a motor fits the mount and is safe and sensible by its forecast, if there is one yet."""
+        """Whether a motor fits the mount and is safe and sensible by its forecast, if there is one yet; by its thrust
+        while there is only a quick one."""
         one = self.known.get(motor)
-        return (one is None or one.fits) and (self.plan is None or self.plan.wanted.fits(motor))
+        sensible = self._quick_thrust(motor) != "unsafe" if one is None else one.fits
+        return sensible and (self.plan is None or self.plan.wanted.fits(motor))
+
+    def weak(self, motor: Motor) -> bool:
+        """Whether the thrust of a motor asks for caution at this weight."""
+        one = self.known.get(motor)
+        return self._quick_thrust(motor) in ("caution", "unsafe") if one is None else one.weak
+
+    def _quick_thrust(self, motor: Motor) -> Verdict:
+        """The verdict on the thrust of a motor with a quick forecast."""
+        one = self.quick.get(motor)
+        if one is None or self.plan is None:
+            return "unknown"
+        return thrust_line({"at first": one.first_thrust, "on average": one.average_thrust}, self.plan.limits).verdict
 
     def ordered(self, target: float | None) -> list[Motor]:
-        """Those that fit first, by distance from the target [m], and those without a forecast last, so that no key acts
-        on one of them. Without a target those with an open forecast and those flown first, then those whose thrust
-        needs no caution, then those with only a quick answer."""
-        if target is not None:
-            places = {motor: abs(one.apogee - target) for motor, one in self.every_shown.items()}
-        else:
-            places = {motor: place for place, motor in enumerate(self.plan.preferred if self.plan else ())}
+        """Those that fit first, then those that only their forecast excludes, by distance from the target [m]; those
+        without a forecast are last, so that no key acts on one of them. Without a target those with an open forecast
+        and those flown are first, then those whose thrust needs no caution, nearest to the last apogee of the rocket.
+        """
+        preferred = self.plan.preferred if self.plan and target is None else ()
+        places = {motor: place for place, motor in enumerate(preferred)}
+        around = target if target is not None else self.plan.last_apogee if self.plan else 0.0
 
-        def order(motor: Motor) -> tuple[bool, bool, float, float]:
-            one = self.known.get(motor)
-            caution = inf if one is None else one.weak
-            return self.shown(motor) is None, not self.fits(motor), places.get(motor, inf), caution
+        def order(motor: Motor) -> tuple[bool, bool, bool, float, bool, float]:
+            one = self.shown(motor)
+            weak = target is None and self.weak(motor)
+            distance = inf if one is None else abs(one.apogee - around)
+            wide = self.plan is not None and not self.plan.wanted.fits(motor)
+            return one is None, not self.fits(motor), wide, places.get(motor, inf), weak, distance
 
         return sorted(self.found, key=order)
 

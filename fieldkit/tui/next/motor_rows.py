@@ -1,4 +1,4 @@
-"""The table of the Next page: one row per motor, with as many figures of its forecast as fit."""
+"""The table of the Fly page: one row per motor, with as many figures of its forecast as fit."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -77,10 +77,10 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
 
 def _state(motors: MotorList, motor: Motor) -> str:
     """The mark of a motor: not possible, to fly with caution, or flown before by this rocket."""
-    one = motors.known.get(motor)
+    one = motors.shown(motor)
     if not motors.fits(motor):
         return "✗ "
-    if one is not None and one.weak:
+    if motors.weak(motor):
         return "! "
     return "◆ " if one is not None and one.flown else ""
 

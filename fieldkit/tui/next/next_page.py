@@ -2,7 +2,7 @@
 
 The forecast of one motor: the apogee in large digits, its safety checks, its density, and all figures below.
 
-The help of the Next page: what its columns, figures and signs mean.
+The help of the Fly page: what its columns, figures and signs mean.
 """
 
 import asyncio
@@ -52,7 +52,8 @@ NEXT_HELP = Help(
     "flown, and strong enough to lift it) with its forecast apogee; the forecast of the motor under the cursor is "
     "beside it. Type / and a name, a maker or a size such as 24mm to search the whole catalog; * lists all of it, "
     "B only the motors in your range box (Ctrl+P, Your card), each with its count. "
-    "With a target (g), the motors nearest to it come first. Press Enter to save a forecast; when you add the flight, "
+    "With a target (g), the motors nearest to it come first; without one, those flown, then those nearest to the last "
+    "apogee of the rocket. Press Enter to save a forecast; when you add the flight, "
     "the two are compared. Forecasts are advice: the range safety officer decides.",
     (
         ("apogee", "The apogee that your altimeter will show: the median of the forecast."),
@@ -100,8 +101,8 @@ NEXT_HELP = Help(
         ("top speed", "Top speed, at about burnout."),
         ("T:W", "Thrust over weight, in the first half second and on average: above 5 is good, below 3 is unsafe."),
         (
-            "Cd, thrust",
-            "Drag of the rocket and thrust factor (alpha) of the motor, each with its standard deviation.",
+            "next Cd, thrust",
+            "Drag of the rocket in the next flight, and thrust factor (alpha) of the motor, each with its standard deviation.",
         ),
         (
             "air",
@@ -195,12 +196,12 @@ class NextScreen(PageScreen):
     """On the left the motors, on the right the forecast of the one under the cursor."""
 
     NAME = "next_flight"
-    TITLE = "Next flight"
+    TITLE = "Fly"
     ROW_REQUESTS = ("plan", "find")
     ABOUT = NEXT_HELP
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "search", "Motor", key_display="/", tooltip="Search motors"),
+        Binding("slash", "find", "Find", key_display="/", tooltip="Find motors in the whole catalog"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="Target apogee"),
@@ -380,7 +381,7 @@ class NextScreen(PageScreen):
             self._motors.put_exact(one.motor, made[0])
             self._refill()
 
-    def action_search(self) -> None:
+    def action_find(self) -> None:
         """Type a motor's name."""
         self.set_focus(self.query_one(Input))
 

@@ -99,6 +99,13 @@ class Plan:
         duplicates."""
         return list(dict.fromkeys([*self.saved, *(found.motor for found in reversed(self.rocket.motors))]))
 
+    @property
+    def last_apogee(self) -> float:
+        """The apogee of the last clean flight of the configuration, else of the rocket; zero if none has one. [m]"""
+        clean = [flight for flight in self.rocket.flights if flight.clean and flight.apogee is not None]
+        own = [flight for flight in clean if flight.config == self.full.config]
+        return next((flight.apogee or 0.0 for flight in reversed(own or clean)), 0.0)
+
     def misfit(self, motor: Motor) -> str:
         """Why the rocket cannot fly on a motor, empty if it can."""
         if self.wanted.fits(motor):

@@ -55,7 +55,7 @@ def figures(plan: Plan, one: MotorChoice, system: str) -> list[tuple[str, str]]:
         ("off rail", rail_speed(prediction, system)),
         ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
         ("top speed", measure(BY_NAME["top_speed"], median(prediction.top_speed), system)),
-        ("Cd", with_sd(prediction.cd.mean(), prediction.cd.std())),
+        ("next Cd", with_sd(prediction.cd.mean(), prediction.cd.std())),
         ("thrust", with_sd(prediction.alpha.mean(), prediction.alpha.std())),
         ("true", f"{measure(cards.APOGEE, median(prediction.true_apogee), system)} above the pad"),
         ("air", air_of(prediction.plan).words(system)),

@@ -1,5 +1,5 @@
-"""The Next page."""
+"""The Fly page."""
 
 from fieldkit.tui.page import Page
 
-PAGE = Page(4, "Next", "fieldkit.tui.next.next_page:NextScreen")
+PAGE = Page(4, "Fly", "fieldkit.tui.next.next_page:NextScreen")

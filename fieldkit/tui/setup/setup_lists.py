@@ -118,7 +118,7 @@ MEANS = {
     "on any page.",
     "theme": "field: for any room. sun: black on white. night: red on black. terminal: your terminal's own colors. "
     "Enter switches to the next; so does T on any page.",
-    "target": "The target apogee for comparing motors on the Next page, where you can also set it with g.",
+    "target": "The target apogee for comparing motors on the Fly page, where you can also set it with g.",
     "rail": "Length and angle of your usual rail or rod, for plans without one.",
     "card": "Certification, birth, rules, rods and rails, and the motors in your range box: what plans start from.",
     "ledger": "The file with your flights. To open another, use fieldkit --ledger FILE or set FIELDKIT_LEDGER.",

@@ -65,7 +65,7 @@ SETUP_HELP = Help(
             "SI: meters and grams. US: feet and ounces. mixed: feet and grams. N changes them.",
         ),
         ("theme", "field: any room. sun: black on white. night: red on black. terminal: its own. T changes it."),
-        ("target", "The target apogee for comparing motors on the Next page."),
+        ("target", "The target apogee for comparing motors on the Fly page."),
         ("sites", "Field size and ceiling are used in the safety checks of every plan at the site."),
         ("rail", "Length and angle of your usual rail, for plans without one."),
     ),
@@ -85,8 +85,8 @@ KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 EMPTY_LISTS = (
     "No matching motor; / changes the search",
     "No rockets yet.\n\n0 Home  describe a rocket or load the demo rocket\n2 Add   type in what the altimeter shows",
-    "No sites yet.\n\ni Add   save the elevation, size and ceiling of a field\n2 Add   enter a flight with its site",
-    "No kits yet.\n\ni Add   save the mass, diameter and motor mount of a kit",
+    "No sites yet.\n\ni New   save the elevation, size and ceiling of a field\n2 Add   enter a flight with its site",
+    "No kits yet.\n\ni New   save the mass, diameter and motor mount of a kit",
     "",
 )
 """Texts of these lists if they are empty."""
@@ -102,8 +102,8 @@ class SetupScreen(PageScreen):
         LEAVE_LINE,
         Binding("left", "turn(-1)", "Previous list", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
-        Binding("slash", "search", "Search", key_display="/"),
-        Binding("i", "add_one", "Add", tooltip="Add a kit, a site, or the motors of a .eng or .rse file"),
+        Binding("slash", "find", "Find", key_display="/", tooltip="Find in the list"),
+        Binding("i", "add_one", "New", tooltip="Add a kit, a site, or the motors of a .eng or .rse file"),
         Binding("x,delete", "delete_kit", "Remove", key_display="x", tooltip="Remove this kit"),
     ]
     DEFAULT_CSS = """
@@ -259,7 +259,7 @@ class SetupScreen(PageScreen):
         """Show the next or previous list."""
         self.action_kind((self._kind + by) % len(KINDS))
 
-    def action_search(self) -> None:
+    def action_find(self) -> None:
         """Type a motor's name."""
         self.action_kind(0)
         self.set_focus(self.query_one(Input))
