@@ -396,13 +396,14 @@ async def test_the_loop_is_shown_and_earlier_versions_can_be_restored(file: Path
             await press(pilot, "D")
             assert "Declined: the model is unchanged" in words(pilot)
             await press(pilot, "escape", "right", "right", "right")
-            assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
+            named = found.diagnosis.effect != "none"
+            assert (f"Verdict: {found.diagnosis.effect}" in words(pilot)) == named
+            assert (headline(found).sentence in words(pilot)) != named, "no bare none beside a chance that it is wrong"
             for line in ("Effect on the next flight", in_next_flight(found.next_flight), "How sure", how_sure(found)):
                 assert line in words(pilot)
             _, before, after = miss_bars(found, 60)
-            drawn = found.diagnosis.effect != "none"
-            assert (f"before  {before}" in shown(pilot)) == drawn
-            assert (f"after   {after}" in shown(pilot)) == drawn
+            assert (f"before  {before}" in shown(pilot)) == named
+            assert (f"after   {after}" in shown(pilot)) == named
             await press(pilot, "end")
             assert "each from all others, 8 flights" in words(pilot)
             for line in ("What accepting changes", what_forecasts_become(found)):

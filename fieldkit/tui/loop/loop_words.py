@@ -11,6 +11,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.ledger import Version
 from fieldkit.physics.effect import effects
 from fieldkit.presentation.condition_axis import in_units
+from fieldkit.presentation.loop_headline import headline
 from fieldkit.presentation.loop_text import climbs, how_sure, in_next_flight, miss_bars, what_forecasts_become
 from fieldkit.quantities import counted, in_system, measure, strength_in_words
 from fieldkit.safe_text import printable
@@ -31,10 +32,11 @@ def verdict(found: Findings, system: str) -> Content:
     """The verdict as in `fieldkit loop`: what is missing, its effect on the next flight, the evidence, its probability,
     the test that would decide, the consequences of accepting it, and the errors on held-out flights."""
     diagnosis = found.diagnosis
+    named = diagnosis.effect != "none"
     parts: cards.Styled = [
-        (f"Verdict: {diagnosis.effect}", "b $primary"),
+        (f"Verdict: {diagnosis.effect}" if named else "Verdict: no effect is named", "b $primary"),
         "\n",
-        printable(in_system(diagnosis.why, system)),
+        printable(in_system(diagnosis.why, system) if named else headline(found, system).sentence),
         "\n",
     ]
     for title, lines in _sections(found, system):

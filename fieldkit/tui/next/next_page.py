@@ -102,7 +102,7 @@ NEXT_HELP = Help(
         ("T:W", "Thrust over weight, in the first half second and on average: above 5 is good, below 3 is unsafe."),
         (
             "next Cd, thrust",
-            "Drag of the rocket in the next flight, and thrust factor (alpha) of the motor, each with its standard deviation.",
+            "Drag of the rocket and thrust factor (alpha) of the motor in the forecast, with standard deviations.",
         ),
         (
             "air",
