@@ -486,7 +486,7 @@ class FieldkitApp(App[None]):
         self.show_notice("q quits; so does ^Q, even in a field")
 
     def _show_notices(self, whole: bool = False) -> None:
-        for bar in self.screen.query(NoticeBar):
+        for bar in self.screen.query(NoticeBar) if self.screen_stack else ():  # no screen while the app closes
             bar.show_notice(self.notices, whole)
 
     def _refresh_page(self) -> None:
