@@ -6,6 +6,9 @@ import pytest
 
 from fieldkit.forecast.evaluation.rivals import rival_scores
 from fieldkit.forecast.one_offs import beside_others
+from fieldkit.importing.read import read
+from fieldkit.motors import catalogue
+from fieldkit.paths import REFERENCE_FLIGHTS
 from tests.inference.laplace.test_one_offs import season
 
 CHECK_SHAPES = False
@@ -30,6 +33,19 @@ def test_a_flight_without_readouts_has_no_probability_of_anything() -> None:
     one = beside_others(bare)[-1]
     assert not one.departures
     assert one.probability == 0.0
+
+
+def test_reference_flights_without_tags_show_what_their_notes_say() -> None:
+    """Notes: 5 weak, 6 very weak, 7 extra drag, 8 off axis; these are tagged, and the other eight are good."""
+    table = read(REFERENCE_FLIGHTS.read_bytes(), REFERENCE_FLIGHTS.name, lambda name: None).flights
+    flown = [(flight, catalogue().resolve(flight.motor)) for flight in table]
+    tagged, untagged = beside_others(flown), beside_others([(one.with_changes(tags=()), motor) for one, motor in flown])
+    probable = sorted(untagged, key=lambda one: -one.probability)[:3]
+    assert {one.flight.flight_id for one in probable} == {"5", "6", "8"}
+    good = [row for row, (flight, _) in enumerate(flown) if flight.clean]
+    errors = [sum(abs(found[row].miss) for row in good) / len(good) for found in (tagged, untagged)]
+    assert len(good) == 8
+    assert errors[1] < 1.05 * errors[0]
 
 
 def test_rivals_are_scored_on_the_same_flights() -> None:
