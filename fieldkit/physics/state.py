@@ -85,7 +85,7 @@ class Setup:
     def draw_shape(self) -> tuple[int, ...]:
         """Shape that all entries broadcast to."""
         arrays = [*_per_draw(self), self.air.density, self.air.temperature, *(strength for _, strength in self.forces)]
-        shapes = {np.shape(a) for a in arrays} - {()}
+        shapes = {a.shape for a in arrays} - {()}
         return shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
 
     def with_changes(self, **changes: Any) -> "Setup":
