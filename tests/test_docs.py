@@ -221,6 +221,17 @@ def test_the_verdicts_in_the_readme_are_those_of_the_page() -> None:
     assert f"without one, 0 of {sum(nulls)} get a name" in " ".join(claims.split())
 
 
+def test_the_names_in_the_manual_are_those_of_the_page_of_hidden_effects() -> None:
+    page = " ".join(PAGES["undeclared-effects"].split())
+    found = re.search(r"; (\d+) of \d+ histories\), (\d+) get a name, (\d+) of them a false one", page)
+    assert found is not None
+    histories, named, false = found.groups()
+    words = {"3": "three"}
+    evidence_page, loop = (" ".join(PAGES[name].split()) for name in ("evidence", "loop"))
+    assert f"of {histories} seasons with an effect it named {named}, {words[false]} of them wrongly" in evidence_page
+    assert f"of {histories} seasons that scatter like real flights and have an effect, it named {named} (" in loop
+
+
 def test_the_pictures_of_measured_flights_show_the_figures_of_the_pages() -> None:
     """Those that need no fit are drawn again."""
     for name, draw in (("brakes", evidence.brakes_picture), ("scores", evidence.scores_picture)):

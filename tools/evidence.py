@@ -55,7 +55,7 @@ def crps_beside_rules() -> list[tuple[str, float, float]]:
 
 def chances_of_one_offs() -> list[tuple[str, str, float]]:
     """The reference flights with no tag: number, the authors' tag, and the probability that the flight differs from the
-    others. [1]"""
+    others, in whole percents. [1]"""
     with TemporaryDirectory() as folder, Ledger.open(Path(folder) / "ledger.db") as ledger:
         bring_in(ledger, [REFERENCE_FLIGHTS], lambda name: None)
         tags = {flight.flight_id: ", ".join(flight.tags) for flight in ledger.flights()}
@@ -63,7 +63,7 @@ def chances_of_one_offs() -> list[tuple[str, str, float]]:
             if tagged:
                 ledger.edit(number, tags=())
         beside = flights_beside_others(ledger, catalogue(), "Astra")
-    return [(one.flight.flight_id, tags[one.flight.flight_id], one.probability) for one in beside]
+    return [(one.flight.flight_id, tags[one.flight.flight_id], round(one.probability, 2)) for one in beside]
 
 
 def _page(name: str) -> str:
