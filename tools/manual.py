@@ -94,7 +94,8 @@ says which.
     )
     by_name = dict(zip(group.commands, parts, strict=True))
     for page, (title, names) in COMMAND_PAGES.items():
-        sections = (chr(10) * 2).join(by_name[name] for name in names)
+        sections = EVERYWHERE.sub("", (chr(10) * 2).join(by_name[name] for name in names))
+        sections = re.sub(r"\n{3,}", "\n\n", sections)
         yield page, f"# {title}\n\nPart of [every command](commands.md). {WRITTEN_BY}\n\n{sections}\n"
 
 
@@ -122,6 +123,10 @@ COMMAND_PAGES = {
     "commands-studies": ("Commands for studies", ("paper", "study", "learn", "train")),
 }
 """Pages of commands: title, and the commands in order."""
+EVERYWHERE = re.compile(
+    r"^(\*\*Options\*\*:\n\n)?(\* `--(json`: Print JSON|help`: Show this message and exit)\.\n)+", re.MULTILINE
+)
+"""The options of all commands, which the first page of commands names, and a list of options that has no others."""
 PAGE_OF = {name: page for page, (_, names) in COMMAND_PAGES.items() for name in names}
 """The page of each command."""
 

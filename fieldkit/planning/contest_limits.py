@@ -46,7 +46,7 @@ def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> S
 
 
 def _is_listed(motor: Motor, line: str) -> bool:
-    """Whether a line names a motor, with or without its maker, letters and delays: `AeroTech F39-3,6,9T`.
+    """Whether a line names a motor, with or without its maker, letters and delays: `AeroTech F39-6,9T`.
 
     A line without maker and letters, `F50`, names only the motor with exactly that designation.
     """
