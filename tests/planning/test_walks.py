@@ -10,7 +10,7 @@ CHECK_SHAPES = False
 pytestmark = pytest.mark.thorough
 
 
-def said(run: Run, *arguments: object) -> str:
+def printed(run: Run, *arguments: object) -> str:
     """What a command prints, on one line."""
     found = run(*arguments)
     return " ".join(f"{found.out} {found.err}".split())
@@ -20,45 +20,45 @@ def test_a_kit_that_never_flew_is_planned_from_the_range_box_and_flown(run: Run,
     bertha = ("--rocket", "Big Bertha")
     run("kits", "Big Bertha", "--dry-mass", "80g", "--diameter", "42mm", "--mount", "18mm")
     run("flyer", "--born", "2012-05-01", "--rails", "3ft", "--motor", "C6-5", "--count", "3")
-    boxed = said(run, "motors", "--fit", "Big Bertha", "--box", "--dry-mass", "80g")
+    boxed = printed(run, "motors", "--fit", "Big Bertha", "--box", "--dry-mass", "80g")
     assert "5:+" in boxed, "only the delay in the box"
     assert "3:-" not in boxed
     plan = ("--kit", "Big Bertha", "--motor", "C6-5", "--wind", "5mph")
-    untested = said(run, "predict", *plan)
+    untested = printed(run, "predict", *plan)
     assert "rail 0.9 m" in untested
     assert "no static margin, and this rocket has not flown: check it before flight" in untested
     checked = (*plan, "--stability-cal", "1.6", "--parachute-diameter", "18in", "--field-size", "400ft")
-    assert "not flown: check it" not in said(run, "predict", *checked)
-    assert "best" in said(run, "delay", *checked)
+    assert "not flown: check it" not in printed(run, "predict", *checked)
+    assert "best" in printed(run, "delay", *checked)
     run("landing", *checked, "--safety-sheet", tmp_path / "sheet.pdf", "--card", tmp_path / "card.pdf")
     assert all((tmp_path / name).read_bytes().startswith(b"%PDF") for name in ("sheet.pdf", "card.pdf"))
-    flown = said(run, "add", *bertha, "--motor", "C6-5", "--apogee", "420ft", "--duration", "30s")
+    flown = printed(run, "add", *bertha, "--motor", "C6-5", "--apogee", "420ft", "--duration", "30s")
     assert "inside the 90% interval" in flown
-    assert "flown" in said(run, "predictions", *bertha)
-    assert "1 clean flight" in said(run, "predict", *bertha, "--motor", "C6-5")
+    assert "flown" in printed(run, "predictions", *bertha)
+    assert "1 clean flight" in printed(run, "predict", *bertha, "--motor", "C6-5")
 
 
 def test_a_contest_season_from_the_first_flight_to_the_finals_card(run: Run, tmp_path: Path) -> None:
     team = ("--rocket", "Team", "--motor", "F39T-6", "--season", "2027")
     body = ("--dry-mass", "520g", "--diameter", "66mm")
-    first = said(run, "season", *team, *body, "--rocket-length", "700mm")
+    first = printed(run, "season", *team, *body, "--rocket-length", "700mm")
     assert "0 flown, 0 timed" in first
     assert "time one, or give --parachute-diameter" in first
     for apogee, seconds in ((760, 41.0), (790, 39.5), (805, 38.6)):
         readouts = ("--apogee", f"{apogee}ft", "--timer-1-s", seconds, "--timer-2-s", seconds + 0.1)
         run("add", "--rocket", "Team", "--motor", "F39T-6", *body, *readouts, "--wind", "2m/s")
-    guided = said(run, "season", *team, "--declared", "2,3", "--cut", "60")
+    guided = printed(run, "season", *team, "--declared", "2,3", "--cut", "60")
     assert "3 flown, 3 timed" in guided
     assert "2 of 3 declared, 1 left" in guided
     assert "dry mass 5" in guided.partition("mass and parachute together")[2]
     assert "the next: timed, at a dry mass of" in guided
     assert "chance of a score up to 60" in guided
-    assert "the best 2 of 2, 3" in said(run, "contest", "--rocket", "Team", "--season", "2027", "--declared", "2,3")
-    card = said(run, "finals", *team, "--temperature", "25c", "--wind", "3m/s", "--card", tmp_path / "finals.pdf")
+    assert "the best 2 of 2, 3" in printed(run, "contest", "--rocket", "Team", "--season", "2027", "--declared", "2,3")
+    card = printed(run, "finals", *team, "--temperature", "25c", "--wind", "3m/s", "--card", tmp_path / "finals.pdf")
     assert "805" in card
     assert (tmp_path / "finals.pdf").read_bytes().startswith(b"%PDF")
     announced = ("--target", "785ft", "--window", "37-40")
-    assert "points" in said(run, "contest", *team, *announced)
+    assert "points" in printed(run, "contest", *team, *announced)
 
 
 LEVEL_1 = (
@@ -82,19 +82,19 @@ def test_a_certification_flight_is_checked_flown_and_entered_on_the_card(run: Ru
         "--count",
         1,
     )
-    long = said(run, "predict", *LEVEL_1, "--motor", "H128W-14A")
+    long = printed(run, "predict", *LEVEL_1, "--motor", "H128W-14A")
     assert "ejection speed: unsafe" in long
-    assert "best 6 s, drilled" in said(run, "delay", *LEVEL_1, "--motor", "H128W-14A")
+    assert "best 6 s, drilled" in printed(run, "delay", *LEVEL_1, "--motor", "H128W-14A")
     plan = (*LEVEL_1, "--motor", "H128W-6")
     checks = {one["check"]: one for one in run("predict", *plan, "--json").document["predictions"][0]["safety"]}
     assert checks["certification"]["verdict"] == "caution"
-    assert "only as a certification flight, with its witnesses" in said(run, "predict", *plan)
+    assert "only as a certification flight, with its witnesses" in printed(run, "predict", *plan)
     fine = ("stability", "thrust to weight", "field size", "pad distance", "bystanders", "ceiling", "landing speed")
     assert {name: checks[name]["verdict"] for name in fine} == dict.fromkeys(fine, "ok")
     assert not [name for name, one in checks.items() if one["verdict"] == "unsafe"]
-    assert "requires certification level 2; you have none" in said(run, "predict", *LEVEL_1, "--motor", "J350W-14A")
+    assert "requires certification level 2; you have none" in printed(run, "predict", *LEVEL_1, "--motor", "J350W-14A")
     run("landing", *plan, "--safety-sheet", tmp_path / "sheet.pdf")
-    flown = said(run, "add", "--rocket", "Level One", "--motor", "H128W-6", "--apogee", "980ft", "--duration", "60s")
+    flown = printed(run, "add", "--rocket", "Level One", "--motor", "H128W-6", "--apogee", "980ft", "--duration", "60s")
     assert "inside the 90% interval" in flown
     run("flyer", "--certification", "1")
     (again,) = run("predict", *LEVEL_1, "--motor", "I284W-14A", "--json").document["predictions"]
