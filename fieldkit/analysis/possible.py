@@ -71,9 +71,10 @@ def by_energy(
 
     A coast rises by at most v²/2g, so the speed is at least the root of 2 g h, which an error of burnout moves by its
     height: a normal distribution truncated there. With drag in proportion to v², the rise h and the duration t of a
-    coast give the speed too, and both are averaged by their variances. If the measured speed is short of the bound, its
-    error is larger than stated, by Birge's ratio: its difference from either in standard deviations. A top speed still
-    farther from either contradicts the rest of the flight, and the boost is not reported.
+    coast give the speed too. If the measured speed is short of the bound, its error is larger than stated, by Birge's
+    ratio, its difference from either in standard deviations, and both are averaged by their variances. Otherwise they
+    are not: the same ports move both. A top speed still farther from either contradicts the rest of the flight, and the
+    boost is not reported.
 
     Source: Birge, The calculation of errors by the method of least squares, Physical Review 40 (1932).
     """
@@ -92,7 +93,7 @@ def by_energy(
     if short > _CONTRADICTION_SDS:
         return _without_boost(figures, speed, f"at least {least:.0f} m/s")
     mean = replace(speed, sd=speed.sd * max(1.0, short, abs(beyond))) if short > 0 else speed
-    mean = _average(mean, other) if other else mean
+    mean = _average(mean, other) if other and short > 0 else mean
     spread = hypot(mean.sd, least_sd)
     bounded = _beyond_bound(mean, (least - mean.value) / spread, spread)
     return _with_speed(figures, bounded), ((ENERGY_NOTE.format(least),) if short > 0 else ())
