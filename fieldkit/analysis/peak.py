@@ -43,7 +43,7 @@ between neighboring samples: mean and standard deviation over the motors of the 
 with each impulse class weighted equally (a test recomputes it). [1]"""
 _MAX_LATE_START = 0.05
 """How long after lift-off a log may start and still have recorded the peak, which ignition may cause. [s]"""
-_WINDOW, _SPARSE = 0.05, 0.7
+_WINDOW, _SPARSE_INTERVAL = 0.05, 0.7
 """Averaging window of the peak acceleration [s]. In a log too sparse for three samples in it, the peak lies between
 their mean and a single sample; at intervals above this fraction of it, not even there. [1]"""
 _SCALE = 0.02
@@ -108,7 +108,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], push: Push
 def _highest(net: Float[Array, "time"], step: float) -> tuple[float, float]:
     """The highest mean over the window of samples at an interval [s], and its error from the interval. [m/s^2]"""
     highest = float(net.max())
-    if step > _SPARSE * _WINDOW:
+    if step > _SPARSE_INTERVAL * _WINDOW:
         steps, means, sds = np.array(BEYOND_SAMPLES).T
         mean, sd = (float(np.interp(step, steps, one)) * float(np.abs(np.diff(net)).max()) for one in (means, sds))
         return highest + mean, sd

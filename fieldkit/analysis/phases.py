@@ -28,7 +28,7 @@ _PARTS = 5
 _WINDOW, _TRANSONIC_SPEED, _TRANSONIC_WINDOW = 0.25, 270.0, 1.0
 """The climb rate is that over a window to both sides [s]. If it is above this [m/s], it is evaluated over a window of
 this length to both sides [s]."""
-_CALM = 1.0
+_TOP_WINDOW = 1.0
 """Window of the median whose maximum is the top. [s]"""
 LONGEST_CLIMB = 120.0
 """Longest time from lift-off to apogee. [s]"""
@@ -68,7 +68,7 @@ class Outline:
 def outline(track: Heights) -> Outline | None:
     """Find the flight in a height channel. None if nothing rises like a rocket."""
     time, height = track.time, track.height
-    calm = running_median_over(time, height, _CALM, 3, 201)
+    calm = running_median_over(time, height, _TOP_WINDOW, 3, 201)
     top = int(np.argmax(calm))
     from_ = int(np.searchsorted(time, time[top] - LONGEST_CLIMB))
     if top - from_ < 3:
@@ -89,7 +89,7 @@ def outline(track: Heights) -> Outline | None:
         return None
     fall = calm[top] - calm[top:].min()
     down = bool(fall > max(1.5, 4 * track.noise) and time[-1] - time[top] > 2 * median_step(time))
-    rises = not down and time[-1] - time[top] < _CALM  # the median does not follow a climb to the end of a log
+    rises = not down and time[-1] - time[top] < _TOP_WINDOW  # the median does not follow a climb to the end of a log
     return Outline(
         float(time[start]) if lift is not None else None,
         float(time[from_ + fastest]),

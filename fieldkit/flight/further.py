@@ -19,7 +19,7 @@ DEVICE_HEADERS = ("altimeter", "device", "logger", "altimeter_serial", "serial")
 """Headers of a column with the altimeter, in lower case."""
 TIMERS = ("timer_1_s", "timer_2_s")
 """Columns with what each of two watches showed."""
-JUDGED = (*TIMERS, "eggs", "disqualified")
+JUDGED_COLUMNS = (*TIMERS, "eggs", "disqualified")
 """Columns in which a contest flight is judged."""
 STATE_COLUMN, STATES = "drag_step", {"yes": True, "open": True, "no": False, "shut": False}
 """Column in which a flyer records whether the drag of a flight switched, and its values."""

@@ -24,7 +24,7 @@ from fieldkit.flight import (
     read_date,
     read_tags,
 )
-from fieldkit.flight.further import JUDGED, TIMERS
+from fieldkit.flight.further import JUDGED_COLUMNS, TIMERS
 from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
@@ -157,7 +157,7 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
     extra = dict(flight.extra)
     details: dict[str, dict[str, object]] = {}
     for name, text in changes.items():
-        if name in extra or name in JUDGED:
+        if name in extra or name in JUDGED_COLUMNS:
             extra = {key: old for key, old in (extra | {name: _judged(name, text)}).items() if old or key != name}
             continue
         try:

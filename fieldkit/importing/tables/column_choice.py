@@ -47,7 +47,7 @@ Beside an altitude in a known unit, a pressure or a height above sea level witho
 _START_SAMPLES, _ZERO_PART = 11, 0.01
 """Heights are above the pad if the median of this number of first samples is closer to zero than this fraction of
 their range. [1]"""
-_SLOWEST = 20.0
+_LONGEST_INTERVAL = 20.0
 """Time between rows that no log of a flight has. [s]"""
 _MUCH = 0.2
 """A sensor that stays constant while another changes by this fraction of its range has failed. [1]"""
@@ -337,7 +337,7 @@ def _of_digits(clock: Float[Array, "row"]) -> Float[Array, "row"]:
     jumps = np.mod(steps[changes], 100.0) - 40.0
     usual = float(np.max(np.abs(steps[~changes]), initial=0.0))
     digits = (seconds < 60).all() and (minutes % 100 < 60).all() and (minutes < 2400).all()
-    if not (changes.any() and digits and usual < _SLOWEST and (np.abs(jumps) <= 2 * usual).all()):
+    if not (changes.any() and digits and usual < _LONGEST_INTERVAL and (np.abs(jumps) <= 2 * usual).all()):
         return clock
     return np.asarray(clock - 40 * minutes - 2400 * (minutes // 100))
 
