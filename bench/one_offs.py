@@ -291,7 +291,8 @@ def as_typed(one: Case, true: Sequence[Shown], rng: np.random.Generator) -> list
 def as_logs(one: Case, kind: str, rng: np.random.Generator) -> tuple[list[Flight], Float[Array, "readout"]]:
     """The flights of a case with the readouts of their logs, and the noise of those of the faulty one, as in
     `compared`; that of a readout that is missing is never used."""
-    recorder = RECORDERS[RECORDERS_FLOWN[one.number % len(RECORDERS_FLOWN)]]
+    turn = one.number + one.level + [*FAULTS].index(one.name)
+    recorder = RECORDERS[RECORDERS_FLOWN[turn % len(RECORDERS_FLOWN)]]
     tracks = None
     if kind == ROCKETPY:
         from bench import truth  # RocketPy takes seconds to import, and is in the extra `bench`
