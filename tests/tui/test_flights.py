@@ -128,7 +128,7 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "2 · Astra A · F24-4W · 2026-04-18 10:25" in seen
         assert "Apogee 281.3 m" in seen
         assert "Top speed 83.4 m/s" in seen
-        assert "from 7 other normal flights" in seen
+        assert "what the other flights lead to expect" in seen
         assert "no log with samples" in seen
         await press(pilot, "escape", "home", "enter")
         assert "forecast of 2026-04-17 18:00, without a correction" in words(pilot)
