@@ -13,6 +13,8 @@ from fieldkit.paths import LOCK_NAME
 
 PATIENCE = 10.0
 """Longest wait for another program, which needs milliseconds. [s]"""
+NO_LINK = getattr(os, "O_NOFOLLOW", 0)
+"""Flag of `os.open`: a lock that is a link would create or hold another file. Windows has none."""
 POLL = 0.01
 """Interval between two attempts. [s]"""
 
@@ -48,12 +50,12 @@ def hold(lock: Path) -> int | None:
 
 
 def _opened(file: Path, name: str = LOCK_NAME) -> int:
-    """The open lock of this name in a file's folder, which is created if necessary. A link has the lock of its
-    target. Raises FieldkitError if it cannot be written."""
+    """The open lock of this name in a file's folder, which is created if necessary. A file that is a link has the
+    lock of its target's folder. Raises FieldkitError if it cannot be written."""
     try:
         folder = file.resolve().parent
         folder.mkdir(parents=True, exist_ok=True)
-        return os.open(folder / name, os.O_RDWR | os.O_CREAT, 0o666)
+        return os.open(folder / name, os.O_RDWR | os.O_CREAT | NO_LINK, 0o666)
     except (OSError, RuntimeError) as error:  # a loop of links
         raise FieldkitError(f"{file}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
 

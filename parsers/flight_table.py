@@ -11,7 +11,7 @@ and is rejected. Tags are separated by `;`, `|` or `,`.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 
@@ -115,7 +115,8 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     if table and not text.endswith(("\n", "\r")):
         table[-1] = last_row(*table[-1], len(headings))
     mark = decimal_mark(_numbers(headings, table), separator)
-    found: list[Parsed] = [_row(row, cells, headings, mark, separator) for row, cells in table]
+    columns = _columns(headings)
+    found: list[Parsed] = [_row(row, cells, headings, columns, mark, separator) for row, cells in table]
     found = [*unread_cells(headings, found), *found] or [Note("found a header and no flights", header_row)]
     if choice is None:
         return found
@@ -185,14 +186,32 @@ def _holds_numbers(heading: ColumnRole) -> bool:
     return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
 
 
-def _row(row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str) -> Parsed:
+def _columns(headings: Sequence[ColumnRole]) -> dict[str, str]:
+    """The table's name of each field of a flight, and of the masses that are none."""
+    named = {heading.field: heading.spelled for heading in reversed(headings) if heading.field}
+    return named | {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
+
+
+def _row(
+    row: int,
+    cells: list[str] | DamagedLog,
+    headings: Sequence[ColumnRole],
+    columns: Mapping[str, str],
+    mark: str,
+    separator: str,
+) -> Parsed:
     """The flight of one row, the error in the row, or a note if it is no flight."""
     note = None if isinstance(cells, DamagedLog) else left_out(row, cells, headings)
-    return note or _reading(row, cells, headings, mark, separator)
+    return note or _reading(row, cells, headings, columns, mark, separator)
 
 
 def _reading(
-    row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str
+    row: int,
+    cells: list[str] | DamagedLog,
+    headings: Sequence[ColumnRole],
+    columns: Mapping[str, str],
+    mark: str,
+    separator: str,
 ) -> Reading | DamagedLog:
     """The flight of one row, or the error in the row."""
     if isinstance(cells, DamagedLog):
@@ -233,12 +252,10 @@ def _reading(
             return DamagedLog(found, row=row, column=heading.spelled)
     for place, value in known.items():
         stated[place.part] = {**stated.get(place.part, {}), place.readout: value}  # type: ignore[dict-item]
-    columns = {heading.field: heading.spelled for heading in reversed(headings) if heading.field}
     try:
         liftoff, motor = (mass_in(cells, headings, mass_names(name), mark) for name in (LIFTOFF_MASS, MOTOR_MASS))
     except BadValue as error:
         return DamagedLog(str(error), row=row)
-    columns |= {name: spelled for name in (LIFTOFF_MASS, MOTOR_MASS) if (spelled := mass_column(headings, name))}
     if liftoff is not None and motor is not None and stated.get("dry_mass") is None:
         stated["dry_mass"], liftoff = liftoff - motor, None
     return Reading(stated, extra, columns, row, liftoff_mass=liftoff)

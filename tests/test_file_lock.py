@@ -119,6 +119,15 @@ def test_a_loop_of_links_is_reported_in_one_line(home: Path) -> None:
         pass
 
 
+@pytest.mark.skipif(not file_lock.NO_LINK, reason="links are followed here")
+@pytest.mark.parametrize("target", ["elsewhere", LOCK_NAME])
+def test_a_lock_that_is_a_link_is_refused_and_its_target_is_not_created(home: Path, target: str) -> None:
+    (home / LOCK_NAME).symlink_to(home / target)
+    with pytest.raises(FieldkitError, match="cannot be written"), changing(home / "kits.toml"):
+        pass
+    assert not (home / "elsewhere").exists()
+
+
 def test_a_file_system_without_locks_is_written_without_one(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(number: int) -> None:
         raise OSError(95, "Operation not supported")

@@ -28,10 +28,12 @@ from tempfile import mkdtemp
 
 from bench.faults import (
     calls,
+    clocks,
     damage,
     discs,
     failing,
     histories,
+    hostile,
     kills,
     laptops,
     servers,
@@ -58,9 +60,9 @@ HOURLY_KILLS = 12
 Part = tuple[str, Callable[[], Outcome]]
 
 
-def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
+def parts(scratch: Path, *, killed: int, others: int, calls_each: int) -> Iterator[Part]:
     """Every part of the bench but `club`, run one after the other; `killed` is the total number of kills, `others` the
-    size of each other part."""
+    size of each other part, `calls_each` the number of a command's calls of each kind that fail, at most."""
     folders = (scratch / str(number) for number in range(1000))
     each, rest = divmod(killed, len(kills.CASES))
     for place, case in enumerate(kills.CASES):
@@ -72,18 +74,22 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
     else:
         missing = Outcome("full disk, read-only file system", "skipped: mounting a small file system takes root")
         yield "discs", lambda: missing
-    yield from _of_calls(scratch / "calls", others)
+    yield from _of_calls(scratch / "calls", others, calls_each)
     yield "two_commands", partial(writers.two_commands, next(folders), others // 4)
-    yield "app_and_command", partial(writers.app_and_command, next(folders), others // 4)
+    yield "apps_and_commands", partial(writers.apps_and_commands, next(folders), others // 4)
     yield "restores", partial(histories.restores_beside_writers, next(folders), 5, 2 * others, max(2, others // 4))
-    yield "clock_backwards", partial(writers.clock_backwards, next(folders), 15)
+    yield "clock_set_back", partial(clocks.set_back, next(folders))
+    yield "zones", partial(clocks.zones, next(folders))
     yield "old_schemas", partial(writers.old_schemas, next(folders))
+    yield "concurrent_migrations", partial(writers.concurrent_migrations, next(folders), 4)
+    yield "hostile_files", partial(hostile.objects, next(folders))
+    yield "hostile_modes", partial(hostile.modes, next(folders))
     yield "cut_short", partial(damage.cut_short, next(folders), others, SEED)
     yield "bits_flipped", partial(damage.bits_flipped, next(folders), 2 * others, SEED)
     yield from _of_a_server(scratch / "server", max(3, others // 16))
 
 
-def _of_calls(folder: Path, others: int) -> Iterator[Part]:
+def _of_calls(folder: Path, others: int, most: int) -> Iterator[Part]:
     """System calls that fail, for every command of the tree."""
     if not calls.can_trace():
         yield "calls", lambda: Outcome("a call fails", "skipped: there is no strace on this machine")
@@ -100,9 +106,9 @@ def _of_calls(folder: Path, others: int) -> Iterator[Part]:
             yield f"fails_{name}", partial(lambda outcome: outcome, left)
         else:
             there = folder / "trials" / str(number)
-            yield f"fails_{name}", partial(failing.every_call, there, name, found, others, others)
+            yield f"fails_{name}", partial(failing.every_call, there, name, found, others, most)
     new_day = folder / "new_day"
-    yield "fails_on_a_new_day", partial(failing.on_a_new_day, new_day, others, others)
+    yield "fails_on_a_new_day", partial(failing.on_a_new_day, new_day, others, most)
     yield "fails_histories", partial(failing.history, folder / "histories", 2 * others, SEED)
 
 
@@ -206,8 +212,9 @@ def _warm(folder: Path) -> None:
     fieldkit(folder / "ledger.db", "import", str(TABLE), str(LOG), "--set", "rocket=Comet")
 
 
-def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
+def page(found: Sequence[Outcome], command: str, of: str, others: int, calls_each: int = failing.EVERY) -> str:
     """The summary, in Markdown; `of` is the tested commit."""
+    limited = "" if calls_each == failing.EVERY else f", at most {calls_each} of each kind, spread evenly"
     killed = sum(one.tried for one in found if one.part == "kill -9")
     faults = [fault for one in found for fault in one.faults]
     rows = [
@@ -220,7 +227,7 @@ def page(found: Sequence[Outcome], command: str, of: str, others: int) -> str:
     return text.format(
         command=command, commit=of, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
         system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
-        reads=failing.MAX_READS, others=others, every=f"{laptops.EVERY:g}",
+        reads=min(failing.MAX_READS, calls_each), limited=limited, others=others, every=f"{laptops.EVERY:g}",
     )  # fmt: skip
 
 
@@ -259,7 +266,7 @@ def run(scratch: Path, keep: Path, given: argparse.Namespace) -> list[Outcome]:
         hour = None
         if given.hours and servers.binaries() and "club".startswith(given.only):
             hour = stack.enter_context(beside(partial(club, scratch / "club", given.hours), keep / "club.json"))
-        for name, part in parts(scratch, killed=given.kills, others=given.others):
+        for name, part in parts(scratch, killed=given.kills, others=given.others, calls_each=given.calls):
             if name.startswith(given.only):
                 found.append(_printed(tried(part, keep / f"{name}.json")))
         if hour is not None:
@@ -282,6 +289,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m bench.faults", description=__doc__)
     parser.add_argument("--kills", type=int, default=KILLS, help="how many processes are killed")
     parser.add_argument("--others", type=int, default=OTHERS, help="the size of each other part")
+    parser.add_argument(
+        "--calls", type=int, default=failing.EVERY, help="how many calls of each kind fail in a command (default: all)"
+    )
     parser.add_argument("--quick", action="store_true", help="a little of everything, and no page")
     parser.add_argument("--keep", type=Path, help="a folder for the result of each part, to resume from")
     parser.add_argument("--out", type=Path, default=PAGE, help="where the page goes")
@@ -297,16 +307,18 @@ def main() -> int:
         parser.error("the page is of one commit: found changed files or no commit; --quick and --only write no page")
     with _scratch() as scratch, at_home(scratch / "home"):
         keep: Path = given.keep or scratch / "kept"
-        sizes = {"kills": given.kills, "others": given.others, "hours": given.hours}
+        sizes = {"kills": given.kills, "others": given.others, "calls": given.calls, "hours": given.hours}
         if wrong := resumed(keep, {"commit": of, **sizes}):
             parser.error(wrong)
         found = run(scratch, keep, given)
     if paged and commit() != of:
         parser.error(f"no page: the files are no longer those of commit {of}")
     if paged:
-        usual = {"kills": KILLS, "others": OTHERS, "hours": 1.0}
+        usual = {"kills": KILLS, "others": OTHERS, "calls": failing.EVERY, "hours": 1.0}
         options = "".join(f" --{name} {size:g}" for name, size in sizes.items() if size != usual[name])
-        given.out.write_text(page(found, f"python -m bench.faults{options}", of, given.others), encoding="utf-8")
+        given.out.write_text(
+            page(found, f"python -m bench.faults{options}", of, given.others, given.calls), encoding="utf-8"
+        )
     return any(one.faults for one in found)
 
 

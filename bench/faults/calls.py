@@ -24,6 +24,7 @@ from typing import NoReturn
 from fieldkit.cli.main import main as run
 
 GROUPS = {
+    "open": ("open", "openat"),
     "read": ("read", "pread64"),
     "write": ("write", "pwrite64", "ftruncate"),
     "fsync": ("fsync", "fdatasync"),
@@ -44,7 +45,7 @@ ROOM = 1 << 20
 """Size limit of a command's output. [byte]"""
 
 EIO = "error=EIO"
-WAYS = {"read": (EIO, "retval=0"), "write": (EIO, "error=ENOSPC")}
+WAYS = {"open": ("error=EMFILE", EIO), "read": (EIO, "retval=0"), "write": (EIO, "error=ENOSPC")}
 """How calls of a kind fail, in turn."""
 
 _LINE = re.compile(r"^(?:\[pid\s+\d+\]\s+|\d+\s+)?(\w+)\((.*)$")
@@ -231,15 +232,17 @@ def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
 
 
 def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
-    """The faults: the process killed at each call, and each call failed by the disk, every other write with a full
-    disk; every other read returns nothing. At most `reads` or `others` calls of a kind, spread evenly over the command.
+    """The faults: the process killed at each call that changes a file, and each call failed by the disk, every other
+    write with a full disk; every other open finds too many files open, every other read returns nothing. At most
+    `reads` opens and as many reads, and `others` calls of each other kind, spread evenly over the command.
     """
     chosen: list[Fault] = []
     for kind, names in GROUPS.items():
-        some = _evenly([one for one in calls if one[0] in names], reads if kind == "read" else others)
+        changes = kind not in ("open", "read")
+        some = _evenly([one for one in calls if one[0] in names], others if changes else reads)
         for place, (call, number) in enumerate(some):
             chosen.append(Fault(call, number, WAYS.get(kind, (EIO,) * 2)[place % 2 if call != "ftruncate" else 0]))
-            if kind != "read":
+            if changes:
                 chosen.append(Fault(call, number, "signal=SIGKILL"))
     return chosen
 

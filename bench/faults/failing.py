@@ -22,7 +22,7 @@ from bench.faults.paused import from_first_write
 from bench.faults.session import Call, named, new_day
 from fieldkit.paths import DATA_FILES
 
-FILES_OF_THE_START = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
+FILES_OF_THE_START = ("ledger.db", "home", "sample_logs", "fieldkit", "docs", "home-backups", "ledger.db-backups")
 """Files that exist in addition to those a command is asked to write."""
 OWN = ("settings.json", *(name for name in DATA_FILES if name not in {"captures", "crashes"}))
 """What a user has added and chosen, in the user's folder."""
@@ -84,13 +84,13 @@ class Bench:
         self.new = self.asked.keys() - found_there.keys()
         return found
 
-    def from_first_write(self) -> list[tuple[str, str]]:
-        """Results of all faults from the first write of the call on, and any errors."""
+    def from_first_write(self, most: int = EVERY) -> list[tuple[str, str]]:
+        """Results of faults from the first write of the call on, at most so many of a kind, and any errors."""
 
         def trials() -> list[tuple[str, str]] | None:
             if forked(self.workplace, self.notes) is None:
                 return None
-            chosen = faults(made(self.notes, self.workplace), MAX_READS, EVERY)
+            chosen = faults(made(self.notes, self.workplace), min(MAX_READS, most), most)
             seen = []
             for fault in chosen:
                 self.fresh()
@@ -157,48 +157,48 @@ class Bench:
         return ""
 
 
-def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], reads: int, others: int) -> Outcome:
+def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], few: int, most: int = EVERY) -> Outcome:
     """The lines of the session for one command, with each of their system calls failing.
 
-    `reads` and `others` limit the calls of lines that only read, take long or wait for a logger.
+    `few` limits the calls of each kind in lines that only read, take long or wait for a logger, `most` in all lines.
     """
     outcome = Outcome("a call fails", name)
     mine = [call for call in session() if named(call.arguments) == name]
     for number, call in enumerate(mine):
-        _each(outcome, Bench(folder / str(number), call), reads, others)
+        _each(outcome, Bench(folder / str(number), call), few, most)
         shutil.rmtree(folder / str(number), ignore_errors=True)
     if not mine:
         outcome.faults.append("no example calls it")
     return outcome
 
 
-def on_a_new_day(folder: Path, reads: int, others: int) -> Outcome:
+def on_a_new_day(folder: Path, few: int, most: int = EVERY) -> Outcome:
     """Calls that make the first backup of a day, with each of their system calls failing, as in `every_call`."""
     outcome = Outcome("a call fails", "add and capture with the backup of a new day")
     with at_home(folder / "home"):
         some = new_day(folder / "found")
     for number, call in enumerate(some):
-        _each(outcome, Bench(folder / str(number), call), reads, others)
+        _each(outcome, Bench(folder / str(number), call), few, most)
     return outcome
 
 
-def _each(outcome: Outcome, bench: "Bench", reads: int, others: int) -> None:
+def _each(outcome: Outcome, bench: "Bench", few: int, most: int) -> None:
     found, line = bench.learn(), bench.call.line
     size = bench.file.stat().st_size
     writes = any(one in GROUPS["write"] for one, _ in found)
     waits, slow = "PORT" in bench.call.arguments, bench.takes > SLOW
-    some = reads if waits or slow or not writes else MAX_READS
-    for fault in faults(found, some, others if waits else 0 if slow else EVERY):
+    some = few if waits or slow or not writes else MAX_READS
+    for fault in faults(found, min(some, most), min(few if waits else 0 if slow else EVERY, most)):
         ended = bench.tried(fault)
         if ended.came:
             what, wrong = bench.judged(ended)
             outcome.saw(what, wrong and f"{line}: {fault}: {wrong}")
     if writes and slow and not waits:
-        for what, wrong in bench.from_first_write():
+        for what, wrong in bench.from_first_write(most):
             outcome.saw(what, wrong and f"{line}: {wrong}")
     what, wrong = bench.judged_full(bench.tried(full=True))
     outcome.saw(f"output full: {what}", wrong and f"{line}: output full: {wrong}")
-    shorts = max(1, reads // 4) if slow else others
+    shorts = max(1, few // 4) if slow else few
     for largest in [place * size // shorts for place in range(shorts)] if writes else []:
         what, wrong = bench.judged(bench.tried(largest=largest))
         outcome.saw(f"short: {what}", wrong and f"{line}: no file above {largest} bytes: {wrong}")

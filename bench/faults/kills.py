@@ -78,7 +78,7 @@ CASES = (
     Case("capture", CAPTURE, season, 1.0),
     Case("undo", ("undo",), _with_an_import),
     Case("migrate", ("history",), lambda file: old(file, "m001_flights")),
-    Case("loop", ("loop", "--effect", "motor_thrust"), season, 0.02),
+    Case("accept", ("loop", "--effect", "motor_thrust"), season, 0.02),
 )
 
 

@@ -30,8 +30,9 @@ MORE = (
     "mappings --forget 1",
     "capture PORT --device micropeak --import --set rocket=Comet",
     "predict --flights planned.csv",
-    "landing --motor F24-4W --rocket Astra --safety-sheet safety.txt",
+    "landing --motor F24-4W --rocket Astra --safety-sheet safety.pdf",
     "daysheet --flights planned.csv --out planned.pdf",
+    "weather docs/example-weather.csv --plans planned_at_moor.csv --out filled.csv",
     "loop --rocket Astra --effect motor_thrust",
     "loop --rocket Astra --dry-run --report loop.html",
     "loop --rocket Astra --decline wind",
@@ -151,7 +152,7 @@ def new_day(folder: Path) -> list[Call]:
 def furnished(workplace: Path) -> Path:
     """A folder in which the session's paths are links to files of the checkout."""
     workplace.mkdir(parents=True)
-    for name in ("sample_logs", "fieldkit"):
+    for name in ("sample_logs", "fieldkit", "docs"):
         (workplace / name).symlink_to(ROOT / name)
     for file in sorted(SAMPLES.iterdir()):
         shutil.copy(file, workplace)

@@ -1,16 +1,14 @@
-"""Two concurrent writers, the app and commands, a clock that goes backwards, and old schemas."""
+"""Concurrent writers, commands beside open apps, and old schemas."""
 
 import asyncio
 import multiprocessing
 from collections.abc import Callable
-from datetime import UTC, datetime, timedelta, tzinfo
-from itertools import count
+from contextlib import suppress
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
-from unittest.mock import patch
 
 from bench.faults.ledgers import OLD, Outcome, fieldkit, old, raw_step, season, unsound
-from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, backups, journal
+from fieldkit.ledger import Ledger, backups
 from fieldkit.ledger.schema import STEPS
 
 
@@ -22,12 +20,12 @@ def two_commands(folder: Path, each: int) -> Outcome:
     return _judged(outcome, file, 1 + 4 * each, 12 + 2 * each)
 
 
-def app_and_command(folder: Path, each: int) -> Outcome:
-    """The app, in which a key undoes the last change, while commands add and tag."""
+def apps_and_commands(folder: Path, each: int) -> Outcome:
+    """Two open apps, in which a key undoes the last change, while three commands add and tag."""
     file = _ledger(folder)
-    _at_once(file, each, _press, _add)
-    outcome = Outcome("two writers", "app and command", tried=3 * each)
-    return _judged(outcome, file, 1 + 3 * each, None)
+    _at_once(file, each, _press, _press, _add, _add, _add)
+    outcome = Outcome("five writers", "two open apps and three commands", tried=8 * each)
+    return _judged(outcome, file, 1 + 8 * each, None)
 
 
 def _ledger(folder: Path) -> Path:
@@ -58,6 +56,8 @@ def _add(file: Path, rocket: str, each: int) -> None:
 
 
 def _press(file: Path, _: str, each: int) -> None:
+    from textual.worker import WorkerCancelled
+
     from fieldkit.tui.app import FieldkitApp
 
     async def pressing() -> None:
@@ -65,7 +65,8 @@ def _press(file: Path, _: str, each: int) -> None:
         async with app.run_test(size=(80, 24)) as pilot:
             for _ in range(each):
                 await pilot.press("u")
-                await app.workers.wait_for_complete()
+                with suppress(WorkerCancelled):  # a page that is shown again reads the ledger again
+                    await app.workers.wait_for_complete()
 
     asyncio.run(pressing())
 
@@ -86,37 +87,6 @@ def _judged(outcome: Outcome, file: Path, changes: int, flights: int | None) -> 
     return outcome
 
 
-class Backwards(datetime):
-    """A clock that goes back by a day at every reading."""
-
-    passed = count()
-
-    @classmethod
-    def now(cls, tz: tzinfo | None = None) -> "Backwards":
-        """The day before its last reading."""
-        return cls(2026, 5, 1, tzinfo=UTC).astimezone(tz) - timedelta(days=next(cls.passed))
-
-
-def clock_backwards(folder: Path, changes: int) -> Outcome:
-    """Changes while the clock goes back: order, undo and the rotation of backups use numbers."""
-    outcome, file = Outcome("clock going backwards", "add, undo, backups"), folder / "ledger.db"
-    folder.mkdir(parents=True, exist_ok=True)
-    backwards = [patch.object(module, "datetime", Backwards) for module in (journal, backups)]
-    with backwards[0], backwards[1], Ledger.open(file) as ledger:
-        for number in range(changes):
-            ledger.add([Flight(flight_id=str(number), rocket="Astra")])
-            order = [one.what for one in ledger.history()] == [str(n) for n in range(number + 1)]
-            outcome.saw("in order", "" if order else f"out of order after {number}")
-        kept = backups.backups(file)
-        ledger.undo()
-        left = len(ledger.flights())
-    if [one.changes for one in kept] != list(range(changes - 1, 0, -1))[: backups.MAX_BACKUPS]:
-        outcome.faults.append(f"backups of {[one.changes for one in kept]} changes were kept")
-    if left != changes - 1:
-        outcome.faults.append(f"undo left {left} flights of {changes}")
-    return outcome
-
-
 def old_schemas(folder: Path) -> Outcome:
     """A ledger from every older version of the schema: opened, upgraded after a backup, sound."""
     outcome, file = Outcome("older schema", ", ".join(STEPS)), folder / "ledger.db"
@@ -130,3 +100,33 @@ def old_schemas(folder: Path) -> Outcome:
             wrong = wrong or "no backup was made before"
         outcome.saw("upgraded" if step != STEPS[-1] else "current", wrong)
     return outcome
+
+
+def concurrent_migrations(folder: Path, processes: int) -> Outcome:
+    """Processes that open a ledger of an older schema at the same moment: one upgrades it, all answer."""
+    outcome = Outcome("older schema", f"opened by {processes} processes at once")
+    for step in STEPS[:-1]:
+        file, context = folder / step / "ledger.db", multiprocessing.get_context("fork")
+        file.parent.mkdir(parents=True)
+        old(file, step)
+        together = context.Barrier(processes)
+        running = [context.Process(target=_open, args=(file, together)) for _ in range(processes)]
+        for process in running:
+            process.start()
+        for process in running:
+            process.join()
+            wrong = "" if process.exitcode == 0 else "a process was refused or gave another answer"
+            outcome.saw("answered", wrong and f"{step}: {wrong}")
+        kept = [raw_step(one.file) for one in backups.backups(file)]
+        if found := unsound(file) or ("" if raw_step(file) == STEPS[-1] else "it was not upgraded"):
+            outcome.faults.append(f"{step}: {found}")
+        if step not in kept:
+            outcome.faults.append(f"{step}: no backup was made before")
+    return outcome
+
+
+def _open(file: Path, together: Barrier) -> None:
+    together.wait()
+    status, out, _ = fieldkit(file, "show", "1")
+    assert status == 0
+    assert "281.3" in out

@@ -15,7 +15,7 @@ from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
 from fieldkit.ledger.records import Added, Conflict
-from fieldkit.ledger.rows import Row, agrees, differences, row_of, same
+from fieldkit.ledger.rows import Row, agrees, differences, row_of, same, without_empty_numbers
 from fieldkit.ledger.tables import flights, tags
 
 
@@ -68,6 +68,7 @@ def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) ->
     elsewhere = _by_log(recorder.connection, incoming_flights)
     entry = recorder.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
+    originals: dict[str, Original] = {}
     for incoming in incoming_flights:
         flight = incoming.flight
         if known.match(incoming):
@@ -81,12 +82,15 @@ def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) ->
             conflicts.append(Conflict(incoming, error))
         else:
             known.note(flight)
-            for original in (incoming.log, *incoming.others):
-                if original:
-                    keep_log(recorder.connection, original)
+            originals |= {one.digest: one for one in (incoming.log, *incoming.others) if one}
             digest = incoming.log.digest if incoming.log else None
             entry += 1
-            rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": incoming.source})
+            rows.append(
+                without_empty_numbers(row_of(flight))
+                | {"entry": entry, "log_digest": digest, "source": incoming.source}
+            )
+    for original in originals.values():
+        keep_log(recorder.connection, original)
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
     recorder.insert(flights, rows)
     recorder.insert(tags, labels)

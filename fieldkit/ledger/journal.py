@@ -15,7 +15,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger import checksums
 from fieldkit.ledger.checksums import CHECKSUM, SEPARATE_COLUMN
 from fieldkit.ledger.rows import Row
-from fieldkit.ledger.tables import drafts, flights, journal, metadata, predictions, tags
+from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, drafts, flights, journal, metadata, predictions, tags
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +62,11 @@ class ChangeRecorder:
         """The number of its entry in the journal, once it is signed."""
 
     def insert(self, table: Table, rows: Sequence[Row]) -> None:
-        """Add rows."""
-        if rows:
-            self.connection.execute(insert(table), list(rows))
-            self.images += [Image(table.name, None, row) for row in rows]
+        """Add rows; a column that a row lacks is empty."""
+        empty = dict.fromkeys(name for row in rows for name in row)
+        for start in range(0, len(rows), MAX_ROWS_BY_NAME):
+            self.connection.execute(insert(table), [empty | row for row in rows[start : start + MAX_ROWS_BY_NAME]])
+        self.images += [Image(table.name, None, row) for row in rows]
 
     def update(self, table: Table, key: Row, values: Row) -> None:
         """Change some columns of the row with a primary key."""

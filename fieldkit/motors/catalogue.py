@@ -38,6 +38,8 @@ class Catalogue:
     """Motors of single lots, by maker, designation and lot."""
     _several: dict[tuple[str, tuple[Booster, ...]], Found] = field(default_factory=dict, repr=False, compare=False)
     """Cache of clusters and stages, so each is a single object."""
+    _resolved: dict[tuple[str, str], Found] = field(default_factory=dict, repr=False, compare=False)
+    """Cache of texts and makers: a table names the same few motors in every row."""
 
     def __len__(self) -> int:
         return sum(map(len, self.listings.values()))
@@ -53,9 +55,12 @@ class Catalogue:
 
     def resolve(self, text: str, maker: str = "") -> Found:
         """The motor that a text most probably means. Raises UnknownMotor as `fieldkit.motors.search.resolve`."""
-        plain, lot = split_lot(text)
-        found = search.resolve(self.listings, plain, maker)
-        return self._of_lot(found, plain, lot) if lot else found
+        key = text, maker
+        if key not in self._resolved:
+            plain, lot = split_lot(text)
+            found = search.resolve(self.listings, plain, maker)
+            self._resolved[key] = self._of_lot(found, plain, lot) if lot else found
+        return self._resolved[key]
 
     def resolve_several(self, text: str, boosters: tuple[Booster, ...] = ()) -> Found:
         """The motor named by a text, or the cluster or stages it names combined into one motor; see
@@ -132,7 +137,7 @@ class Catalogue:
         }  # a user's own motor comes before a shipped one of the same designation, and is the one that is found
         made = Catalogue(MappingProxyType(listings), self.about)
         lots = made._corrected([row for row in rows if row.lot], errors)
-        return replace(made, lots=MappingProxyType(lots)), errors
+        return Catalogue(made.listings, made.about, MappingProxyType(lots)), errors
 
     def _corrected(
         self, rows: Iterable[OwnCorrection], errors: list[FieldkitError]

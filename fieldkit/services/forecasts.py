@@ -98,7 +98,11 @@ def _started(place: Place, before: Sequence[str], now: Sequence[str]) -> Place |
 
 def version_average(payload: Mapping[str, Any]) -> Averaged:
     """The sets of effects in a model version's average, the most probable first; one set for a version from before
-    averaging."""
+    averaging. Raises BadValue for a version that this program did not write."""
+    if "effects" not in payload:
+        raise BadValue(
+            "found a saved model that this program cannot read, expected one of `fieldkit loop`; run it again"
+        )
     if "averaged" not in payload:
         return ((1.0, version_places(payload)),)
     return tuple((float(one["probability"]), _places(one["places"])) for one in payload["averaged"])

@@ -22,7 +22,21 @@ if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
 
 from bench.faults import __main__ as bench
-from bench.faults import calls, damage, failing, histories, kills, laptops, ledgers, servers, session, statements
+from bench.faults import (
+    calls,
+    clocks,
+    damage,
+    failing,
+    histories,
+    hostile,
+    kills,
+    laptops,
+    ledgers,
+    servers,
+    session,
+    statements,
+    writers,
+)
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 
@@ -65,6 +79,38 @@ def test_acknowledged_changes_survive_concurrent_restores(tmp_path: Path) -> Non
     assert outcome.faults == []
 
 
+@pytest.mark.thorough
+def test_a_clock_that_goes_back_and_other_zones_change_no_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(clocks, "COMMANDS", (clocks.ADD, ("undo",), ("redo",), ("backups", "restore", "1", "--yes")))
+    read_before = next(clocks.Backwards.passed)
+    assert clocks.set_back(tmp_path / "back").faults == []
+    assert next(clocks.Backwards.passed) > read_before + 4
+    assert clocks.zones(tmp_path / "zones").faults == []
+
+
+def test_processes_that_upgrade_a_ledger_at_once_all_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writers, "STEPS", (writers.STEPS[0], writers.STEPS[-1]))
+    outcome = writers.concurrent_migrations(tmp_path, 3)
+    assert outcome.faults == []
+    assert outcome.tried == 3
+
+
+@pytest.mark.thorough
+def test_hostile_locks_and_modes_are_reported_or_harmless(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hostile, "COMMANDS", (("tag", "1", "mine"), ("units", "US")))
+    monkeypatch.setattr(hostile, "PLACES", hostile.PLACES[:1])
+    monkeypatch.setattr(hostile, "MODES", (("data/ledger.db", 0o444), ("home", 0o555)))
+    assert hostile.modes(tmp_path / "modes").faults == []
+    assert hostile.objects(tmp_path / "objects").faults == []
+
+
+@pytest.mark.thorough
+def test_commands_beside_two_open_apps_lose_nothing(tmp_path: Path) -> None:
+    assert writers.apps_and_commands(tmp_path, 1).faults == []
+
+
 def test_every_command_of_the_tree_is_called_or_left_out_with_a_reason() -> None:
     called = {session.named(words) for words in (*session.lines(), *session.more())}
     assert set(session.commands()) == called | session.LEFT_OUT.keys()
@@ -78,9 +124,8 @@ def test_every_option_that_takes_a_file_is_called_unless_its_command_is_left_out
         for name, option in session.files()
         if name not in session.LEFT_OUT and not any(session.named(words) == name and option in words for words in lines)
     ]
-    # read, except the planned flights that `weather` writes
-    read = [("weather", "--plans"), ("score", "--hyperprior"), ("motors", "--compare"), ("motors", "--in-stock")]
-    assert uncalled == [read[0], ("weather", "--out"), *read[1:], ("learn", "--high-power")]
+    read = [("score", "--hyperprior"), ("motors", "--compare"), ("motors", "--in-stock")]
+    assert uncalled == [*read, ("learn", "--high-power")]
 
 
 @pytest.mark.slow
@@ -99,7 +144,7 @@ def test_a_command_whose_calls_fail_reports_the_truth(tmp_path: Path) -> None:
     found.mkdir()
     ledgers.season(found / "ledger.db")
     call = session.Call(("tag", "3", "mine"), found)
-    outcome = failing.every_call(tmp_path / "trials", "tag", lambda: [call], 2, 2)
+    outcome = failing.every_call(tmp_path / "trials", "tag", lambda: [call], 2)
     assert outcome.faults == []
     assert outcome.tried > 10
     assert {"refused in a line", "killed, before"} <= outcome.counts.keys()

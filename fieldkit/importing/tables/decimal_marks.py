@@ -1,7 +1,7 @@
 """Numbers in a flight table: their decimal marks, units and written precision."""
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 from fieldkit import units
 from fieldkit.errors import BadValue
@@ -77,7 +77,7 @@ def number_of(cell: str, column: Column, unit: str, mark: str) -> float:
         raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
 
 
-def mass_in(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collection[str], mark: str) -> float | None:
+def mass_in(cells: Sequence[str], headings: Sequence[ColumnRole], words: frozenset[str], mark: str) -> float | None:
     """A mass that is not a field of a flight, from the column named with one of these words and a unit. Raises
     BadValue. [kg]"""
     for heading, cell in zip(headings, cells, strict=False):

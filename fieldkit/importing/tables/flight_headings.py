@@ -7,7 +7,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 
 from fieldkit import units
@@ -138,6 +138,7 @@ def synonyms() -> Mapping[str, str]:
     return _usual_names("anywhere")
 
 
+@cache
 def mass_names(name: str) -> frozenset[str]:
     """Names of a mass that is not a field of a flight: the lift-off mass, or the motor mass."""
     return frozenset({name, *(other for other, own in _usual_names("masses").items() if own == name)})
@@ -271,7 +272,8 @@ def mass_column(headings: Sequence[ColumnRole], name: str) -> str:
     return next((heading.spelled for heading in headings if is_mass(heading, mass_names(name))), "")
 
 
-def is_mass(heading: ColumnRole, words: Collection[str]) -> bool:
+@lru_cache(maxsize=1024)  # asked about every cell of a table
+def is_mass(heading: ColumnRole, words: frozenset[str]) -> bool:
     """Whether a column that is not a field of a flight is a mass with one of these names, with its unit."""
     name, _, unit = plain(heading.spelled).rpartition("_")
-    return not heading.field and bool({name, usual_name(name)} & {*words}) and bool(units.named("mass", unit))
+    return not heading.field and bool({name, usual_name(name)} & words) and bool(units.named("mass", unit))

@@ -301,6 +301,8 @@ def test_a_model_version_keeps_its_average(
         assert forecasts.version_average(ledger.versions(HOSTILE)[0].payload) == both.averaged
         assert forecasts.accepted_average(ledger, HOSTILE) == ()
     assert forecasts.version_average({"effects": [{"effect": "wind"}]}) == ((1.0, wind),)
+    with pytest.raises(BadValue, match="cannot read"):
+        forecasts.version_average({"effect": "wind"})
 
 
 def test_a_forecast_averaged_over_sets_is_their_mixture() -> None:
