@@ -21,3 +21,7 @@ def test_every_requirement_allows_the_version_in_the_file(requirement: str) -> N
 
 def test_lines_are_sorted_and_exact() -> None:
     assert sorted(PINNED) == [line.split("==")[0] for line in LINES]
+
+
+def test_the_extra_for_training_has_the_version_that_the_graphs_were_made_with() -> None:
+    assert PINNED["torch"] == "2.13.0"

@@ -1,7 +1,7 @@
-"""Prints the versions of everything that a field install consists of, as tested: `python -m tools.constraints`.
+"""Prints the versions of everything that an install consists of, as tested: `python -m tools.constraints`.
 
 Written to `constraints.txt`, they make `pip install -c constraints.txt .` resolve the same in a year as today. The
-extras for the field are included; those for training, the manual and development are not.
+extras for the field and for training are included; those for the manual and development are not.
 """
 
 import tomllib
@@ -11,16 +11,17 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from packaging.version import Version
 
 ROOT = Path(__file__).parent.parent
-FIELD_EXTRAS = ("serve", "postgres")
-"""Extras that a flyer installs."""
+EXTRAS = ("serve", "postgres", "train")
+"""Extras with fixed versions: those that a flyer installs, and the one whose results the program ships."""
 
 
 def declared() -> list[str]:
-    """The requirements of the program and of its extras for the field, as `pyproject.toml` declares them."""
+    """The requirements of the program and of these extras, as `pyproject.toml` declares them."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return [*project["dependencies"], *(one for name in FIELD_EXTRAS for one in project["optional-dependencies"][name])]
+    return [*project["dependencies"], *(one for name in EXTRAS for one in project["optional-dependencies"][name])]
 
 
 def installed(requirements: Iterable[str]) -> dict[str, str]:
@@ -36,7 +37,7 @@ def installed(requirements: Iterable[str]) -> dict[str, str]:
             continue
         done.add(key)
         own = distribution(one.name)
-        found[canonicalize_name(one.name)] = own.version
+        found[canonicalize_name(one.name)] = Version(own.version).public  # without the build, as in 2.13.0+cpu
         for text in own.requires or ():
             other = Requirement(text)
             if other.marker is None or any(other.marker.evaluate({"extra": extra}) for extra in ("", *one.extras)):
