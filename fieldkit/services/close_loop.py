@@ -130,7 +130,8 @@ def look(
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    """From now on predict a rocket with the sets of a diagnosis; does nothing if they are in use already."""
+    """From now on predict a rocket with the sets of a diagnosis; does nothing if they are in use already. Raises
+    BadValue for a saved model that cannot be read."""
     if _same(diagnosis.averaged, accepted_average(ledger, rocket)):
         return
     if all(not places for _, places in diagnosis.averaged):

@@ -74,7 +74,7 @@ def accepted_average(
     """The sets of effects in a rocket's averaged forecasts, now or before the loop; empty for the plain model.
 
     With `flights`, an effect whose first flight is not among them, because it was renamed or removed, starts at the
-    flight in its place.
+    flight in its place. Raises BadValue as `version_average`.
     """
     version = ledger.active_version(rocket) if which == "after" else None
     averaged = version_average(version.payload) if version else ()
@@ -146,7 +146,8 @@ def _switched(entry: Mapping[str, Any] | None) -> Switched | None:
 
 
 def version_adds(payload: Mapping[str, Any]) -> str:
-    """The effects that a model version adds, each set with its probability: `wind 80%, nothing 20%`."""
+    """The effects that a model version adds, each set with its probability: `wind 80%, nothing 20%`. Raises
+    BadValue as `version_average`."""
     sets = version_average(payload)
     named = [
         "+".join(str(place) if place.effect else place.in_words for place in places) or "nothing" for _, places in sets
