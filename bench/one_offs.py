@@ -393,7 +393,7 @@ FLOWN_AS = {
         "coast 5%, ejection 0.4 s) and biases of its own"
     ),
     LOGS: f"as logs of recorders ({', '.join(RECORDERS_FLOWN)}), from which the program measures the readouts",
-    ROCKETPY: "as such logs of flights in RocketPy; what an exact fit could decide is that of `fast_truth`",
+    ROCKETPY: "as logs of recorders of flights in RocketPy; what an exact fit could decide is that of `fast_truth`",
 }
 """How the flights of a table were recorded."""
 
