@@ -217,7 +217,7 @@ def test_a_lift_off_mass_below_the_motors_is_reported_in_the_flyers_units() -> N
 
 
 async def test_a_model_in_use_is_not_said_to_be_declined(file: Path) -> None:
-    with patch.object(close_loop, "look", lambda *_: looked_at()):
+    with patch.object(close_loop, "look", lambda *_, **__: looked_at()):
         async with opened(file, page="loop") as pilot:
             await press(pilot, "S", "_", "D", "_")
             assert "Declined: the model is unchanged" in words(pilot)
@@ -286,7 +286,7 @@ async def test_two_open_apps_have_separate_drafts_and_the_next_app_continues_wha
 async def test_a_search_that_ends_leaves_the_panel_in_front(file: Path) -> None:
     found, waiting = looked_at(), Event()
 
-    def look(*_: object) -> Findings:
+    def look(*_: object, **__: object) -> Findings:
         waiting.wait(30)
         return found
 
@@ -306,7 +306,7 @@ async def test_a_search_that_ends_leaves_the_panel_in_front(file: Path) -> None:
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 50)])
 async def test_a_fingerprint_fits_its_panel(size: tuple[int, int], file: Path) -> None:
-    with patch.object(close_loop, "look", lambda *_: looked_at()):
+    with patch.object(close_loop, "look", lambda *_, **__: looked_at()):
         async with opened(file, size, page="loop") as pilot:
             await press(pilot, "S", "_", "n")
             compared = [line for line in shown(pilot).splitlines() if "similar" in line or "differs" in line]

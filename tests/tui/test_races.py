@@ -80,7 +80,7 @@ async def test_a_search_is_canceled_when_the_page_has_other_flights(file: Path, 
         ledger.add([Flight("b", "Bee", motor="F39", dry_mass=0.4, apogee=100.0, date_time=made)])
     began, go = Event(), Event()
 
-    def look(*rest: object) -> object:
+    def look(*rest: object, **_: object) -> object:
         rest[-1]("half of it", 0.5)  # type: ignore[operator]
         began.set()
         go.wait(10)
