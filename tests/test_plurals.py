@@ -22,9 +22,9 @@ NOUNS = """
     rockets rows samples sentences simulations stages tests
 """
 PLURAL = re.compile(
-    rf"\{{([^{{}}]*)\}} (?:(?:more|clean|other|unique|earlier|simulated) )?({'|'.join(NOUNS.split())})\b"
+    rf"\{{([^{{}}]*)\}} (?:(?:more|normal|other|unique|earlier|simulated) )?({'|'.join(NOUNS.split())})\b"
 )
-"""A value and a plural noun after it: `{len(flights)} clean flights`."""
+"""A value and a plural noun after it: `{len(flights)} normal flights`."""
 CONSTANT = re.compile(r"[A-Z_]+")
 """The name of a constant, whose value is known to be more than one."""
 NEVER_ONE = {
@@ -93,7 +93,7 @@ def uncounted(text: str) -> list[str]:
     ("text", "found"),
     [
         ("{len(ids)} flights", ["len(ids) flights"]),
-        ("{number} clean flights in it", ["number flights"]),
+        ("{number} normal flights in it", ["number flights"]),
         ("at most {MAX_MOTORS} motors", []),
         ("{counted(len(ids), 'flight')}", []),
     ],

@@ -10,7 +10,6 @@ from fieldkit.cli.screen import AsJson, complain, print_json, say, say_wrapped, 
 from fieldkit.cli.session import known_motors
 from fieldkit.errors import BadValue
 from fieldkit.quantities import ShownUnits
-from fieldkit.services.flyer_card import read_card
 from fieldkit.settings import Settings, change_settings, read_settings
 
 app = typer.Typer()
@@ -35,6 +34,8 @@ def flyer(
     """
     if (motor is None) != (count is None):
         raise typer.BadParameter("found --motor or --count alone, expected both: --motor C6-5 --count 3")
+    from fieldkit.services.flyer_card import read_card
+
     now = read_settings()
     card = now.flyer
     for name, text in (("certification", certification), ("born", born), ("rails", rails)):

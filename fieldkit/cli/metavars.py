@@ -62,6 +62,7 @@ OPTIONS = """
     DATE: born
     LENGTHS: rails
     LOT: lot
+    EGGS: eggs
 """
 """Placeholders of the options and arguments that are not numbers of a flight's columns."""
 TYPES = {"str": "text", "int": "number", "float": "number"}

@@ -195,7 +195,7 @@ def test_unsupported_simulations_are_listed_with_the_reason() -> None:
     assert len(every) == 60
     assert every >= NOT_FLOWN.keys() | FASTER.keys()
     assert len(FLOWN) == 57
-    page = " ".join((Path(__file__).parents[2] / "docs" / "planning.md").read_text(encoding="utf-8").split())
+    page = " ".join((Path(__file__).parents[2] / "docs" / "simulators.md").read_text(encoding="utf-8").split())
     assert f"{len(FLOWN)} are within {APOGEE_GATE:.0%} in apogee" in page
     assert f"{len(FLOWN) + len(FASTER) - 1} within {DELAY_GATE} s in the delay" in page
     outside = {name for name, _ in NOT_FLOWN.keys() | FASTER.keys() | {PARTS_EARLY}}
