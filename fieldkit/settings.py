@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -123,12 +123,27 @@ def _number(saved: object, most: float) -> float | None:
 
 def change_settings(changes: Mapping[str, Any], file: Path | None = None) -> Settings:
     """Save changed settings, keep the others as they are in the file now, and return all: two programs open at once do
-    not overwrite each other's settings. Raises FieldkitError if the file cannot be written."""
+    not overwrite each other's settings. Raises FieldkitError if the file cannot be written, or if it is a link to
+    something else than settings."""
     file = file or settings_file()
     try:
         with changing(file):
+            _check_link(file)
             settings = replace(read_settings(file), **changes)
             files.replace(file, (json.dumps(asdict(settings), indent=2) + "\n").encode())
     except FieldkitError as error:
         raise FieldkitError(f"{error}; the setting applies until you quit") from error
     return settings
+
+
+def _check_link(file: Path) -> None:
+    """Raise FieldkitError for a link to a file with other content than settings, which would be lost."""
+    if not (file.is_symlink() and file.is_file()):
+        return
+    try:
+        text = files.read_own(file)
+        saved = json.loads(text) if text.strip() else {}
+    except (OSError, ValueError, RecursionError):
+        saved = None
+    if not isinstance(saved, dict) or not saved.keys() <= {field.name for field in fields(Settings)}:
+        raise FieldkitError(f"{file}: found a link to a file that is not fieldkit's settings, expected no link")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from bench.faults.calls import HANGS, TRACEBACK, command, run_with
 from bench.faults.kills import ADD
-from bench.faults.ledgers import Outcome, after, at_home, fieldkit, season, state
+from bench.faults.ledgers import ROOT, Outcome, after, at_home, fieldkit, season, state
 from fieldkit.paths import LOCK_NAME
 
 COMMANDS: tuple[tuple[str, ...], ...] = (
@@ -22,6 +22,7 @@ COMMANDS: tuple[tuple[str, ...], ...] = (
     ("undo",),
     ("kits", "Big Bertha", "--dry-mass", "80g", "--diameter", "41.6mm"),
     ("units", "US"),
+    ("motors", "--import", str(ROOT / "bench" / "faults" / "samples" / "own.eng")),
     ("backups", "restore", "1", "--yes"),
 )
 TARGET = b"a file of somebody else"
@@ -51,7 +52,14 @@ OBJECTS: Mapping[str, Callable[[Path], None]] = {
     "unreadable": lambda file: file.touch(mode=0),
 }
 """What a path of a lock or a companion may be, and how it is made."""
-PLACES = (f"home/{LOCK_NAME}", "data/ledger.db-journal", "home/settings.json", "data/ledger.db-backups")
+PLACES = (
+    f"home/{LOCK_NAME}",
+    "data/ledger.db-journal",
+    "home/settings.json",
+    "home/kits.toml",
+    "home/motors/own.eng",
+    "data/ledger.db-backups",
+)
 MODES = (
     ("data/ledger.db", 0),
     ("data/ledger.db", 0o444),
@@ -70,11 +78,10 @@ def objects(folder: Path) -> Outcome:
     outcome = Outcome("hostile files", f"{', '.join(OBJECTS)} in place of {', '.join(PLACES)}; a held lock")
     for number, (what, made) in enumerate((*OBJECTS.items(), ("held", _held))):
         for place in PLACES if what != "held" else PLACES[:1]:
-            if place.endswith("settings.json") and what == "a link to another file":
-                continue  # settings kept elsewhere: the link is followed
 
             def hostile(root: Path, place: str = place, made: Callable[[Path], None] = made) -> None:
                 _removed(root / place)
+                (root / place).parent.mkdir(exist_ok=True)
                 made(root / place)
 
             for turn, arguments in enumerate(COMMANDS):

@@ -135,7 +135,8 @@ def model(
     use: Annotated[int | None, typer.Option(min=0, help="Use this version from now on; 0 is no correction.")] = None,
 ) -> None:
     """List the model versions of a rocket, or switch to one."""
-    from fieldkit.services.forecasts import version_adds, which_rocket
+    from fieldkit.services.forecasts import which_rocket
+    from fieldkit.services.model_versions import version_summary
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
@@ -145,13 +146,13 @@ def model(
     shown = ShownUnits(system())
     rows = [("0", "", "plain", "", "in use" if not any(v.active for v in versions) else "")]
     for version in versions:
-        payload = version.payload
-        before, after = (shown.length(payload[when]["mae_m"], 1) for when in ("before", "after"))
+        adds, *errors = version_summary(version)
+        before, after = ("?" if error is None else shown.length(error, 1) for error in errors)
         rows.append(
             (
                 str(version.number),
                 f"{version.at:%Y-%m-%d}",
-                version_adds(payload),
+                adds,
                 f"{before.split()[0]} -> {after}",
                 "in use" if version.active else "",
             )

@@ -64,12 +64,15 @@ def import_file(path: Path, folder: Path) -> tuple[list[Motor], list[DamagedLog]
     """Read a motor file and save a copy in the folder; returns its motors, and the errors of damaged ones. Raises
     DamagedLog, FieldkitError.
 
-    A file of the same name is replaced, which allows users to correct it.
+    A file of the same name is replaced, which allows users to correct it; if it is a link, only one to a motor file.
     """
     content = _content(path)
     motors, errors = sound_motors(content, path.name)
     suffix = path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0]
-    files.replace(folder / f"{path.stem}{suffix}", content)
+    file = folder / f"{path.stem}{suffix}"
+    if file.is_symlink() and file.is_file():
+        sound_motors(_content(file), file.name)
+    files.replace(file, content)
     return motors, errors
 
 

@@ -2,8 +2,7 @@
 
 import hashlib
 import json
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import isfinite
@@ -21,11 +20,12 @@ from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
 from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_plans, forecasts
 from fieldkit.progress import ReportProgress, no_op
-from fieldkit.selection.candidates import Averaged, Pattern, Place, Switched
+from fieldkit.selection.candidates import Averaged, Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.kits import kit_of_rocket
 from fieldkit.services.manual_entry import FLOWN_BEFORE, PLAN, setup_answers
+from fieldkit.services.model_versions import version_average
 from fieldkit.services.names import same_name
 from fieldkit.services.plans import completed
 from fieldkit.services.plausible_flights import exclusions, followed
@@ -94,66 +94,6 @@ def _started(place: Place, before: Sequence[str], now: Sequence[str]) -> Place |
     known = [now.index(one) for one in before[: before.index(place.start)] if one in now]
     turn = max(known, default=-1) + 1
     return place.starting_at(now[turn]) if turn < len(now) else None
-
-
-def version_average(payload: Mapping[str, Any]) -> Averaged:
-    """The sets of effects in a model version's average, the most probable first; one set for a version from before
-    averaging. Raises BadValue for a version that this program did not write."""
-    if "effects" not in payload:
-        raise BadValue(
-            "found a saved model that this program cannot read, expected one of `fieldkit loop`; run it again"
-        )
-    if "averaged" not in payload:
-        return ((1.0, version_places(payload)),)
-    return tuple((float(one["probability"]), _places(one["places"])) for one in payload["averaged"])
-
-
-def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
-    """The effects of a model version and its pattern in the residuals, if any, each in its place."""
-    entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
-    return _places(entries)
-
-
-def _places(entries: Sequence[Mapping[str, Any]]) -> tuple[Place, ...]:
-    return tuple(map(_place, entries))
-
-
-def _place(entry: Mapping[str, Any]) -> Place:
-    """A saved place; one of an older version has its pattern as text."""
-    where = entry.get("where", "")
-    if entry["effect"]:
-        return Place(entry["effect"], where, entry.get("since", ""), switched=_switched(entry.get("switched")))
-    return Place(pattern=Pattern(**entry["pattern"]) if entry.get("pattern") else _older_pattern(where))
-
-
-def _older_pattern(text: str) -> Pattern:
-    what, smooth = text.removesuffix(", smoothly"), text.endswith(", smoothly")
-    if what in ("the hour of the day", "the number of flights"):
-        return Pattern("hour" if "hour" in what else "count", smooth=smooth)
-    if found := re.fullmatch(r"the (day|site) (.+)", what):
-        return Pattern("day" if found[1] == "day" else "site", found[2])
-    if found := re.fullmatch(r"every flight from (.+) on", what):
-        return Pattern("lasting", found[1])
-    if found := re.fullmatch(r"every (\d+) flights, as (.+)", what):
-        return Pattern("repeated", found[2], every=int(found[1]))
-    header, _, value = what.partition(" ")
-    return Pattern("text", header, value) if value else Pattern("number", header, smooth=smooth)
-
-
-def _switched(entry: Mapping[str, Any] | None) -> Switched | None:
-    amounts = tuple((str(name), float(amount)) for name, amount in entry["amounts"]) if entry else ()
-    return Switched(amounts, entry["usual"], entry["chance"], entry["ahead"]) if entry else None
-
-
-def version_adds(payload: Mapping[str, Any]) -> str:
-    """The effects that a model version adds, each set with its probability: `wind 80%, nothing 20%`. Raises
-    BadValue as `version_average`."""
-    sets = version_average(payload)
-    named = [
-        "+".join(str(place) if place.effect else place.in_words for place in places) or "nothing" for _, places in sets
-    ]
-    added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
-    return named[0] if len(named) == 1 else added
 
 
 def rocket_of(

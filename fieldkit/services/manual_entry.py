@@ -4,12 +4,14 @@ from collections.abc import Collection, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime, timedelta
 from types import MappingProxyType
+from typing import Any
 
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Column, Flight
 from fieldkit.flight.limits import check
 from fieldkit.flight.plausibility import middles
+from fieldkit.forecast.conformal import are_numbers
 from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger, StoredPrediction
 from fieldkit.motors import Catalogue, Motor, is_cluster
@@ -19,6 +21,7 @@ from fieldkit.motors.several import tag_of_several
 from fieldkit.services.day_weather import typed_weather
 from fieldkit.services.plans import BODY, body
 from fieldkit.services.plausible_flights import credible, motor_type
+from fieldkit.services.provenance import is_made_from, is_texts
 from fieldkit.services.sites import site_of
 
 WEATHER = ("wind", "temperature")
@@ -81,9 +84,30 @@ def lapsed(prediction: StoredPrediction) -> bool:
     return not prediction.flight_id and datetime.now(UTC) - prediction.at > LAPSES
 
 
+def saved_forecasts(ledger: Ledger, rocket: str | None = None) -> list[StoredPrediction]:
+    """The saved forecasts of one rocket or of all, oldest first: without results of replayed ones, and without what
+    another program saved in a form that this one cannot read."""
+    return [one for one in ledger.predictions(rocket) if _is_forecast(one.payload)]
+
+
+def _is_forecast(saved: Mapping[str, Any]) -> bool:
+    apogee, likely, before = saved.get("apogee_m"), saved.get("likely_m"), saved.get(FLOWN_BEFORE, [])
+    if not isinstance(apogee, Mapping) or not are_numbers([apogee.get(at) for at in ("p05", "p50", "p95")], 3):
+        return False
+    if not all(isinstance(saved.get(name, ""), str) for name in ("rocket", "config", "motor", "model")):
+        return False
+    return (
+        ("likely_m" not in saved or (isinstance(likely, list) and len(likely) > 1 and are_numbers(likely, len(likely))))
+        and ("made_from" not in saved or is_made_from(saved["made_from"]))
+        and is_texts(saved.get(PLAN, {}))
+        and isinstance(before, list)
+        and all(isinstance(id, str) for id in before)
+    )
+
+
 def waiting_plan(ledger: Ledger) -> StoredPrediction | None:
     """The latest saved forecast of a planned flight whose rocket has not flown since; none older than two weeks."""
-    kept = [one for one in ledger.predictions() if PLAN in one.payload and not lapsed(one)]
+    kept = [one for one in saved_forecasts(ledger) if PLAN in one.payload and not lapsed(one)]
     flown: dict[str, set[str]] = {}
     for one in reversed(kept):
         if one.rocket not in flown:

@@ -33,6 +33,20 @@ USED_IN_FIT, FLOWN_ONLY = "+", "-"
 """Prefixes of a flight's digest: used in the fit, or only counted as flown."""
 
 
+def is_made_from(saved: object) -> bool:
+    """Whether a saved value has the parts of a prediction's inputs: any program may have written it."""
+    if not isinstance(saved, Mapping) or not all(map(is_texts, saved.values())):
+        return False
+    if not all(part in saved for part in (*OF_THE_PLAN, "model", "flights")):
+        return False
+    return "name" in saved["model"] and all(saved["flights"].values())
+
+
+def is_texts(saved: object) -> bool:
+    """Whether a saved value is a table of texts by name."""
+    return isinstance(saved, Mapping) and all(isinstance(text, str) for text in saved.values())
+
+
 @dataclass(frozen=True, slots=True)
 class InputChange:
     """A changed input: its name and its texts before and after, or in one phrase what happened to it."""
@@ -61,7 +75,10 @@ def _shown(text: str, column: Column | None, system: str) -> str:
         return text
     if not system:
         return f"{text} {spelled(column.unit)}"
-    return significant(column, unit(column.quantity, column.unit).to_si(float(text)), system)
+    try:
+        return significant(column, unit(column.quantity, column.unit).to_si(float(text)), system)
+    except ValueError:  # saved by another program
+        return text
 
 
 def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:

@@ -17,7 +17,7 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.quantities import ShownUnits
 from fieldkit.rocket import Rocket
 from fieldkit.services.forecasts import used_version
-from fieldkit.services.manual_entry import FLOWN_BEFORE, LAPSES, PLAN, lapsed
+from fieldkit.services.manual_entry import FLOWN_BEFORE, LAPSES, PLAN, lapsed, saved_forecasts
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import (
     InputChange,
@@ -44,8 +44,6 @@ def made_for(
     named: dict[tuple[str, str], list[StoredPrediction]] = {}
     unnamed: dict[tuple[str, str, str], list[StoredPrediction]] = {}
     for one in predictions:
-        if "apogee_m" not in one.payload:
-            continue  # a replayed forecast
         if one.flight_id:
             named.setdefault((one.rocket, one.flight_id), []).append(one)
         else:
@@ -208,7 +206,7 @@ class SavedForecast:
 
 def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[SavedForecast]:
     """Every prediction of one rocket or of all, oldest first, once for each flight compared with it."""
-    predictions = [one for one in ledger.predictions(rocket) if "apogee_m" in one.payload]
+    predictions = saved_forecasts(ledger, rocket)
     flights = ledger.flights(rocket) if predictions else []
     pairs = [
         (made.number, flight)

@@ -105,6 +105,17 @@ def test_a_linked_settings_file_stays_a_link_and_keeps_its_mode(tmp_path: Path) 
 
 
 @pytest.mark.fast
+@pytest.mark.parametrize("text", ["a file of somebody else", '{"name": "a package"}', "[1]"])
+def test_a_link_to_something_else_than_settings_is_not_written_through(tmp_path: Path, text: str) -> None:
+    link, file = tmp_path / "settings.json", tmp_path / "other"
+    file.write_text(text)
+    link.symlink_to(file)
+    with pytest.raises(FieldkitError, match="not fieldkit's settings"):
+        change_settings({"units": "US"}, link)
+    assert file.read_text() == text
+
+
+@pytest.mark.fast
 def test_a_settings_path_that_links_to_a_device_leaves_the_device_alone(tmp_path: Path) -> None:
     link = tmp_path / "settings.json"
     link.symlink_to(os.devnull)

@@ -15,7 +15,8 @@ from fieldkit.motors import catalogue
 from fieldkit.planning.forecasts import forecasts
 from fieldkit.rocket import Configuration
 from fieldkit.selection.candidates import Pattern, Place
-from fieldkit.services.forecasts import forecast_from_others, predict_plans, rocket_of, version_places
+from fieldkit.services.forecasts import forecast_from_others, predict_plans, rocket_of
+from fieldkit.services.model_versions import version_places
 
 pytestmark = pytest.mark.fast
 

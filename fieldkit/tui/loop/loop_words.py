@@ -18,7 +18,7 @@ from fieldkit.safe_text import printable
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.residual import columns_of, kinds_of, residuals
 from fieldkit.services.findings import Compared, Findings
-from fieldkit.services.forecasts import version_adds
+from fieldkit.services.model_versions import version_summary
 from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
 
@@ -178,10 +178,10 @@ def version_rows(versions: Sequence[Version], system: str) -> dict[int, tuple[st
 
 def _version(version: Version, system: str) -> tuple[str, ...]:
     """A row: number, date, the effects that a model added, the errors before and after, and whether it is in use."""
-    payload = version.payload
-    errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
+    adds, *errors = version_summary(version)
+    shown = ["?" if error is None else measure(cards.APOGEE, error, system) for error in errors]
     made, mark = f"{version.at:%Y-%m-%d}", "in use ✓" if version.active else ""
-    return (str(version.number), made, version_adds(payload), " → ".join(errors), mark)
+    return (str(version.number), made, printable(adds), " → ".join(shown), mark)
 
 
 def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:

@@ -35,7 +35,7 @@ from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.next_experiment import BALLAST, Advice, Explanation, divergence, informative_readouts, options
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.selection.verdict import LoopVerdict
-from fieldkit.services import close_loop, forecasts
+from fieldkit.services import close_loop, forecasts, model_versions
 from fieldkit.services.findings import Findings, distinct, findings
 from tests.commands import Run
 from tests.presentation.report.pages import Page
@@ -298,11 +298,11 @@ def test_a_model_version_keeps_its_average(
             close_loop.close_loop(ledger, motors, HOSTILE)
             assert len(ledger.versions(HOSTILE)) == versions
             assert forecasts.accepted_average(ledger, HOSTILE, "before") == ()
-        assert forecasts.version_average(ledger.versions(HOSTILE)[0].payload) == both.averaged
+        assert model_versions.version_average(ledger.versions(HOSTILE)[0].payload) == both.averaged
         assert forecasts.accepted_average(ledger, HOSTILE) == ()
-    assert forecasts.version_average({"effects": [{"effect": "wind"}]}) == ((1.0, wind),)
+    assert model_versions.version_average({"effects": [{"effect": "wind"}]}) == ((1.0, wind),)
     with pytest.raises(BadValue, match="cannot read"):
-        forecasts.version_average({"effect": "wind"})
+        model_versions.version_average({"effect": "wind"})
 
 
 def test_a_forecast_averaged_over_sets_is_their_mixture() -> None:
