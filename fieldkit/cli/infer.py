@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.completing import flight_ids
-from fieldkit.cli.screen import AsJson, complain, measured, print_json, print_table, progress, system
+from fieldkit.cli.screen import AsJson, complain, measured, print_json, print_table, progress, say_wrapped, system
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.errors import NoFlights
 from fieldkit.quantities import in_system
@@ -59,6 +59,8 @@ def infer(
         for id, one in zip(found.ids, found.inferred, strict=True)
     ]
     print_table(headers, rows, numbers=headers[2:])
+    if model is InferenceName.field:
+        say_wrapped("Provisional, by a linear pass over each flight alone; `fieldkit predict` fits a rocket's flights together")
 
 
 def _without_nan(*figures: float) -> tuple[str, ...]:

@@ -55,10 +55,10 @@ class Inferred:
     warnings: tuple[str, ...] = ()
 
     def json(self) -> dict[str, Any]:
-        """The keys of the contract, and the warnings."""
+        """The keys of the contract, the warnings, and whether a fit is still to check the figures."""
         figures = {name: getattr(self, name) for name in ("cd", "cd_sd", "alpha", "alpha_sd", "model")}
         about = {"flight_id": self.flight.flight_id, "rocket": self.flight.rocket}
-        return {**about, **figures, "warnings": list(self.warnings)}
+        return {**about, **figures, "provisional": self.model == MODEL, "warnings": list(self.warnings)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -156,9 +156,19 @@ class FieldkitApp(App[None]):
         self.set_timer(START_TIME, resume_collection)
 
     def _leave_if_gone(self, held: int) -> None:
-        """Quit if the terminal was closed: everything typed is already saved."""
+        """Quit if the terminal was closed."""
         if gone(held):
-            self.exit()
+            self._leave_unseen()
+
+    def _leave_unseen(self) -> None:
+        """Quit although messages about keys may still wait; what was typed is saved as it stands."""
+        self._keep_typed()
+        self.exit()
+
+    def _keep_typed(self) -> None:
+        with suppress(Exception):  # an app that is failing may have no fields left
+            for page in self._opened.values():
+                page.keep_typed()
 
     def _page(self, name: str) -> PageScreen:
         """The prepared page, or a new one."""
@@ -426,7 +436,7 @@ class FieldkitApp(App[None]):
     def survive(self, error: Exception) -> None:
         """Log an unexpected error, once for each place that it comes from, and show a notice."""
         if nobody_looks(error):
-            self.exit()
+            self._leave_unseen()
             return
         self.errors.append(error)
         self.show_notice(self._crash(error).line(), error=True)
@@ -438,6 +448,8 @@ class FieldkitApp(App[None]):
     def bell(self) -> None:
         """Save the state before an error ends the app: Textual rings the bell only then."""
         error = sys.exception()
+        if error is not None:
+            self._keep_typed()
         if error is not None and self.place is None and not nobody_looks(error):
             self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))
         super().bell()

@@ -123,6 +123,9 @@ class PageScreen(AskingScreen):
         """The widgets of the page."""
         return ()
 
+    def keep_typed(self) -> None:
+        """Save the input as it stands; called while the app closes without waiting for messages about keys."""
+
     def finish(self) -> None:
         """Save pending input; called before the ledger is closed."""
 

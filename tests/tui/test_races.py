@@ -14,6 +14,7 @@ from fieldkit import capture
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services import close_loop
+from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
@@ -242,6 +243,18 @@ async def test_a_motor_beyond_the_first_ones_is_forecast_when_the_cursor_reaches
             assert table.cells(table.current)[1] != "…"
             await press(pilot, "enter", "_")
             assert "Saved forecast" in words(pilot)
+
+
+async def test_a_key_whose_message_a_closing_app_does_not_handle_is_in_the_draft(file: Path) -> None:
+    async with opened(file, page="add") as pilot:
+        await press(pilot, "9", "2")
+        field = pilot.app.focused
+        assert isinstance(field, Input)
+        with field.prevent(Input.Changed), patch("fieldkit.tui.app.gone", lambda _: True):
+            field.value += "3"
+            pilot.app._leave_if_gone(0)  # type: ignore[attr-defined]
+    with Ledger.open(file) as ledger:
+        assert (ledger.draft(DRAFT) or {})["apogee"].startswith("923")
 
 
 async def test_keys_typed_after_q_open_no_page_of_the_closing_app(file: Path) -> None:

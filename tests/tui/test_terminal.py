@@ -109,6 +109,7 @@ def test_a_day_at_the_field_using_only_keys(terminal: Terminal, tmp_path: Path) 
 @pytest.mark.parametrize(("keys", "shown"), [(b"a923ft", b"923"), (b"5S", b"searching")], ids=["typing", "computing"])
 def test_the_app_ends_when_its_terminal_disappears_without_a_signal(tmp_path: Path, keys: bytes, shown: bytes) -> None:
     season(tmp_path / "ledger.db")
+    (tmp_path / "settings.json").write_text('{"units": "SI"}')  # otherwise the first start asks for the units
     held, given = os.openpty()
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
     environment = os.environ | {"FIELDKIT_HOME": str(tmp_path), "PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}

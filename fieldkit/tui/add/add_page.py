@@ -223,6 +223,11 @@ class AddScreen(PageScreen):
         """Save the last key."""
         self.finish()
 
+    def keep_typed(self) -> None:
+        """Save the answers as they stand."""
+        if self.is_mounted and (answers := self._answers()):
+            self._pen.keep(self._draft, answers, dict(self._units))
+
     def finish(self) -> None:
         """Wait until the draft is written."""
         self._pen.finish()
