@@ -98,17 +98,17 @@ def _backwards() -> AbstractContextManager[None]:
 def _compared(outcome: Outcome, folder: Path, disturbed: Callable[[], AbstractContextManager[None]]) -> Outcome:
     """Run every command on a ledger of its own with and without a disturbance of the clock."""
     folder.mkdir(parents=True)
-    steady, other = (folder / name / "ledger.db" for name in ("steady", "other"))
-    for file in (steady, other):
+    undisturbed, other = (folder / name / "ledger.db" for name in ("undisturbed", "other"))
+    for file in (undisturbed, other):
         file.parent.mkdir()
         season(file)
     for arguments in COMMANDS:
         ends = []
-        for file, around in ((steady, nullcontext), (other, disturbed)):
+        for file, around in ((undisturbed, nullcontext), (other, disturbed)):
             with around():
                 ends.append(fieldkit(file, *arguments))
         wrong = "" if ends[0][0] == ends[1][0] == 0 else ends[1][2].strip() or "not done with a steady clock"
-        if state(steady) != state(other):
+        if state(undisturbed) != state(other):
             wrong = wrong or "the ledger is another than with a steady clock"
         outcome.saw("as with a steady clock", wrong and f"{' '.join(arguments)}: {wrong}")
     return outcome

@@ -35,7 +35,7 @@ def test_a_kit_that_never_flew_is_planned_from_the_range_box_and_flown(run: Run,
     flown = printed(run, "add", *bertha, "--motor", "C6-5", "--apogee", "420ft", "--duration", "30s")
     assert "inside the 90% interval" in flown
     assert "flown" in printed(run, "predictions", *bertha)
-    assert "1 clean flight" in printed(run, "predict", *bertha, "--motor", "C6-5")
+    assert "1 normal flight" in printed(run, "predict", *bertha, "--motor", "C6-5")
 
 
 def test_a_contest_season_from_the_first_flight_to_the_finals_card(run: Run, tmp_path: Path) -> None:
