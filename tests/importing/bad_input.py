@@ -289,11 +289,12 @@ def must_hold(log: bytes, format: str | None) -> int:
         bad = [char for char in line if unicodedata.category(char) in ("Cc", "Cs", "Zl", "Zp")]
         assert not bad, f"{bad[:5]!r} in a message: {line[:300]!r}"
     if format is not None:
-        _series_must_hold(log, format)
+        series_must_hold(log, format)
     return len(lines)
 
 
-def _series_must_hold(log: bytes, format: str) -> None:
+def series_must_hold(log: bytes, format: str) -> None:
+    """Check the series that a parser reads in a bad log."""
     try:
         found = parsers()[format].read(log)
     except FieldkitError:
