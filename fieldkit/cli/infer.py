@@ -60,7 +60,9 @@ def infer(
     ]
     print_table(headers, rows, numbers=headers[2:])
     if model is InferenceName.field:
-        say_wrapped("Provisional, by a linear pass over each flight alone; `fieldkit predict` fits a rocket's flights together")
+        say_wrapped(
+            "Provisional, by a linear pass over each flight alone; `fieldkit predict` fits a rocket's flights together"
+        )
 
 
 def _without_nan(*figures: float) -> tuple[str, ...]:
