@@ -30,7 +30,7 @@ def flyer(
     """Show or change your card: certification, age, rules, rods and rails, and the motors in your range box.
 
     Safety checks use certification and age, plans the rules and the longest rail, and `motors --fit ROCKET --box` lists
-    only motors in the box.
+    only motors in the box. Flights do not change the counts. The units are set by `fieldkit units`.
     """
     if (motor is None) != (count is None):
         raise typer.BadParameter("found --motor or --count alone, expected both: --motor C6-5 --count 3")
@@ -53,7 +53,7 @@ def flyer(
     if changes:
         now = change_settings(changes)
     if json:
-        print_json({"rules": now.rules, **asdict(now.flyer), "age": now.flyer.age()})
+        print_json({"rules": now.rules, "units": now.units, **asdict(now.flyer), "age": now.flyer.age()})
         return
     _print(now)
 
@@ -65,6 +65,7 @@ def _print(settings: Settings) -> None:
     say(f"certification  {level}")
     say(f"age            {NOT_GIVEN if age is None else age}")
     say(f"rules          {settings.rules or 'NAR, FAA (default)'}")
+    say(f"units          {settings.units}")
     say_wrapped(f"rails          {', '.join(shown.length(one, 1) for one in card.rails) or NOT_GIVEN}", " " * 15)
     if not card.box:
         complain("No motors in the box; `fieldkit flyer --motor C6-5 --count 3` puts some in")

@@ -47,7 +47,7 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
-    points; with `quick`, only quick forecasts."""
+    points; with `quick`, only quick forecasts. Raises UnknownMotor if no motor fits."""
     from fieldkit.planning.contest_limits import approved_motors
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, label, lifts, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
@@ -55,7 +55,13 @@ def print_guide(
     target = length("--target", fit["target"])
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted, boxed=boxed)
-        motors = suitable_motors(plan.motors, wanted)
+        try:
+            motors = suitable_motors(plan.motors, wanted)
+        except UnknownMotor as error:
+            if not boxed or not (box := _box(plan)):
+                raise
+            held = ", ".join(f"{count} × {label(motor)}" for motor, count in box.items())
+            raise UnknownMotor(f"{error}; your range box has {held}; --adapter takes narrower ones") from error
         if boxed:
             own = {label(motor): motor for motor in _box(plan)}
             motors = [own[label(motor)] for motor in motors]
@@ -82,8 +88,6 @@ def print_guide(
     _print_checks(shown, names, every=every)
     if motors_that_fit:
         _print_excluded([choice for choice in choices if not choice.fits], names)
-    else:
-        say("  every one of these motors is excluded by a check")
     if advice is not None:
         for line in advice_in_words(advice, season_rule(season or 0), listed=approved is not None):
             say_wrapped(line, "    ")
@@ -197,7 +201,8 @@ def _print(
     name = " ".join(filter(None, (flight.rocket, flight.config)))
     say(f"{name}, {ShownUnits(system()).mass(prediction.plan.dry_mass or 0.0)} without the motor")
     width = f"{'up to ' if wanted.adapter else ''}{(wanted.mount or 0.0) * 1e3:g} mm"
-    say(f"{len(choices)} of {counted(of, 'motor')} of {width} fit and are not excluded by a check")
+    fit = f"{len(choices) if choices[0].fits else 'none'} of {counted(of, 'motor')} of {width}"
+    say(f"{fit} fit and are not excluded by a check" if choices[0].fits else f"{fit} fits: checks exclude every one")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
         rail = ShownUnits(system()).length(RAIL_LENGTH, 1)
         say_wrapped(
@@ -246,8 +251,6 @@ def _print_checks(choices: "list[MotorChoice]", names: MotorNames, *, every: boo
                 motors_by_check.setdefault((line.verdict, line.name), []).append(names[choice.motor])
     everywhere = [
         name
-        for (of, name), ones in motors_by_check.items()
-        if of == "unknown" and len(ones) == len(choices)
         for (verdict, name), motors in motors_by_check.items()
         if verdict == "unknown" and len(motors) == len(choices)
     ]

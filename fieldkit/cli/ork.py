@@ -106,11 +106,11 @@ def _beside(design: "Design") -> "Iterator[str]":
     if far:
         yield (
             f"  more than {CLOSE_ENOUGH:.0%} apart: here one Cd stands for all motors, that of {design.cd_by}, while "
-            "OpenRocket's changes with speed; and its thrust curve may not be that of the catalog, held to the "
+            "that of a simulation changes with speed; and its thrust curve may not be that of the catalog, held to the "
             "certified impulse and burn time (`fieldkit motors MOTOR --check`)"
         )
     if any(one.wind for one in design.flown_again):
-        yield "  OpenRocket's wind is the same at every height: so is a plan's with --wind-aloft at the speed of --wind"
+        yield "  The simulated wind is the same at every height: so is a plan's with --wind-aloft as fast as --wind"
 
 
 def _done(start: "Configuration") -> str:

@@ -25,6 +25,8 @@ app = typer.Typer()
 
 BODY = ("motor", "dry_mass", "diameter")
 """Columns that both simulators take, as typer names them: without the unit."""
+SPEEDS = {"rail_speed_mps": "Rail exit speed", "eject_speed_mps": "Speed at ejection"}
+"""Speeds that no flight table has, and their titles."""
 
 
 class Physics(StrEnum):
@@ -157,6 +159,9 @@ def _figures(result: dict[str, float]) -> Iterator[tuple[str, str, float]]:
     """Title, column and value [SI] of each figure of a flight, by its header in the flight table."""
     columns = {column.header: column for column in COLUMNS}
     for header, value in result.items():
+        if header in SPEEDS:
+            yield SPEEDS[header], "top_speed", value
+            continue
         if (column := columns.get(header.removeprefix("true_"))) is None:
             continue
         title = "True apogee" if header.startswith("true_") else column.title

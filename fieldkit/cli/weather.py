@@ -69,7 +69,7 @@ def weather(
             check_names(ledger, site, rocket)
     sources, formats = [], []
     for file in saved:
-        format, one = read_weather(read_file(file), file.name)
+        format, one = read_weather(read_file(file, kind="weather"), file.name)
         sources.append(NamedWeather(file.name, one))
         formats.append({"file": file.name, "format": format, "reports": len(one.reports)})
     rejected = [bad for one in sources for bad in one.weather.rejected]

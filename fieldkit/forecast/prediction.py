@@ -112,6 +112,11 @@ class Prediction:
         return median(self.eject)
 
     @property
+    def stays_on_rail(self) -> bool:
+        """Whether in most draws the rocket does not leave the rail."""
+        return not np.median(np.nan_to_num(self.rail_speed)) > 0
+
+    @property
     def grounded(self) -> float:
         """Probability that the rocket flies and hits the ground before its charge fires. [1]"""
         return float(np.mean(~np.isfinite(self.eject_speed) & (self.true_apogee > 0)))

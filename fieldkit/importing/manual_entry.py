@@ -83,6 +83,12 @@ LIFT_OFF_MASS = Question(
     read_as="dry_mass",
 )
 """Another way to give the dry mass."""
+JUDGED_QUESTIONS = (
+    Question("timer_1_s", "Timer 1", "Contest: what the first watch showed, such as 38.42."),
+    Question("timer_2_s", "Timer 2", "Contest: what the second watch showed; the mean of both counts."),
+    Question("eggs", "Eggs", "Contest: intact; with cracked, or anything else, the flight has no score."),
+)
+"""The questions about a contest flight; their answers are further columns."""
 
 
 def field_of(name: str) -> tuple[str, str]:
@@ -116,6 +122,8 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
         return tuple(check_name(tag) for tag in read_tags(text))
     if name in NAMES:
         return check_name(text)
+    if name in JUDGED_COLUMNS:
+        return _judged(name, "" if text == NOT_RECORDED else text)
     if name != "date_time":
         return text
     return date_of(text, False if unit == MONTH_FIRST else None) or read_date(_day_in_words(text))
@@ -157,10 +165,10 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
     extra = dict(flight.extra)
     details: dict[str, dict[str, object]] = {}
     for name, text in changes.items():
-        if name in extra or name in JUDGED_COLUMNS:
-            extra = {key: old for key, old in (extra | {name: _judged(name, text)}).items() if old or key != name}
-            continue
         try:
+            if name in extra or name in JUDGED_COLUMNS:
+                extra = with_cells(extra, {name: _judged(name, text)})
+                continue
             if place := beside(name.strip().lower().replace("-", "_")):
                 details.setdefault(place.part, {})[place.readout] = place.read(
                     "" if text.strip() == NOT_RECORDED else text
@@ -181,18 +189,22 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
     return values | ({"extra": extra} if extra != dict(flight.extra) else {})
 
 
+def with_cells(extra: Mapping[str, str], changed: Mapping[str, str]) -> dict[str, str]:
+    """The further columns of a flight with some of them changed; an empty text removes its column."""
+    return {name: text for name, text in {**extra, **changed}.items() if text or name not in changed}
+
+
 def _judged(name: str, text: str) -> str:
     """A column in which a contest flight is judged, as a table has it: seconds without their unit. Raises BadValue."""
     if name not in TIMERS or not text.strip():
         return text
-    try:
-        return f"{units.parse(text, 'time', 's'):.10g}"
-    except BadValue as error:
-        raise BadValue(message(f"{name}: {marked(error)}")) from error
+    return f"{units.parse(text, 'time', 's'):.10g}"
 
 
 def answer_text(flight: Flight, name: str) -> str:
     """A field of a flight as text to edit; empty if not recorded. A number has the unit of its column."""
+    if name in JUDGED_COLUMNS:
+        return flight.text(name)
     value = getattr(flight, name)
     if value is None:
         return ""

@@ -2,7 +2,8 @@
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,8 @@ NOT_IN_STOCK = re.compile(
 )
 NAMES = ("motor", "name", "designation", "product", "title", "item", "description")
 """Headings of a column of motors, without which the first cell that names one is used."""
+_WITH_DELAY = re.compile(r"(?<!\w)(?:\d{2,5}|1/[248])?[A-O]\d[\d.]*[A-Z]*-\d+[A-Z]*", re.I)
+"""A motor with its delay within the name of a product: `Estes C6-5 Rocket Engines (3 pack)`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +64,16 @@ def _motor(cells: Sequence[str], catalogue: "Catalogue") -> "Motor | None":
     """The motor that one of the cells names."""
     for cell in cells:
         if any(letter.isalpha() for letter in cell) and any(letter.isdigit() for letter in cell):
-            try:
-                return catalogue.resolve(cell).motor
-            except FieldkitError:
-                continue
+            for name in _names(cell):
+                with suppress(FieldkitError):
+                    return catalogue.resolve(name).motor
     return None
+
+
+def _names(cell: str) -> Iterator[str]:
+    """The texts of a cell that may name a motor: all of it, and its motor with a delay, after its first word, which is
+    often the maker, or alone."""
+    yield cell
+    if found := _WITH_DELAY.search(cell):
+        yield f"{cell.split()[0]} {found[0]}"
+        yield found[0]

@@ -10,7 +10,7 @@ from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.balance import Balance, balance
-from fieldkit.openrocket.implied import FlownAgain, flown_again, implied_cds
+from fieldkit.openrocket.implied import FlownAgain, flown_again, implied_cds, in_several_winds
 from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.rasaero import from_rasaero, is_rasaero
 from fieldkit.openrocket.rocksim import from_rocksim, is_rocksim
@@ -150,6 +150,8 @@ def _design(root: "Element", source: str, notes: list[str]) -> Design:
     cd, cd_by = _drag(rocket, stages, stored, diameter, notes)
     if cd is None and weight and len(stages) == 1:
         cd, cd_by = _implied(root, weight, diameter, notes)
+    if left_out := sum(map(in_several_winds, root.iterfind("simulations/simulation"))):
+        notes.append(f"{counted(left_out, 'simulation')} in winds stated for several heights: not flown again here")
     if len(stages) > 1:
         notes.append(f"it has {len(stages)} stages, treated as one: staged flights are not forecast")
     if any(part.tag in ("podset", "parallelstage") for part in everything(rocket)):
@@ -192,7 +194,8 @@ def _mass(
     unknown: list[str] = []
     whole, _ = override(rocket)
     total = whole if whole is not None else sum(mass(stage, None, unknown) for stage in stages)
-    if any(below for part in (rocket, *stages) for own, below in [override(part)] if own is not None):
+    by_scale = rocket.get("program") != "RASAero"  # there, the stated mass is that of a simulation less its motor
+    if by_scale and any(below for part in (rocket, *stages) for own, below in [override(part)] if own is not None):
         notes.append("mass as weighed; subtract the empty motor case if it was in the rocket")
     fresh = next((one for one in stored if one.fresh and one.dry_mass), None)
     if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > MASS_ROUNDING:

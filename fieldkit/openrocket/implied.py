@@ -89,13 +89,18 @@ def _flown(root: "Element", dry_mass: float, diameter: float) -> Iterator[tuple[
     assert rocket is not None
     for simulation in list(root.iterfind("simulations/simulation"))[:MOST_SUMMARIES]:
         data = simulation.find("flightdata")
-        if data is None or simulation.get("status") not in ("uptodate", "loaded"):
+        if data is None or simulation.get("status") not in ("uptodate", "loaded") or in_several_winds(simulation):
             continue
         with suppress(FieldkitError, ValueError):
             apogee = float(data.get("maxaltitude", "nan"))
             motor = _motor(rocket, simulation.findtext("conditions/configid") or "")
             if motor is not None and math.isfinite(apogee) and apogee > 0:
                 yield shown(simulation.findtext("name"))[:60], _plan(simulation, dry_mass, diameter), motor, apogee
+
+
+def in_several_winds(simulation: "Element") -> bool:
+    """Whether a simulation flew in winds stated for several heights, which are not read."""
+    return (simulation.findtext("conditions/windmodeltype") or "").casefold().startswith("multi")
 
 
 def _motor(rocket: "Element", configuration: str) -> Found | None:

@@ -154,6 +154,13 @@ def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0
     return dict.fromkeys(sold, True) | dict.fromkeys(possible, False)
 
 
+def obtainable(motor: Motor, own: Path | None = None) -> dict[float, bool]:
+    """The delays of a motor for sale and those that its maker's tool drills [s], and whether each is for sale. Raises
+    BadValue if the user's file of tools is damaged."""
+    tool = drill_of(motor, own)
+    return offered(motor, tool.takes_off, tool.least_left) if tool else offered(motor)
+
+
 def sold_delays(motor: Motor) -> list[float]:
     """The delays for sale that fire a charge, shortest first. [s]"""
     return [delay for delay in sorted(motor.delays) if 0 < delay < PLUGGED_DELAY]

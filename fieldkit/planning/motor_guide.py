@@ -18,8 +18,9 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import Motor
 from fieldkit.motors.names import with_delay
 from fieldkit.motors.several import CLUSTER_NOTE
+from fieldkit.paths import data_file
 from fieldkit.planning.check import SafetyCheck
-from fieldkit.planning.delay import sold_delays
+from fieldkit.planning.delay import obtainable, sold_delays
 from fieldkit.planning.descent_rate import Fall, completed_fall, flown_falls
 from fieldkit.planning.forecasts import RocketData, fitted_forecast, forecast_plans
 from fieldkit.planning.kits import DIAMETER_TOLERANCE
@@ -97,11 +98,11 @@ def _letter(motor: Motor) -> str:
 
 @dataclass(frozen=True, slots=True)
 class MotorChoice:
-    """A motor with its most suitable delay, the forecast flight and its safety lines.
+    """A motor with its delay as in `guide`, the forecast flight and its safety lines.
 
-    `ejections` are its delays for sale, and the expected time after apogee at which each would fire [s], negative
-    before it; `flown` is whether this rocket has flown it. Thrust to weight is for the first half second and for the
-    average [1]. `beyond_season` are the limits of a contest season that it breaks, if one was named.
+    `ejections` are this and its delays for sale, and the expected time after apogee at which each would fire [s],
+    negative before it; `flown` is whether this rocket has flown it. Thrust to weight is for the first half second and
+    for the average [1]. `beyond_season` are the limits of a contest season that it breaks, if one was named.
     """
 
     motor: Motor
@@ -223,8 +224,9 @@ def guide(
 ) -> list[MotorChoice]:
     """The forecast flight of a plan on each motor, in the same order; nothing is saved.
 
-    Each motor gets the delay for sale that fires closest to apogee. It is simulated `draws` times, by default as many
-    as are quick. Raises ImpossibleFlight for a plan without a mass, BadValue for a damaged file of rules.
+    A motor has the delay of the plan if that is for sale or can be drilled, else the one for sale that fires closest to
+    apogee. It is simulated `draws` times, by default as many as are quick. Raises ImpossibleFlight for a plan without a
+    mass, BadValue for a damaged file of rules.
     """
     if not motors:
         return []
@@ -236,7 +238,7 @@ def guide(
 
     def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
-        return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
+        return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)), plan.delay)
 
     known, falls = {label(found.motor) for found in rocket.motors}, flown_falls(rocket.history, plan)
     by = limits, known_rules(), read_settings()
@@ -244,7 +246,7 @@ def guide(
         MotorChoice(
             motor,
             delay,
-            _ejections(motor, coast if (prediction.apogee > 0).mean() > 0.5 else math.nan),
+            _ejections(motor, delay, coast if (prediction.apogee > 0).mean() > 0.5 else math.nan),
             prediction,
             label(motor) in known,
             *thrust_to_weight(motor, prediction.plan.dry_mass or math.nan),
@@ -258,14 +260,14 @@ def guide(
 
 
 ForecastWithDelay = tuple[float | None, float, Prediction]
-"""The most suitable delay for sale, if any [s], the coast from burnout to apogee without a charge [s], and the flight
+"""The delay in `guide`, if any [s], the coast from burnout to apogee without a charge [s], and the flight
 with that delay. A charge before apogee would end the coast."""
 
 
-def _flown(rocket: RocketData, fitted: FittedForecast) -> list[ForecastWithDelay]:
-    """Each motor of the fit, with its most suitable delay."""
+def _flown(rocket: RocketData, fitted: FittedForecast, wanted: float | None) -> list[ForecastWithDelay]:
+    """Each motor of the fit, with the `wanted` delay [s] if it can have that, else its most suitable one."""
     coasts = coast_times(fitted.model, fitted.at)
-    delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
+    delays = [_delay(found.motor, coast, wanted) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     made = forecast_plans(rocket, _with_delays(fitted, delays))
     return list(zip(delays, coasts.tolist(), made, strict=True))
 
@@ -274,13 +276,17 @@ def _with_delays(fitted: FittedForecast, delays: Sequence[float | None]) -> Fitt
     return replace(fitted, model=replace(fitted.model, history=fitted.model.history.with_delays(delays)))
 
 
-def _nearest(motor: Motor, coast: float) -> float | None:
-    """The delay for sale that fires closest to apogee; the shortest for a motor that would not lift the rocket."""
+def _delay(motor: Motor, coast: float, wanted: float | None) -> float | None:
+    """The `wanted` delay if it is for sale or can be drilled, else the one for sale that fires closest to apogee, the
+    shortest for a motor that would not lift the rocket. [s]"""
+    if wanted is not None and wanted in obtainable(motor, data_file("drills.toml")):
+        return wanted
     return min(sold_delays(motor), key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
 
 
-def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
-    return tuple((delay, delay - coast) for delay in sold_delays(motor) if math.isfinite(coast))
+def _ejections(motor: Motor, chosen: float | None, coast: float) -> tuple[tuple[float, float], ...]:
+    delays = sorted({*sold_delays(motor), *([chosen] if chosen else [])})
+    return tuple((delay, delay - coast) for delay in delays if math.isfinite(coast))
 
 
 class _WithApogee(Protocol):

@@ -53,6 +53,8 @@ CERTIFIED_AT = 21 + ZERO_CELSIUS
 """Temperature of motors during certification. [K]"""
 HALF_SECOND = 0.5
 """Time over which initial thrust is averaged. [s]"""
+STAYS_ON_RAIL = "the rocket does not leave the rail"
+"""The finding about the descent of a rocket that is too heavy for its motor."""
 
 
 @lru_cache(maxsize=2048)
@@ -99,6 +101,13 @@ def safety_lines(
     down = landing(prediction, fall)
     recovery, mass = recovery_of(plan), landing_mass(plan, prediction.found)
     density = float(air_at_pads([plan]).density[0])
+    descent = [
+        _ejection(prediction, limits),
+        *two_device_lines(recovery, mass, density, fall, limits),
+        landing_speed_line(down.down, recovery.device, mass, density, fall, limits),
+    ]
+    if prediction.stays_on_rail:
+        descent = [replace(line, verdict="unknown", finding=STAYS_ON_RAIL) for line in descent]
     lines = [
         rail_line(prediction.rail_speed, plan, limits),
         _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(governed_by)),
@@ -109,9 +118,7 @@ def safety_lines(
         _field(down, site, rule_lines.field_line(governed_by, site.size)),
         rule_lines.distance_line(governed_by, site.people),
         rule_lines.bystander_line(governed_by, site.bystanders),
-        _ejection(prediction, limits),
-        *two_device_lines(recovery, mass, density, fall, limits),
-        landing_speed_line(down.down, recovery.device, mass, density, fall, limits),
+        *descent,
         _temperature(plan, limits),
         rule_lines.mass_line(governed_by),
         rule_lines.class_line(governed_by),

@@ -59,6 +59,8 @@ def ejection_in_words(prediction: Prediction) -> str:
     """When the charge fires, `0.5 s BEFORE apogee`, or why it does not. With dual deployment, an
     altimeter fires at apogee."""
     eject = prediction.median_eject
+    if prediction.stays_on_rail:
+        return "none: the rocket does not leave the rail"
     if recovery_of(prediction.plan).dual:
         charge = "" if eject is None else f"; the motor's charge {_when(eject)}"
         return f"by an altimeter at apogee{charge}"
@@ -71,8 +73,6 @@ def ejection_in_words(prediction: Prediction) -> str:
         return "delay unknown; add it to the motor's name, as in F24-4W"
     if delay in (0, PLUGGED_DELAY):
         return f"none: a {'plugged' if delay else 'booster'} motor has no charge"
-    if not prediction.true_apogee.any():
-        return "none: the rocket does not leave the pad"
     return "none: the rocket hits the ground first"
 
 

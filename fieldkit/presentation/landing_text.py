@@ -21,7 +21,7 @@ from fieldkit.units import DEGREE
 
 LEAST_CHANCE = 0.01
 """Minimum chance that is reported. [1]"""
-NO_FLIGHT = "  landing   none: the motor does not lift the rocket off the pad"
+NO_FLIGHT = "  landing   none: the motor does not lift the rocket off the rail"
 """Line in place of the landing of a rocket that is too heavy for its motor."""
 OFF_AXIS = 0.05
 """Crosswind offset of the ellipse's center below which it is within the noise of the draws, relative to the short
@@ -33,7 +33,7 @@ def landing_in_words(planned: PlannedFlight, site: Site, system: str = "SI") -> 
     prediction, down, fall, rail = planned.prediction, planned.down, planned.fall, planned.rail
     plan, recovery, shown = prediction.plan, recovery_of(prediction.plan), ShownUnits(system)
     yield build_in_words(prediction)
-    if not np.isfinite(down.duration).any():
+    if prediction.stays_on_rail:
         yield NO_FLIGHT
         yield f"  based on  {rests_in_words(prediction)}"
         return

@@ -96,7 +96,7 @@ def _nearest_motor(
     """The safe motor nearest to a target [m] for the same configuration in the same conditions, and its forecast as it
     would be saved."""
     rocket = rocket_of(ledger, motors, flight.rocket)
-    again = flight.unflown(flight_id="", date_time=None)
+    again = flight.unflown(flight_id="", date_time=None, delay=None)
     plan = completed_plan(ledger, motors, again, settings)
     wanted = Wanted(widest_motor(rocket, plan), adapter=True, dry_mass=plan.dry_mass)
     rules, site = limits(data_file("limits.toml")), site_of(ledger, plan.site)

@@ -33,6 +33,15 @@ def test_a_list_of_one_motor_in_each_line_is_read_too() -> None:
     assert names("maker;motor;in stock\nEstes;Estes C6-5;yes\nEstes;Estes D12-5;out of stock\n") == ["Estes C6"]
 
 
+def test_a_motor_is_found_in_the_name_of_a_product() -> None:
+    products = ("Estes C6-5 (3 pack)", "AeroTech F39-6T RMS-24/40 Reload", "Quest Q-Jet C12-6FJ (2-pack)", "Tube BT-60")
+    assert names("product,qty\n" + "".join(f"{one},2\n" for one in products)) == [
+        "Estes C6",
+        "AeroTech F39T",
+        "Quest C12",
+    ]
+
+
 def test_a_file_without_a_motor_is_named() -> None:
     with pytest.raises(UnknownMotor, match=r"stock\.csv: found no motor of the catalog"):
         read_stock("name,price\nGlue,3\n", catalogue(), "stock.csv")

@@ -74,4 +74,4 @@ def test_a_stored_wind_is_the_same_at_every_height_and_ours_is_shown_beside_it(r
     (tmp_path / "a.ork").write_bytes(content(name, dict(examples())[name], wind=4.0))
     found = read(name, wind=4.0).flown_again
     assert all(one.growing_wind < one.level_wind for one in found)
-    assert "OpenRocket's wind is the same at every height" in " ".join(run("ork", tmp_path / "a.ork").out.split())
+    assert "The simulated wind is the same at every height" in " ".join(run("ork", tmp_path / "a.ork").out.split())

@@ -15,16 +15,19 @@ Row = tuple[str, str, float]
 """A motor, its delay, and the stored apogee. [m]"""
 
 
-def read(rows: Sequence[Row], dry_mass: float, wind: float = 2.0, status: str = "uptodate") -> Design:
+def read(
+    rows: Sequence[Row], dry_mass: float, wind: float = 2.0, status: str = "uptodate", *, levels: bool = False
+) -> Design:
     """A design of 25 mm without drag columns, with one configuration and one stored summary for each motor."""
     motors = "".join(
         f'<motor configid="{n}"><manufacturer>Estes</manufacturer><designation>{name}</designation>'
         f"<delay>{delay}</delay></motor>"
         for n, (name, delay, _) in enumerate(rows)
     )
+    model = "<windmodeltype>MultiLevel</windmodeltype>" if levels else ""
     simulations = "".join(
         f'<simulation status="{status}"><name>{n}</name><conditions><configid>{n}</configid><launchrodlength>1.0'
-        f"</launchrodlength><windaverage>{wind}</windaverage></conditions>"
+        f"</launchrodlength><windaverage>{wind}</windaverage>{model}</conditions>"
         f'<flightdata maxaltitude="{apogee}" maxvelocity="90"/></simulation>'
         for n, (_, _, apogee) in enumerate(rows)
     )
@@ -77,3 +80,11 @@ def test_an_apogee_of_another_design_implies_no_cd(rows: list[Row], status: str)
     found = read(rows, 0.047, status=status)
     assert found.cd is None
     assert any(note.startswith("no Cd:") for note in found.notes)
+
+
+def test_a_simulation_in_winds_of_several_heights_gives_a_note_and_no_cd() -> None:
+    motor = catalogue().resolve("Estes C6").motor
+    rows = [("C6", "7", 319.75)]
+    found = read(rows, 0.071 - motor.loaded_mass, levels=True)
+    assert (found.cd, found.flown_again) == (None, ())
+    assert "1 simulation in winds stated for several heights: not flown again here" in found.notes

@@ -48,3 +48,14 @@ def test_a_delay_that_often_outlasts_the_flight_is_marked(tmp_path: Path, capsys
     assert re.search(r"\d\d% hit the ground", rows["14"])
     assert "hit the ground" not in rows["6"]
     assert "time and speed are of the others" in " ".join(text.split())
+
+
+@pytest.mark.parametrize(("motor", "wanted", "delay"), [("AeroTech H128W", 8.0, 8.0), ("Estes C6", 4.0, 5.0)])
+def test_the_delay_of_the_plan_is_that_of_motors_sold_or_drilled_with_it(
+    motor: str, wanted: float, delay: float
+) -> None:
+    mass = 0.06 if motor == "Estes C6" else 1.4
+    plan = Flight(rocket="Swift", dry_mass=mass, diameter=0.025 if mass < 1 else 0.1, delay=wanted)
+    (choice,) = guide(RocketData((), ()), plan, [catalogue().find(motor).motor], limits(), Site())
+    assert choice.delay == choice.plan.delay == delay
+    assert delay in dict(choice.ejections)

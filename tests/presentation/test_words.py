@@ -43,7 +43,7 @@ def test_the_reason_why_no_charge_fires_is_named() -> None:
     assert re.search(
         r"after apogee; \d+% chance of hitting the ground first", ejection_in_words(forecast("F24-4W", delay=13.0))
     )
-    assert ejection_in_words(forecast("F24-4W", dry_mass=30.0)) == "none: the rocket does not leave the pad"
+    assert ejection_in_words(forecast("F24-4W", dry_mass=30.0)) == "none: the rocket does not leave the rail"
 
 
 def test_the_basis_of_a_new_rockets_forecast_is_the_same_in_every_sentence() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from fieldkit.flight import READOUTS
 from fieldkit.ledger import Ledger, models
+from fieldkit.planning.contest_flight import judged_duration, why_no_score
 from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.add.add_page import AddScreen
@@ -237,6 +238,26 @@ async def test_the_dry_mass_follows_from_the_mass_weighed_with_the_motor(tmp_pat
         assert "Saved flight 1. u to undo." in words(pilot)
     with Ledger.open(tmp_path / "new.db") as ledger:
         assert ledger.flight("1").dry_mass == pytest.approx(18 * 0.028349523 - 0.0629, abs=1e-4)
+
+
+async def test_a_contest_flight_has_its_two_timers_and_its_eggs(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("790ft"))
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("timer_1_s").line.focus()
+        await press(pilot, *typed("38.4l"), "ctrl+s")
+        assert screen.field("timer_1_s").line.has_focus
+        await press(pilot, "backspace", "2", "enter", *typed("38.5"), "enter", *typed("cracked"), "ctrl+s")
+        assert "Saved flight 13" in words(pilot)
+        await press(pilot, "1", "e", "end", *["down"] * 40, "ctrl+u", *typed("intact"), "ctrl+s", "_")
+        assert "Saved flight 13: eggs" in words(pilot)
+        await press(pilot, "u", "_")
+    with Ledger.open(file) as ledger:
+        flight = ledger.flight("13")
+    assert dict(flight.extra) == {"timer_1_s": "38.42", "timer_2_s": "38.5", "eggs": "cracked"}
+    assert judged_duration(flight) == 38.46
+    assert why_no_score(flight, 1) == "eggs: cracked"
 
 
 async def test_an_empty_form_is_not_saved(file: Path) -> None:

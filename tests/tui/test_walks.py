@@ -103,7 +103,7 @@ async def test_a_contest_season(empty: Path) -> None:
         assert "`fieldkit" not in steps
         for apogee, seconds in ((760, 41), (790, 39.5), (805, 38.6)):
             await press(pilot, "escape", "a", "_")
-            await fill(pilot, apogee=f"{apogee}ft", duration=f"{seconds}s")
+            await fill(pilot, apogee=f"{apogee}ft", timer_1_s=f"{seconds}", timer_2_s=f"{seconds}", eggs="intact")
             await press(pilot, "ctrl+s", "_", "_")
         await press(pilot, "escape", "f", "_", "d", "left", "left", "_", "e")
         await fill(pilot, cut="60", declared="2,3")
@@ -128,7 +128,10 @@ async def test_a_certification_flight(empty: Path) -> None:
         assert "ejection speed: unsafe" in seen, "at the longest delay, which is on the bag"
         await press(pilot, "left", "left", "left", "_")
         assert "6 s, drilled" in text_of(pilot, "#answer")
-        await press(pilot, "escape", "B", "_", "slash", *typed("aerotech h128w"), "enter", "_")
+        await press(pilot, "escape", "_", "p")
+        await fill(pilot, delay="6")
+        await press(pilot, "ctrl+s", "_", "_")
+        assert "delay 6 s" in words(pilot)
         seen = await checks(pilot)
         assert "landing speed: ok" in seen
         assert "ejection speed: unsafe" not in seen
@@ -137,6 +140,6 @@ async def test_a_certification_flight(empty: Path) -> None:
         await fill(pilot, apogee="980ft", duration="60s")
         await press(pilot, "ctrl+s", "_", "_")
         await card(pilot, certification="1")
-        await press(pilot, "escape", "f", "_", "slash", *typed("i284w"), "enter", "_")
+        await press(pilot, "escape", "f", "_", "B", "_", "slash", *typed("i284w"), "enter", "_")
         seen = await checks(pilot)
         assert "certification: ok" in seen

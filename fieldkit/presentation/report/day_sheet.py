@@ -174,7 +174,7 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
     prediction, plan = one.prediction, one.prediction.plan
     low, middle, high = three_of_all(prediction.apogee)
     mass = None if plan.dry_mass is None else plan.dry_mass + prediction.found.motor.loaded_mass
-    duration = three(one.down.duration)
+    duration = None if prediction.stays_on_rail else three(one.down.duration)
     motor = plan.motor or prediction.found.motor.designation
     return (
         _both_ends(one.name, 10),
@@ -185,10 +185,17 @@ def _row(one: PlannedFlight, shown: ShownUnits) -> tuple[str, ...]:
         f"{shown.length(middle).split()[0]} ({shown.length(low).split()[0]}-{shown.length(high)})",
         _charge(prediction),
         "does not lift" if duration is None else f"{duration[1]:.0f} s ({duration[0]:.0f}-{duration[2]:.0f})",
-        "no wind" if one.down.wind is None else f"{shown.length(three_of_all(one.down.away)[1])} away",
+        _lands(one, shown),
         _verdicts(one.lines),
         "",
     )
+
+
+def _lands(one: PlannedFlight, shown: ShownUnits) -> str:
+    """How far from the pad a flight lands, or why that is not known."""
+    if one.prediction.stays_on_rail:
+        return "none"
+    return "no wind" if one.down.wind is None else f"{shown.length(three_of_all(one.down.away)[1])} away"
 
 
 def _both_ends(text: str, most: int) -> str:

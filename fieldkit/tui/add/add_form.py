@@ -7,8 +7,10 @@ from threading import Lock
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
+from fieldkit.flight.further import JUDGED_COLUMNS
 from fieldkit.flight.plausibility import IDENTITY, identity, inconsistent_speed
 from fieldkit.importing.manual_entry import (
+    JUDGED_QUESTIONS,
     LIFT_OFF_MASS,
     NOT_RECORDED,
     QUESTIONS,
@@ -16,6 +18,7 @@ from fieldkit.importing.manual_entry import (
     implausible_answers,
     read_answer,
     read_lift_off_mass,
+    with_cells,
 )
 from fieldkit.messages import marked, message
 from fieldkit.motors import is_cluster
@@ -50,6 +53,7 @@ def _asked() -> Iterable[Question]:
         yield question
         if question.name == LIFT_OFF_MASS.read_as:
             yield LIFT_OFF_MASS
+    yield from JUDGED_QUESTIONS
 
 
 BY_NAME = {question.name: question for question in _asked()}
@@ -118,7 +122,8 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
                 lift_off = read_lift_off_mass(text, units.get(name, ""))
                 continue
             value = read_answer(name, "" if text == NOT_RECORDED else text, units.get(name, ""))
-            flight = flight.with_changes(**{name: value})
+            cells = with_cells(flight.extra, {name: str(value)}) if name in JUDGED_COLUMNS else None
+            flight = flight.with_changes(**{name: value} if cells is None else {"extra": cells})
         except BadValue as error:
             wrong[name] = str(error)
     typed_in = typed_unit(texts.get("apogee", "")) or units.get("apogee", "")

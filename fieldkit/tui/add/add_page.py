@@ -21,7 +21,7 @@ from textual.widgets import Button, Input
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
-from fieldkit.importing.manual_entry import QUESTIONS, Question, date_order
+from fieldkit.importing.manual_entry import JUDGED_QUESTIONS, QUESTIONS, Question, date_order
 from fieldkit.quantities import unit_of
 from fieldkit.services.manual_entry import kind, typed_unit, with_unit
 from fieldkit.tui.add.add_form import (
@@ -176,7 +176,7 @@ ABOUT = Help(
     "also applies to the next flight. Esc, then N, switches to feet, mph and ounces, and back. A lone - means not "
     "recorded. Implausible figures are marked with ! and accepted. Everything you type is saved, so a dead battery "
     "loses nothing.",
-    tuple((question.title, question.help) for question in QUESTIONS),
+    tuple((question.title, question.help) for question in (*QUESTIONS, *JUDGED_QUESTIONS)),
     ("fieldkit add", "fieldkit add --rocket R --motor M --apogee 935ft"),
 )
 

@@ -6,7 +6,7 @@ from functools import partial
 from fieldkit.errors import BadValue
 from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.flight.short_name import flight_label
-from fieldkit.importing.manual_entry import QUESTIONS, Question, date_order
+from fieldkit.importing.manual_entry import JUDGED_QUESTIONS, QUESTIONS, Question, date_order, with_cells
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import DATE
 from fieldkit.tui.add.fields import Form
@@ -19,6 +19,7 @@ EDIT_QUESTIONS = (
     DATE,
     *QUESTIONS[3:],
     *(Question(column.name, column.title, column.help) for column in CONDITIONS if column.name not in ASKED_NAMES),
+    *JUDGED_QUESTIONS,
 )
 """The editable fields of a flight, in the order of the Add page."""
 
@@ -33,12 +34,13 @@ def ask_changes(page: PageScreen, id: str, flight: Flight, renamed: Callable[[st
     }
     units[DATE.name] = date_order(system)
     form = Form(flight_label(id, "Flight"), EDIT_QUESTIONS, texts, units, names=page.resources.names)
-    page.app.push_screen(form, partial(_answered, page, id, renamed, texts))
+    page.app.push_screen(form, partial(_answered, page, id, flight, renamed, texts))
 
 
 def _answered(
     page: PageScreen,
     id: str,
+    flight: Flight,
     renamed: Callable[[str], object],
     texts: dict[str, str],
     values: dict[str, object] | None,
@@ -50,17 +52,21 @@ def _answered(
     if not changes:
         page.show_notice(f"{flight_label(id, 'Flight')} unchanged")
         return
+    names = list(changes)
 
     def work() -> str:
         motor = str(changes.get("motor", ""))
         if motor and (trouble := page.resources.names().motor_trouble(motor)):
             raise BadValue(f"motor: {trouble}")
         ledger = page.resources.ledger
+        judged = {one.name: str(changes.pop(one.name)) for one in JUDGED_QUESTIONS if one.name in changes}
+        if judged:
+            changes["extra"] = with_cells(flight.extra, judged)
         return ledger.ids([ledger.edit(id, **changes)])[0]
 
     def saved(now: str) -> None:
         renamed(now)
-        _saved(page, now, list(changes))
+        _saved(page, now, names)
 
     page.change(work, saved)
 

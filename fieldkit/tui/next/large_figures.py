@@ -18,7 +18,7 @@ def of_delay(answer: Answer, judged: Delays) -> Answer:
     after = best.after_apogee[1]
     fires = f"fires {abs(after):.1f} s {'after' if after >= 0 else 'before'} apogee"
     about = (
-        "s, the best delay" + ", drilled" * (not best.on_sale),
+        "s, the best delay" + ", drilled: plan it (p)" * (not best.on_sale),
         fires,
         f"too fast in {best.too_fast:.0%} of cases",
     )

@@ -63,14 +63,14 @@ NEXT_HELP = Help(
             "Not final: a provisional answer, then a fit with few simulations. The selected one is forecast in full.",
         ),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
-        (
-            "eject",
-            "Seconds from apogee to ejection, for the delay that fires nearest to apogee; negative is before it.",
-        ),
-        ("by delay", "The same for each delay on sale."),
+        ("eject", "Seconds from apogee to ejection, for the delay that the motor has; negative is before it."),
+        ("by delay", "The same for each delay on sale, and for that of the plan."),
         ("├─●─┤", "With c: the 90% interval, all motors on one scale; ◎ is the target."),
         ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
-        ("delay", "The delay on sale that fires nearest to apogee."),
+        (
+            "delay",
+            "That of the plan (p) if the motor is sold or drilled with it, else the one on sale nearest to apogee.",
+        ),
         (
             "✗ a motor",
             "Does not fit: too wide, too weak, slow off the rail, without a suitable delay, too high for the ceiling, "

@@ -41,15 +41,23 @@ MASS_UNKNOWN = """No forecast without the mass of the rocket.
 p Plan    enter its dry mass
 b Rocket  the next rocket that has flown"""
 """The text of the list for a rocket of unknown mass."""
-PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
-"""Editable numbers of a plan; the delay is chosen with the motor."""
+PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS), "delay")
+"""Editable numbers of a plan."""
+MEANING_OF_EMPTY = {
+    "delay": "For the motors that are sold or drilled with it. Empty: the one on sale nearest to apogee."
+}
+"""What an empty answer means, if it is not the last flight's or standard."""
 QUESTIONS = (
     Question("rocket", "Rocket", "Its name, as in the ledger. The forecast is based on its normal flights."),
     Question(
         "config", "Configuration", "The build, such as A. Mass and diameter are those of the flight entered last."
     ),
     *(
-        Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: as in the flight entered last, or standard.")
+        Question(
+            name,
+            BY_NAME[name].title,
+            f"{BY_NAME[name].help} {MEANING_OF_EMPTY.get(name, 'Empty: as in the flight entered last, or standard.')}",
+        )
         for name in PLAN
     ),
     Question("site", "Site", "Its elevation, size and ceiling are saved with `fieldkit sites`. Empty: the last site."),
@@ -125,6 +133,7 @@ class Plan:
         parts = [
             f"{self.flight.rocket} {self.flight.config}".strip(),
             f"{measure(BY_NAME['dry_mass'], self.full.dry_mass, system)} without motor",
+            *([] if self.full.delay is None else [f"delay {self.full.delay:g} s"]),
             *([f"{name.lower()} {value}" for name, value in numbers if value] or ["standard air, wind not given"]),
             f"target {measure(cards.APOGEE, target, system)}" if target else "no target",
         ]
