@@ -225,7 +225,7 @@ async def test_safety_is_shown_on_the_next_page_at_any_size(file: Path) -> None:
         await press(pilot, "exclamation_mark")
         for name in ("rail exit speed", "ejection speed", "ground wind", "ceiling", "thrust to weight", "class"):
             assert name in text_of(pilot, "#safety")
-        await press(pilot, "p", *["down"] * 12, *typed("warm"), "ctrl+s")
+        await press(pilot, "p", *["down"] * 13, *typed("warm"), "ctrl+s")
         assert "motor temperature: found 'warm'" in words(pilot)
 
 
