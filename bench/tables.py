@@ -130,7 +130,7 @@ def _forecasts(results: Sequence[Result]) -> Iterator[str]:
         )
     pairs = [(r.before, r.after, r.ideal) for r in results if r.before and r.after]
     yield (
-        f"error after more than {WORSE - 1:.0%} above the plain model's: "
+        f"error after more than {WORSE - 1:.0%} above that without a correction: "
         f"{sum(after.mae > WORSE * before.mae for before, after, _ in pairs)} of {len(pairs)}"
     )
     held = {k: [r.after for r in results if r.scenario == k and r.after] for k in kinds}

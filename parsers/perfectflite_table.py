@@ -65,7 +65,8 @@ def read(log: bytes) -> list[Parsed]:
     parts, remarks = table.flights()
     found: list[Parsed] = [*(Reading(series=part.series(), device="PerfectFlite") for part in parts), *remarks]
     if not layout.altitude_unit:
-        found.append(Note("has no unit for altitude, read in feet as PerfectFlite's program writes it"))
+        feet = "has no unit for altitude, read in feet as PerfectFlite's program writes it"
+        found.append(Note(f"{feet}; if they are meters, heights are {1 / units.FOOT:.1f} times too low"))
     return found
 
 

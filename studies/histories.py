@@ -128,8 +128,8 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     found = judged_report(forecasts)
     yield ""
     yield fill(
-        f"All {len(forecasts)} flights with at least one earlier clean flight of their rocket, forecast from those and "
-        "from the earlier flights of all other rockets, compared with simpler methods (`fieldkit score`):",
+        f"All {len(forecasts)} flights with at least one earlier normal flight of their rocket, forecast from those "
+        "and from the earlier flights of all other rockets, compared with simpler methods (`fieldkit score`):",
         118,
     )
     yield ""
@@ -147,8 +147,8 @@ def _lines(found: Sequence[RocketHistory], unnamed: bool) -> Iterator[str]:
     yield fill(
         f"Every rocket with at least {MIN_CLEAN_FLIGHTS} normal flights that have an apogee. The verdict is the "
         f"loop's on all of them. Each flight after the first {MIN_CLEAN_FLIGHTS} is forecast from the earlier ones "
-        "only: by the plain model (*before*), and with what the loop finds in those earlier flights (*after*). Errors "
-        "are fractions of the flown apogee.",
+        "only: without a correction (*before*), and with what the loop finds in those earlier flights (*after*). "
+        "Errors are fractions of the flown apogee.",
         118,
     )
     yield ""

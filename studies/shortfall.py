@@ -94,7 +94,7 @@ def shortfall(flown: Sequence[FlownFlight], on_progress: ReportProgress = no_op)
     """
     simulated, inclined = _measured(flown), _measured(at_an_angle := _at_an_angle(flown))
     if not simulated:
-        raise NoFlights("found no clean flight with an apogee that can be simulated, expected at least one")
+        raise NoFlights("found no normal flight with an apogee that can be simulated, expected at least one")
     steps, known = [], restricted(())
     quantities: tuple[str, ...] = ()
     for number, (cause, own) in enumerate(CAUSES.items()):
@@ -194,7 +194,7 @@ def _causes(found: Shortfall) -> Iterator[str]:
     yield "# Why flights fall short of their simulation"
     yield ""
     yield fill(
-        f"The median ratio of flown to simulated apogee is {found.ratio:.2f} over {found.flights} clean flights "
+        f"The median ratio of flown to simulated apogee is {found.ratio:.2f} over {found.flights} normal flights "
         f"(uncalibrated simulation: Cd {NOMINAL_CD:g}, certified thrust, recorded mass). In the table, each row adds a "
         "cause to those above it, and every flight is forecast from the earlier ones. Bias is the mean log ratio of "
         "forecast to flown apogee, with its standard error.",

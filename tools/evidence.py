@@ -1,20 +1,30 @@
-"""Draws the pictures of `docs/evidence.md`: `python -m tools.evidence`.
+"""Draws the pictures of `docs/evidence.md`, and prints its figures: `python -m tools.evidence [JOURNAL CONTEST]`.
 
 The drag along the coasts of the flights with air brakes is that in `docs/real-forces.md`, the scores of forecasts are
 those in `docs/held-out.md`; how far each reference flight differs from the others is computed, with no flight tagged.
+With the ledgers of the journal and of the contest teams, the causes of their flights and what their rockets share are
+found again and written to `docs/measured/evidence.json`.
 """
 
 import html
+import json
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
+from fieldkit.presentation.fleet_text import fleet_document
+from fieldkit.services.fleet_loop import close_fleet_loop
 from fieldkit.services.imports import bring_in
 from fieldkit.services.one_offs import flights_beside_others
+from tools.benchmarks import machine
+from tools.markdown import MEASURED
+from tools.noted_causes import causes_found
 
 DOCS = Path(__file__).parents[1] / "docs"
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 760, 300, 60, 40, 50
@@ -64,6 +74,14 @@ def chances_of_one_offs() -> list[tuple[str, str, float]]:
                 ledger.edit(number, tags=())
         beside = flights_beside_others(ledger, catalogue(), "Astra")
     return [(one.flight.flight_id, tags[one.flight.flight_id], round(one.probability, 2)) for one in beside]
+
+
+def causes_and_shared(ledger: Ledger) -> dict[str, Any]:
+    """The causes found in the flights of a ledger, and what its rockets share, without the names of rockets."""
+    shared = fleet_document(close_fleet_loop(ledger, catalogue()))
+    for finding in shared["findings"]:
+        finding |= {"rockets": len(finding["rockets"]), "flights": len(finding["flights"]), "others": []}
+    return {"n_flights": len(ledger.flights()), "causes": causes_found(ledger), "shared": shared}
 
 
 def _page(name: str) -> str:
@@ -158,13 +176,21 @@ PICTURES = {"brakes": brakes_picture, "one_offs": one_offs_picture, "scores": sc
 """Pictures of the page by the last part of their names."""
 
 
-def main() -> None:
-    """Write the pictures."""
+def main(*ledgers: str) -> None:
+    """Write the pictures, and the figures of the two ledgers if they are given."""
     for name, draw in PICTURES.items():
         path = DOCS / f"evidence_{name}.svg"
         path.write_text(draw(), encoding="utf-8")
         print(path)
+    found: dict[str, Any] = {"command": "python -m tools.evidence JOURNAL CONTEST", "commit": machine()["commit"]}
+    for name, file in zip(("journal", "contest"), ledgers, strict=False):
+        with Ledger.open(Path(file)) as ledger:
+            found[name] = causes_and_shared(ledger)
+    if ledgers:
+        text = json.dumps(found, indent=1, ensure_ascii=False) + "\n"
+        (MEASURED / "evidence.json").write_text(text, encoding="utf-8")
+        print(text)
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

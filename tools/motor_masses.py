@@ -2,10 +2,13 @@
 
 import math
 from collections import defaultdict
+from collections.abc import Callable
 from statistics import median
 from typing import Any
 
 import numpy as np
+
+from fieldkit.motors import catalogue
 
 FASTEST_EXHAUST = 2700.0
 """Above this exhaust speed, a mass cannot be everything that leaves the motor: it lacks the nitrous of a hybrid.
@@ -71,3 +74,44 @@ def unfit(entry: Row) -> str:
     if entry["kind"] == "hybrid" and _exhaust(entry) > FASTEST_EXHAUST:
         return "nitrous not in the propellant mass"
     return "propellant heavier than the motor" if entry["casing_g"] <= 0 else ""
+
+
+def _errors(field: str, estimate: Callable[[list[Row]], None], rows: list[Row]) -> list[float]:
+    """Relative errors of the estimates of a mass that is listed, each estimated from the other motors. [1]"""
+    errors = []
+    for place, entry in enumerate(rows):
+        hidden = {**entry, field: None, "estimated": []}
+        estimate([*rows[:place], hidden, *rows[place + 1 :]])
+        if hidden[field]:
+            errors.append(abs(hidden[field] / entry[field] - 1))
+    return errors
+
+
+def main() -> None:
+    """Print how far the estimates of listed masses are off."""
+    rows = [
+        {
+            "maker": motor.maker,
+            "case": motor.case,
+            "kind": motor.kind,
+            "propellant": motor.propellant,
+            "diameter_mm": motor.diameter * 1e3,
+            "length_mm": motor.length * 1e3,
+            "total_impulse_ns": motor.total_impulse,
+            "total_g": motor.loaded_mass * 1e3,
+            "propellant_g": motor.propellant_mass * 1e3,
+            "casing_g": motor.casing_mass * 1e3,
+            "estimated": list(motor.estimated),
+        }
+        for motor in catalogue().motors
+        if not motor.estimated
+    ]
+    for field, estimate in (("propellant_g", estimate_propellant), ("casing_g", estimate_casing)):
+        found = _errors(field, estimate, rows)
+        half, most = np.percentile(found, [50, 90])
+        off = f"off by {half:.1%} in the median, nine in ten by less than {most:.1%}"
+        print(f"{field}: {len(found)} estimated from other motors, {off}")
+
+
+if __name__ == "__main__":
+    main()

@@ -7,6 +7,7 @@ one cause has more than half of the probability.
 
 import re
 import sys
+from typing import Any
 
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
@@ -30,26 +31,34 @@ def causes_in(notes: str) -> set[str]:
     return {cause for words, causes in WORDS.items() if re.search(words, notes, re.IGNORECASE) for cause in causes}
 
 
+def causes_found(ledger: Ledger) -> dict[str, Any]:
+    """How many flights have a note that states a cause, how many of these causes are the most probable one or among the
+    three most probable, how many other flights are named, and the sentences about those."""
+    first, three, noted, others = 0, 0, 0, 0
+    named: list[str] = []
+    for rocket in ledger.names("rocket"):
+        for one in flights_beside_others(ledger, catalogue(), rocket):
+            if not one.departures:
+                continue
+            stated, found = causes_in(one.flight.notes), [cause.cause for cause in one.causes]
+            if stated:
+                noted, first, three = noted + 1, first + (found[0] in stated), three + bool(stated & {*found[:3]})
+                sys.stdout.write(f"{one.flight.notes} | {why(one)}\n")
+                continue
+            others += 1
+            if one.causes[0].probability > NAMED:
+                named.append(why(one))
+    return {"noted": noted, "first": first, "among_three": three, "others": others, "named": named}
+
+
 def main(path: str) -> None:
     """Print the flights whose notes state a cause and those that are named, and how many are right."""
-    right, noted, named, others = 0, 0, 0, 0
     with Ledger.open(path) as ledger:
-        motors = catalogue()
-        for rocket in ledger.names("rocket"):
-            for one in flights_beside_others(ledger, motors, rocket):
-                if not one.departures:
-                    continue
-                causes, first = causes_in(one.flight.notes), one.causes[0]
-                if causes:
-                    noted += 1
-                    right += first.cause in causes
-                else:
-                    others += 1
-                    named += first.probability > NAMED
-                if causes or first.probability > NAMED:
-                    sys.stdout.write(f"{one.flight.notes or '-'} | {why(one)}\n")
-    sys.stdout.write(f"cause right for {right} of {noted} flights whose note states one\n")
-    sys.stdout.write(f"named: {named} of {others} others\n")
+        found = causes_found(ledger)
+    sys.stdout.write("".join(f"- | {text}\n" for text in found["named"]))
+    sys.stdout.write(f"cause right for {found['first']} of {found['noted']} flights whose note states one, ")
+    sys.stdout.write(f"among the three most probable for {found['among_three']}\n")
+    sys.stdout.write(f"named: {len(found['named'])} of {found['others']} others\n")
 
 
 if __name__ == "__main__":

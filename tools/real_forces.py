@@ -166,7 +166,7 @@ def section(flights: Sequence[Flight], logs: dict[str, FlightLog]) -> Iterator[s
     states = {name: {STATE_COLUMN: "yes" if own else "no"} for name, own in switched.items()}
     _, stated = diagnosed([flight.with_changes(extra=states.get(flight.flight_id, {})) for flight in flights])
     yield from prose(
-        f"Every flight forecast from the others: mean error {found.before.mae:.1f} m with the plain model; with the",
+        f"Every flight forecast from the others: mean error {found.before.mae:.1f} m without a correction; with the",
         f"verdict {found.after.mae:.1f} m if the state of the brakes on that flight is unknown, and",
         f"{stated.after.mae:.1f} m if the column `{STATE_COLUMN}` has it. The priors of the analysis were set with",
         "these flights and recordings at hand.",

@@ -1,5 +1,8 @@
 """Short phrases that report to the flyer what a log does not show, or why its appearance is misleading."""
 
+EITHER_WAY = "errors go either way, within the ± that `fieldkit inspect` shows"
+"""How a measurement errs for which a sensor is missing."""
+
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "no rocket flight in this log: nothing is measured"
 NO_APOGEE = "no apogee: the log ends before it"
@@ -18,15 +21,15 @@ NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-of
 NO_BOOST = "the boost is missing or distorted: no top speed, burn time or acceleration"
 STEP_NOTE = "the heights jump by {:.0f} m in the boost, faster than any rocket: no top speed, burn time or acceleration"
 NO_PAD = "the log begins in flight and its heights are not above the pad: no apogee"
-CLIPPED_NOTE = "the accelerometer was saturated in the boost: only heights are used for it"
+CLIPPED_NOTE = f"the accelerometer was saturated in the boost: only heights are used for it; {EITHER_WAY}"
 FILLED_NOTE = (
     "the accelerometer was saturated for {:.1f} s of the boost: "
     "the missing {:.1f} g on average are filled in from the heights"
 )
-ENDS_IN_BOOST = "the accelerometer's samples end in the boost: it is measured from heights only"
-ONLY_CLOCK_NOTE = "the acceleration {}: only its clock is used, for lift-off and burnout"
+ENDS_IN_BOOST = f"the accelerometer's samples end in the boost: it is measured from heights only; {EITHER_WAY}"
+ONLY_CLOCK_NOTE = f"the acceleration {{}}: only its clock is used, for lift-off and burnout; {EITHER_WAY}"
 OTHER_SENSOR_NOTE = "another acceleration of the log does not agree with the heights: the {} is used instead"
-REJECTED_NOTE = "the acceleration {}: it is not used; the boost is measured from heights only"
+REJECTED_NOTE = f"the acceleration {{}}: it is not used; the boost is measured from heights only; {EITHER_WAY}"
 UNCHECKED_NOTE = (
     "shows no gravity on the way down, so it was computed, and the log shows too little of the pad to check it"
 )

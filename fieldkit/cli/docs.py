@@ -11,6 +11,8 @@ from fieldkit.errors import BadValue, unknown
 from fieldkit.plugins import plugin_folder
 
 app = typer.Typer()
+COMMAND_WIDTH = 76
+"""Longest line of a command before its backslash. [character]"""
 
 
 def page_names(incomplete: str = "") -> list[str]:
@@ -30,7 +32,7 @@ def docs(
     from rich.markdown import Markdown
 
     if not page:
-        print_table(("page", ""), [(name, _title(name)) for name in page_names()])
+        print_table(("page", ""), _contents())
         say()
         say("To print a page: fieldkit docs start")
         return
@@ -38,6 +40,14 @@ def docs(
     if len(found) != 1:
         raise BadValue(unknown("page", page, found or page_names()))
     Console(highlight=False).print(Markdown(_readable(_text(found[0]))))
+
+
+def _contents() -> list[tuple[str, str]]:
+    """The pages with their titles below the headings of the first page, with an empty row above each heading."""
+    rows = [("index", _title("index"))]
+    for heading, name in re.findall(r"^\*\*(.+)\*\*$|\]\((\w[\w-]*)\.md\)", _text("index"), flags=re.MULTILINE):
+        rows += [("", ""), (heading, "")] if heading else [(name, _title(name))]
+    return rows
 
 
 def _text(name: str) -> str:
@@ -49,6 +59,24 @@ def _title(name: str) -> str:
 
 
 def _readable(text: str) -> str:
-    """A page without its pictures, and with links replaced by the commands that print those pages."""
+    """A page without its pictures, with links replaced by the commands that print those pages, and with long commands
+    continued on the next line so that they can be copied."""
     text = re.sub(r"^!\[[^]]*\]\([^)]*\)\n", "", text, flags=re.MULTILINE)
-    return re.sub(r"\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)", r"\1 (`fieldkit docs \2`)", text)
+    text = re.sub(r"\(\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)\)", r"(\1: `fieldkit docs \2`)", text)
+    text = re.sub(r"\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)", r"\1 (`fieldkit docs \2`)", text)
+    return re.sub(r"^```sh\n.*?^```", lambda block: _continued(block[0]), text, flags=re.MULTILINE | re.DOTALL)
+
+
+def _continued(block: str) -> str:
+    """Commands with their lines broken before options, so that each fits 80 columns with a margin on both sides."""
+    lines: list[str] = []
+    for command in block.splitlines():
+        first, *options = re.split(r" (?=--)", command)
+        lines.append(first)
+        for option in options:
+            if len(lines[-1]) + len(option) < COMMAND_WIDTH:
+                lines[-1] += f" {option}"
+            else:
+                lines[-1] += " \\"
+                lines.append(f"  {option}")
+    return "\n".join(lines)

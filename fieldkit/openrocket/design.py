@@ -11,7 +11,7 @@ from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.balance import Balance, balance
 from fieldkit.openrocket.implied import FlownAgain, flown_again, implied_cds, in_several_winds
-from fieldkit.openrocket.parts import airframe, children, copies, everything, mass, number, override, sizes
+from fieldkit.openrocket.parts import PER_MASS, airframe, children, copies, everything, mass, number, override, sizes
 from fieldkit.openrocket.rasaero import from_rasaero, is_rasaero
 from fieldkit.openrocket.rocksim import from_rocksim, is_rocksim
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
@@ -155,7 +155,9 @@ def _design(root: "Element", source: str, notes: list[str]) -> Design:
     if len(stages) > 1:
         notes.append(f"it has {len(stages)} stages, treated as one: staged flights are not forecast")
     if any(part.tag in ("podset", "parallelstage") for part in everything(rocket)):
-        notes.append("pods and boosters count for mass but not for diameter")
+        notes.append(
+            "pods and boosters count for mass but not for diameter: without a Cd of the design, apogees are too high"
+        )
     figures = {"dry_mass": weight, "diameter": diameter, "length": sum(one.length for one in body), "cd": cd}
     known = {name: _plausible(name, value, notes) for name, value in figures.items()}
     return Design(
@@ -196,14 +198,20 @@ def _mass(
     total = whole if whole is not None else sum(mass(stage, None, unknown) for stage in stages)
     by_scale = rocket.get("program") != "RASAero"  # there, the stated mass is that of a simulation less its motor
     if by_scale and any(below for part in (rocket, *stages) for own, below in [override(part)] if own is not None):
-        notes.append("mass as weighed; subtract the empty motor case if it was in the rocket")
+        notes.append(
+            "mass as weighed; subtract the empty motor case if it was in the rocket, "
+            f"else apogees are too low, {PER_MASS}"
+        )
     fresh = next((one for one in stored if one.fresh and one.dry_mass), None)
     if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > MASS_ROUNDING:
         if abs(total / fresh.dry_mass - 1) > 0.1:
             notes.append(f"the masses of its parts add up to {total / fresh.dry_mass:.0%} of the simulated mass")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
     if unknown and fresh is None:
-        notes.append(f"the mass of {', '.join(map(shown, unknown[:5]))} is unknown and left out")
+        notes.append(
+            f"the mass of {', '.join(map(shown, unknown[:5]))} is unknown and left out: "
+            f"apogees are too high, {PER_MASS}"
+        )
     entered = whole is not None or all(own is not None and below for own, below in map(override, stages))
     return total or None, "the mass entered for it" if entered else "the sum of its parts"
 
@@ -234,7 +242,7 @@ def _drag(
         return None, ""
     one = flown[0]
     if not one.fresh:
-        notes.append(f"the simulation {one.name} is older than the design")
+        notes.append(f"the simulation {one.name} is older than the design: its Cd may be off either way")
     if not one.consistent:
         notes.append(f"the drag force of {one.name} does not match its Cd: it was simulated with another diameter")
     found = [_on(each.cd, each.reference, diameter) for each in flown if each.cd and each.fresh == one.fresh]

@@ -8,7 +8,7 @@ names of the elements are from memory of RockSim 9 files: none was at hand to co
 from collections.abc import Callable, Iterator
 from xml.etree.ElementTree import Element, SubElement
 
-from fieldkit.openrocket.parts import number
+from fieldkit.openrocket.parts import PER_MASS, number
 
 NOSES = ("conical", "ogive", "ellipsoid", "ellipsoid", "haack", "parabolic", "power", "haack")
 """Profiles by their number; RockSim's own parabola is nearest to an ellipsoid."""
@@ -48,7 +48,8 @@ def from_rocksim(root: Element) -> tuple[Element, list[str]]:
     notes = ["the motors of a RockSim file are not read; state one with --motor"]
     notes.append("not tried on a file of RockSim yet: compare mass, length and margin with what it shows")
     if unread:
-        notes.append(f"not read: {', '.join(unread)}; their mass and lift are missing")
+        missing = f"their mass and lift are missing: apogees are too high, {PER_MASS}, and the margin is off"
+        notes.append(f"not read: {', '.join(unread)}; {missing}")
     return document, notes
 
 

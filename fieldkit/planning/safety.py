@@ -170,7 +170,8 @@ def rail_line(speeds: Float[Array, "draw"], plan: Flight, limits: Limits) -> Saf
         angle = math.degrees(math.atan2(light, middle))
         text += f": a wind of {speed(light)} meets it at {angle:.0f}°"
     if plan.rail_length is None:
-        text += f"; rail length not given, {fine(RAIL_LENGTH, 'm')} assumed: faster off a longer one"
+        usual, twice = fine(RAIL_LENGTH, "m"), fine(2 * RAIL_LENGTH, "m")
+        text += f"; rail length not given, {usual} assumed: faster off a longer one, by 20 to 45% off {twice}"
     return SafetyCheck("rail exit speed", verdict, text, (fraction if slow else times if windy else fixed).source)
 
 

@@ -37,7 +37,7 @@ def conditions_in_words(plan: Flight, rocket: Rocket | None = None, system: str 
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
-    blows = f"wind {wind}" if wind else "wind not given"
+    blows = f"wind {wind}" if wind else "wind not given (any wind lowers the apogee)"
     slanted = f"at {(angle or '').removeprefix('-')} {_way(plan)}"
     yield f"  with      {blows}, {rail}, {slanted if plan.rail_angle else 'vertical'}"
     design = rocket.design(plan.config) if rocket is not None else None

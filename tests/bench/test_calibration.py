@@ -68,6 +68,6 @@ def test_the_summary_compares_forecasts_with_the_plain_model_the_truth_given_and
         ]
     )
     assert "the fit with the true effect: 1.41 (geometric mean), highest 2.00 (wear)" in output
-    assert "more than 5% above the plain model's: 1 of 3" in output
+    assert "more than 5% above that without a correction: 1 of 3" in output
     assert "coverage after by scenario: 70% (wear) to 100%" in output
     assert "interval score after relative to before: 1.00, to the ideal: 3.17 (geometric mean)" in output
