@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tools.strings import texts
+
 pytestmark = pytest.mark.fast
 CHECK_SHAPES = False
 
@@ -81,6 +83,16 @@ BANNED = re.compile(
 )
 QUOTED = re.compile(r"`[^`]*`|\{[^}]*\}|“[^”]*”")
 """Not checked: names in code, fields of a message and quoted rules."""
+
+PRIVATE = """
+    air start, autocorrelation, Bayes factor, bootstrap, candidate, clean flight, covariance, covariate, credible,
+    discrepancy, draws, ensemble, hyperparameter, hyperprior, kept, latent, leave-one-out, likelihood, linearized,
+    marginal, Monte Carlo, nuisance, parser, plain model, pooling, posterior, propellant_share, quantile, random effect,
+    regression, shrinkage, sigma, spike and slab, stacking, tilt, variance, whitening
+"""
+"""Words of statisticians and developers that a flyer has not met."""
+MOST_PRIVATE = 5
+"""Highest number of such words that a flyer may meet and the glossary of the manual lacks. [1]"""
 
 QUOTES = {
     "masses not on record": "a key in the shipped catalog of motors",
@@ -175,3 +187,18 @@ def test_the_whole_left_column_of_the_glossary_is_looked_for_or_has_an_ordinary_
     assert all(ORDINARY.values())
     assert banned_words(" and ".join(set(terms) - set(ORDINARY))) != []
     assert [term for term in terms if term not in ORDINARY and not banned_words(term)] == []
+
+
+def test_a_flyer_meets_few_private_words_that_the_glossary_lacks() -> None:
+    """On the pages before those on what was measured, among them the help of all commands, and in app and reports."""
+    pages = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("What was measured")[0]
+    files = [f"docs/{name}.md" for name in [*re.findall(r"- ([\w-]+)\.md", pages), "evidence"]] + ["README.md"]
+    assert len(files) > 30
+    shown = [re.sub(r"\]\([^)]*\)", "]", (ROOT / name).read_text(encoding="utf-8")) for name in files]
+    shown += [text for _, _, text in texts(("fieldkit/tui", "fieldkit/presentation"))]
+    private = [word.strip() for word in " ".join(PRIVATE.split()).split(",")]
+    found = re.findall(rf"(?<![\w-])({'|'.join(map(re.escape, private))})s?(?![\w-])", "\n".join(shown), re.IGNORECASE)
+    glossary = (ROOT / "docs/glossary.md").read_text(encoding="utf-8").lower()
+    missing = {word.lower() for word in found if f"**{word.lower()}" not in glossary}
+    assert len(missing) <= MOST_PRIVATE, sorted(missing)
+    assert missing, "the words are looked for"

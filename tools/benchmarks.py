@@ -17,6 +17,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from tools.markdown import commit
+
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "docs" / "benchmarks"
 PAGE = ROOT / "docs" / "speed.md"
@@ -44,11 +46,8 @@ def _row(file: str, found: dict[str, Any]) -> dict[str, Any]:
 
 def machine() -> dict[str, Any]:
     """The commit and the type of machine, without its name."""
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, check=True, capture_output=True, text=True
-    ).stdout.strip()
     return {
-        "commit": commit,
+        "commit": commit(),
         "at": datetime.now(UTC).isoformat(timespec="minutes"),
         "python": platform.python_version(),
         "system": platform.system(),

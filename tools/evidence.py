@@ -22,8 +22,7 @@ from fieldkit.presentation.fleet_text import fleet_document
 from fieldkit.services.fleet_loop import close_fleet_loop
 from fieldkit.services.imports import bring_in
 from fieldkit.services.one_offs import flights_beside_others
-from tools.benchmarks import machine
-from tools.markdown import MEASURED
+from tools.markdown import MEASURED, commit
 from tools.noted_causes import causes_found
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -182,7 +181,7 @@ def main(*ledgers: str) -> None:
         path = DOCS / f"evidence_{name}.svg"
         path.write_text(draw(), encoding="utf-8")
         print(path)
-    found: dict[str, Any] = {"command": "python -m tools.evidence JOURNAL CONTEST", "commit": machine()["commit"]}
+    found: dict[str, Any] = {"command": "python -m tools.evidence JOURNAL CONTEST", "commit": commit()}
     for name, file in zip(("journal", "contest"), ledgers, strict=False):
         with Ledger.open(Path(file)) as ledger:
             found[name] = causes_and_shared(ledger)

@@ -1,6 +1,7 @@
 """Parts of the generated pages in `docs/`."""
 
 import json
+import subprocess
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -23,6 +24,12 @@ def table(headers: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str
     yield "|" + "---|" * len(headers)
     yield from ("| " + " | ".join(row) + " |" for row in rows)
     yield ""
+
+
+def commit() -> str:
+    """The short name of the checkout's commit."""
+    command = ["git", "rev-parse", "--short", "HEAD"]
+    return subprocess.run(command, cwd=MEASURED, check=True, capture_output=True, text=True).stdout.strip()
 
 
 def measured(name: str) -> dict[str, Any] | None:

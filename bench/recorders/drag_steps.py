@@ -30,7 +30,7 @@ from fieldkit.importing.recognize import open_log
 from fieldkit.selection.drag_steps import LoggedDrag, drag_steps
 from fieldkit.selection.logged_forces import DRAG_STEP
 from fieldkit.selection.prior import log_prior_odds
-from tools.markdown import prose, table
+from tools.markdown import commit, prose, table
 
 Cause = Literal["healthy", "brakes", "lost fin", "streamer", "chuffing"]
 CAUSES: tuple[Cause, ...] = ("healthy", "healthy", "brakes", "brakes", "lost fin", "streamer", "chuffing")
@@ -198,7 +198,7 @@ def main(arguments: list[str] | None = None) -> int:
     found = {name: list(rockets(name, chosen.rockets, chosen.seed)) for name in chosen.recorders}
     rows = [row(name, flights) for name, flights in found.items()]
     rows.append(row("all", [one for flights in found.values() for one in flights]))
-    lines = [*HEAD, *table(HEADERS, rows)]
+    lines = [*HEAD, *table(HEADERS, rows), f"Run on {commit()}."]
     if chosen.out:
         chosen.out.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
     else:
