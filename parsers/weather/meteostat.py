@@ -20,6 +20,7 @@ from fieldkit.importing.weather import (
     read_time,
     table_rows,
 )
+from fieldkit.safe_text import whole_number
 
 BULK = "date,hour,temp,dwpt,rhum,prcp,snow,wdir,wspd,wpgt,pres,tsun,coco"
 SIGNS = {"temp", "rhum", "wspd", "pres"}
@@ -67,9 +68,10 @@ def _time(row: int, cells: WeatherRow) -> datetime:
     if "time" in cells:
         return read_time(cells["time"], row)
     day = cells.get("date") or "-".join(cells.get(name, "").zfill(2) for name in ("year", "month", "day"))
-    if not (hour := cells.get("hour", "")).isdigit() or int(hour) > 23:
-        raise DamagedLog(f"found {hour[:40]!r}, expected an hour from 0 to 23", row=row, column="hour")
-    return read_time(f"{day}T{int(hour):02d}:00", row, "date")
+    hour = whole_number(shown := cells.get("hour", ""))
+    if hour is None or hour > 23:
+        raise DamagedLog(f"found {shown[:40]!r}, expected an hour from 0 to 23", row=row, column="hour")
+    return read_time(f"{day}T{hour:02d}:00", row, "date")
 
 
 WEATHER = WeatherFormat("Meteostat (CSV)", recognizes, read)

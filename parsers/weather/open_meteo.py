@@ -11,6 +11,7 @@ from itertools import zip_longest
 
 from fieldkit import units
 from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.text import lines_of
 from fieldkit.importing.weather import (
     OF_A_MODEL,
     Report,
@@ -28,6 +29,8 @@ from fieldkit.importing.weather import (
 NAMES = {"temperature": "temperature_2m", "humidity": "relative_humidity_2m", "wind": "wind_speed_10m"}
 QUANTITY = {"temperature": "temperature", "humidity": "fraction", "wind": "speed"}
 LEVEL = re.compile(r"(?:wind_speed|windspeed)_(\d{2,4})(m|hPa)")
+ELEVATIONS = (-500.0, 9000.0)
+"""Bounds of the heights of land above the sea. [m]"""
 HEADINGS = "latitude,longitude,elevation,utc_offset_seconds"
 
 
@@ -41,10 +44,9 @@ def read(text: str) -> SavedWeather:
 
 
 def _from_csv(text: str) -> SavedWeather:
-    lines = text.splitlines()
     _, about = table_rows(text)
     _, place = next(about, (2, {}))
-    first = next((number for number, line in enumerate(lines) if line.startswith("time,")), None)
+    first = next((number for number, line in enumerate(lines_of(text)) if line.startswith("time,")), None)
     if first is None:
         raise DamagedLog("found no row of headers, expected `time,temperature_2m (°C),...`")
     headers, rows = table_rows(text, first)
@@ -58,10 +60,10 @@ def _from_json(text: str) -> SavedWeather:
         document = json.loads(text)
         hourly, spelled = document["hourly"], document["hourly_units"]
         columns = {str(name): [("" if one is None else str(one)) for one in values] for name, values in hourly.items()}
+        stated = {name: (name, str(spelled.get(name, ""))) for name in columns}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise DamagedLog("found no hourly weather, expected `hourly` and `hourly_units` of Open-Meteo") from error
     place = {name: str(value) for name, value in document.items() if isinstance(value, int | float | str)}
-    stated = {name: (name, str(spelled.get(name, ""))) for name in columns}
     each = zip_longest(*columns.values(), fillvalue="")
     rows = ((row, dict(zip(columns, cells, strict=True))) for row, cells in enumerate(each, start=1))
     reports, rejected = each_row(rows, lambda row, cells: _report(row, cells, stated, place))
@@ -81,9 +83,12 @@ def _report(row: int, cells: WeatherRow, stated: dict[str, tuple[str, str]], pla
         return None
 
     found = {name: value(named, QUANTITY[name]) for name, named in NAMES.items()}
-    ground = float(place.get("elevation") or 0.0)
+    elevation = cell_number(place, "elevation", 2, units.UNITS["length"]["m"])
+    if elevation is not None and not ELEVATIONS[0] < elevation < ELEVATIONS[1]:
+        raise DamagedLog(f"found {elevation:.4g}, expected a height of land in meters", row=2, column="elevation")
+    ground = elevation or 0.0
     surface = value("surface_pressure", "pressure")
-    pressure = qnh(surface, ground) if surface is not None and place.get("elevation") else None
+    pressure = None if surface is None or elevation is None else qnh(surface, ground)
     pressure = value("pressure_msl", "pressure") if pressure is None else pressure
     winds = []
     for name in stated:

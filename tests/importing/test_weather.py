@@ -1,6 +1,7 @@
 """Saved weather files: their units, times and damaged rows, and the weather at a moment between two reports."""
 
 import math
+from contextlib import suppress
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -161,3 +162,23 @@ def test_both_kinds_of_source_have_a_standard_deviation_for_every_quantity() -> 
 def test_a_torn_file_is_an_error_of_one_line(content: bytes) -> None:
     with pytest.raises((DamagedLog, UnknownFormat)):
         read_weather(content, "a")
+
+
+OPEN_METEO = (SAVED / "open_meteo.csv").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        OPEN_METEO.replace("utc_offset_seconds", "utc_offset_seconds" + "\x1d" * 100, 1),
+        OPEN_METEO.replace("440.0", "high"),
+        OPEN_METEO.replace("440.0", "1e9"),
+        OPEN_METEO.replace("440.0", "inf"),
+        '{"hourly": {"time": ["2026-05-16T11:00"]}, "hourly_units": []}',
+        (SAVED / "meteostat.csv").read_text(encoding="utf-8").replace(",11,", ",\u00b2,"),
+    ],
+    ids=["separators of groups", "an elevation in words", "a high elevation", "no elevation", "units", "superscript"],
+)
+def test_a_hostile_file_is_read_or_refused_in_a_line(text: str) -> None:
+    with suppress(DamagedLog, UnknownFormat):
+        assert all(math.isfinite(one.pressure or 0.0) for one in read_weather(text.encode(), "a")[1].reports)
