@@ -30,7 +30,7 @@ def key_table() -> str:
         "# Keys\n",
         f"{WRITTEN_BY}\n",
         "Words are those of the line of keys at the lower edge of the app; a key means the same on every page that "
-        "has it.\n",
+        "has it, and `e` opens the form that its word names.\n",
         f"## On every page\n\n{_table([('0 to 7', '', 'Open a page'), *everywhere])}",
     ]
     titles = {page.screen: f"{page.number} {page.title}" for page in pages().values()} | OVER_PAGES

@@ -101,7 +101,7 @@ def ballast_in_words(best: Ballast, goal: Goal, system: str = "SI") -> Iterator[
             if goal.rule is not None
             else (shown.length(best.gain * FOOT).split()[0], shown.length(best.gain_error * FOOT))
         )
-        yield f"  no change advised: a gain of {gain} ± {error} per flight is not significant"
+        yield f"  advice    no change: a gain of {gain} ± {error} per flight is not significant"
         yield "            one more flight at the current mass would help"
     change = f"{'add' if best.add >= 0 else 'remove'} {shown.mass(abs(best.add))}" if best.clear else "no change"
     yield f"  dry mass  {shown.mass(best.mass if best.clear else best.mass - best.add)}: {change}"

@@ -16,7 +16,7 @@ def estimate_line(found: TypedEstimate, system: str) -> str:
         return f"Next Cd and apogee: {in_system(found.implausible_because, system)}"
     low, middle, high = (_whole(height, system) for height in found.next_apogee)
     apogee = f"≈{middle} {spelled(unit_of(APOGEE, system))} ({low}-{high})"
-    return f"next Cd {_ratio(found.cd)}  thrust {_ratio(found.alpha)}  next apogee {apogee}"
+    return f"next Cd {_ratio(found.cd)}  thrust {_ratio(found.alpha)}  apogee {apogee}"
 
 
 def estimate_rows(found: TypedEstimate, system: str) -> list[tuple[str, str, Three]]:

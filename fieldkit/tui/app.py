@@ -142,6 +142,7 @@ class FieldkitApp(App[None]):
         for theme in THEMES.values():
             self.register_theme(theme)
         self.theme = self.resources.settings.theme
+        self.stylesheet.set_variables(self.get_css_variables())
         for name in pages():
             self.add_mode(name, partial(self._page, name))
 
@@ -180,6 +181,11 @@ class FieldkitApp(App[None]):
         """Show a page; one that was drawn before appears immediately, although Textual would hide it for a moment."""
         self._hides = mode not in self._opened or not self._opened[mode].size
         return super().switch_mode(mode)
+
+    def refresh_css(self, animate: bool = True) -> None:
+        """Style the screens again. Textual does so before the first one has widgets, and parses all styles twice."""
+        if any(screen.is_mounted for screen in self.screen_stack):
+            super().refresh_css(animate)
 
     def delay_update(self, delay: float = 0.05) -> None:
         """Hide changes until the layout is done, if there is something to hide."""
@@ -283,6 +289,11 @@ class FieldkitApp(App[None]):
         if isinstance(self.screen, PageScreen):
             self.screen.came()
             self.look_round()
+
+    async def action_fly(self) -> None:
+        """Show the motors, and no decision that was left open over them."""
+        await self.action_page("next_flight")
+        await self._close_above()
 
     async def _close_above(self) -> None:
         """Close the screens over the current page, but no form."""

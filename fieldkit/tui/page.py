@@ -87,7 +87,7 @@ class PageScreen(AskingScreen):
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
         Binding("a", "app.page('add')", "Add", show=False, tooltip="Enter a flight by hand"),
-        Binding("f", "app.page('next_flight')", "Fly", show=False, tooltip="Choose a motor and save its forecast"),
+        Binding("f", "app.fly", "Fly", show=False, tooltip="Choose a motor and save its forecast"),
         Binding("escape", "back", "Back", show=False, priority=True),
     ]
     DEFAULT_CSS = """

@@ -21,7 +21,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def figures(line: str) -> tuple[float, float]:
     """Cd and the next apogee of a line, or of intervals."""
-    found = re.search(r"Cd [├─●┤≈ ]*([\d.]+) \(.*thrust .*next apogee [├─●┤≈ ]*([\d.]+)", line, re.DOTALL)
+    found = re.search(r"Cd [├─●┤≈ ]*([\d.]+) \(.*thrust .*apogee [├─●┤≈ ]*([\d.]+)", line, re.DOTALL)
     assert found, line
     return float(found[1]), float(found[2])
 

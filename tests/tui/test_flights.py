@@ -222,7 +222,7 @@ async def test_a_log_is_plotted_with_its_events(tmp_path: Path) -> None:
         assert "liftoff" not in seen
         await press(pilot, "l", "end")
         assert "T+" in text_of(pilot, "#cursor")
-        assert "speed" in text_of(pilot, "#cursor")
+        assert "m/s" in text_of(pilot, "#cursor")
         assert "device: 161.5" in text_of(pilot, "#facts")
         await press(pilot, "escape")
         assert "PerfectFlite" in words(pilot)

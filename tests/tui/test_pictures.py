@@ -115,6 +115,13 @@ async def test_a_page_is_readable_in_every_other_theme(scene: str, file: Path) -
             assert not list(unreadable(pilot, theme)), theme
 
 
+async def test_the_theme_of_the_settings_is_there_from_the_start(file: Path) -> None:
+    settings.change_settings({"theme": "sun"}, file.with_name("settings.json"))
+    async with opened(file) as pilot:
+        assert {"-theme-sun", "-light-mode"} <= set(pilot.app.classes)
+        assert pilot.app.screen.styles.background.rgb == (255, 255, 255)
+
+
 async def test_the_palette_is_readable_in_the_sun_theme(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "T", "escape", "ctrl+p")

@@ -72,7 +72,7 @@ class AfterCard(VerticalScroll, can_focus=True):
     enter = "Add another"
     """What Enter does, for the key bar."""
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast")
+        Binding("f", "app.fly", "Fly", tooltip="Choose a motor and save its forecast")
     ]
     text = ""
     _drawn: tuple[Callable[[str], None], ...] = ()

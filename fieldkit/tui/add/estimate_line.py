@@ -29,7 +29,7 @@ class EstimateLine(Static):
     background, and only the newest is shown."""
 
     DEFAULT_CSS = """
-    EstimateLine { height: 1; padding: 0 2; text-wrap: nowrap; text-overflow: ellipsis; color: $text-muted; }
+    EstimateLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; color: $text-muted; }
     """
 
     def __init__(self) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any, ClassVar, cast
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -78,8 +79,16 @@ class Field(Horizontal):
     def note(self, text: str) -> None:
         """Show a note on the answer."""
         if text != self._noted:
-            self._noted = text
-            self.query_one(".note", Static).update(marked(printable(text)), layout=False)
+            self._noted, place = text, self.query_one(".note", Static)
+            place.update(marked(printable(brief(text, place.size.width - 1))), layout=False)
+
+
+def brief(note: str, width: int) -> str:
+    """A note in a width [cell]; of an error that is longer, only what is wrong, since its field shows the rest:
+    `✗ unit 'x'`."""
+    if cell_len(note) <= width or not note.startswith("✗ found "):
+        return note
+    return f"✗ {note.removeprefix('✗ found ').removeprefix('the ').partition(', expected')[0]}"
 
 
 def step(screen: Screen[Any], by: int) -> None:
@@ -98,7 +107,7 @@ class Form(HelpedModal[dict[str, object] | None]):
 
     DEFAULT_CSS = """
     Form { align: center middle; background: $backdrop; layers: base above; }
-    Form > Vertical { width: 94%; max-width: 84; height: auto; max-height: 94%; background: $surface;
+    Form > Vertical { width: 94%; max-width: 100; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
     Form VerticalScroll { height: auto; max-height: 60vh; }
     Form.-low VerticalScroll { max-height: 40vh; }

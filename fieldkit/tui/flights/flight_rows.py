@@ -18,6 +18,8 @@ from fieldkit.tui.widgets.table import Head
 WITH_FORECASTS, TIGHT = 98, 76
 """Minimum widths of a table with forecasts drawn next to all figures, and next to the most important ones: those on
 screens of 100 columns, and of 120 with the card beside it. [cell]"""
+MAX_ROCKET = 12
+"""Maximum width of a rocket's name where the date is written in full. [cell]"""
 
 
 @dataclass(slots=True, eq=False)
@@ -76,14 +78,17 @@ def _date(form: str) -> Callable[[FlightRow, str], str]:
     return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
 
 
-def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool = False) -> list[Shown]:
+def columns(
+    width: int, scale: HeightScale, system: str = "SI", *, beside: bool = False, rocket: int = MAX_ROCKET
+) -> list[Shown]:
     """The columns that fit: narrow screens shorten the date, the rocket and the tags; with enough room, the forecast
     and the flown apogee are drawn on a scale; a narrow table `beside` the card of a flight has this instead of
-    alpha."""
+    alpha. `rocket` is the length of the longest rocket's name. [cell]"""
     brief = beside and TIGHT <= width < WITH_FORECASTS
     wide, tight = width >= 134, width < TIGHT
     timed = width >= 108
     motor = 14 if wide else 6 if tight else 8
+    fitted = max(len("rocket") + 1, min(rocket, MAX_ROCKET))
     shown = [
         Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
         Shown(
@@ -95,7 +100,7 @@ def columns(width: int, scale: HeightScale, system: str = "SI", *, beside: bool 
         ),
         Shown(
             "rocket",
-            14 if wide else 6 if tight else 8 if brief else 0,
+            14 if wide else 6 if tight else 8 if brief else 0 if width >= WITH_FORECASTS else fitted,
             lambda r, _: r.flight.rocket,
             lambda r: r.flight.rocket.lower(),
         ),

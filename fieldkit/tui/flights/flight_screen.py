@@ -274,7 +274,7 @@ class FlightScreen(PageScreen):
         plot = self.query_one("#log-drag", Plot)
         plot.display = isinstance(found, CoastDrag)
         if isinstance(found, CoastDrag):
-            plot.border_title = Content("drag in the coast over its mean, by the log; dim: 90%")
+            plot.border_title = Content("coast drag over its mean; dim: 90%")
             plot.show(partial(draw_drag, found))
 
     def _show_hills(self, hills: "Hills | str") -> None:

@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from math import isfinite
 from typing import Any, ClassVar
 
+from rich.cells import cell_len
 from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
@@ -229,7 +230,9 @@ class FlightsScreen(PageScreen):
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
         beside = self.has_class("-wide")
-        return columns(self.query_one(Table).size.width, self._scale, self.resources.settings.units, beside=beside)
+        longest = max((cell_len(row.flight.rocket) for row in self._rows.values()), default=0)
+        width, system = self.query_one(Table).size.width, self.resources.settings.units
+        return columns(width, self._scale, system, beside=beside, rocket=longest)
 
     def _sorted_by(self, shown: Sequence[Shown]) -> int:
         """The place of the column that determines the order; that of the date if the column does not fit."""

@@ -114,7 +114,7 @@ def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float,
     labels = spaced([*named, *seconds], first, last, ink.width)
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(first, last)
-    at = round_ticks(low, high, max(3, ink.height // 2))
+    at = round_ticks(low, high, max(3, ink.height // 3))
     plt.yticks(at, [f"{value:7g}" for value in at])  # equal widths, so that times are aligned
 
 
@@ -127,7 +127,7 @@ def draw_drag(found: CoastDrag, plt: Any, ink: Any) -> None:
     plt.plot(time, found.mean.tolist(), marker="braille", color=ink.line)
     low, high = max(0.0, min(found.low.min(), 0.5)), min(max(found.high.max(), 1.5), MAX_DRAG)
     plt.ylim(low, high)
-    at = round_ticks(low, high, max(3, ink.height // 2))
+    at = round_ticks(low, high, max(3, ink.height // 3))
     plt.yticks(at, [f"{value:7g}" for value in at])
     seconds = round_ticks(time[0], time[-1], max(2, ink.width // 12))
     plt.xticks(seconds, [f"{value:g} s" for value in seconds])

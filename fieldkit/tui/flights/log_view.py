@@ -204,7 +204,7 @@ class LogView(HelpedModal[None]):
             plot = self.query_one(f"#look-{name}", Plot)
             plot.border_title = Content(trace.title)
             plot.show(_with_cursor(trace, curve.events, span, self._moment))
-            parts.append(f"{name} {scale.from_si(here):.1f} {spelled(unit)}")
+            parts.append(f"{scale.from_si(here):.1f} {spelled(unit)}")
         step = (span[1] - span[0]) / STEPS
         near = STEPS_TO_EVENT * step
         parts += [event_title(name) for name, moment in curve.events.items() if abs(moment - self._moment) < near]

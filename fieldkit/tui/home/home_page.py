@@ -149,7 +149,8 @@ class HomeCard(Vertical):
         """Draw the interval as wide as the card."""
         width = self.size.width - 2
         row = self.interval
-        self._bar.update(Content(bar(row, *row.ends, width) if row is not None and width > 10 else ""))
+        drawn = bar(row, *row.ends, width) if row is not None and width > 10 else ""
+        self._bar.update(Content(drawn), layout=False)
 
 
 def lines(text: str) -> Content:
@@ -204,8 +205,8 @@ class LastCard(HomeCard):
         self.figure(title, number(APOGEE, apogee, system), words, interval, day)
 
 
-MAX_PAINT = 1.0
-"""Longest wait for the first rows to be painted. [s]"""
+PAINT_TIME, MAX_PAINT = 0.05, 1.0
+"""Time to paint the first rows before the engine is imported, and the longest wait for that. [s]"""
 
 
 class HomeScreen(PageScreen):
@@ -237,9 +238,7 @@ class HomeScreen(PageScreen):
         ("fieldkit flights", "fieldkit predict --motor F24-4W --wind 8mph", "fieldkit add", "fieldkit demo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("f", "app.page('next_flight')", "Fly", tooltip="Choose a motor and save its forecast"),
-        Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
-        Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
+        Binding("p", "plan", "Plan", show=False, tooltip="Rocket, mass and conditions"),
         Binding("e", "day_weather", "Weather", tooltip="Enter today's weather, for every plan and flight of the day"),
         Binding("K", "pad", "Check", tooltip="The checklist at the pad, and the contest's timer"),
     ]
@@ -302,7 +301,7 @@ class HomeScreen(PageScreen):
     def _have_first(self, latest: list[ListedFlight]) -> None:
         if latest:
             self._list(latest)
-        self.call_after_refresh(self._painted.set)
+        self.set_timer(PAINT_TIME, self._painted.set)
         self.ask(self._read_when_painted, self._have, "overview")
 
     def _read_when_painted(self) -> "Overview | None":

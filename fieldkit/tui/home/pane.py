@@ -36,7 +36,7 @@ class Pane(VerticalScroll, can_focus=False):
     Pane { width: 1fr; border: round $border-blurred; padding: 0 1; margin: 0 1 0 0; border-title-color: $foreground; }
     Pane Static { height: auto; }
     Pane #pane-why { margin: 1 0; }
-    Pane Plot { height: 1fr; min-height: 8; max-height: 24; border-top: solid $border-blurred;
+    Pane Plot { height: 1fr; min-height: 8; max-height: 40; border-top: solid $border-blurred;
         border-title-color: $foreground; }
     """
 
@@ -107,8 +107,8 @@ def _draw_misses(missed: Sequence[ListedFlight], here: ListedFlight | None, syst
     labels = spaced([(float(p), printable(missed[p].id)) for p in places], 0.0, len(missed) - 1.0, ink.width)
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(-0.5, len(missed) - 0.5)
-    at = round_ticks(min(0.0, *values), max(0.0, *values), max(3, ink.height // 2))
-    plt.yticks(at, [f"{value:+g}" for value in at])
+    at = round_ticks(min(0.0, *values), max(0.0, *values), max(3, ink.height // 3))
+    plt.yticks(at, [f"{value:+g}" if value else "0" for value in at])
 
 
 def beside_others(resources: Resources, flights: Sequence[ListedFlight]) -> Beside:

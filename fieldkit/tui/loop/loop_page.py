@@ -120,7 +120,7 @@ class LoopScreen(PageScreen):
         Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
         Binding("w", "report", "Report", tooltip="Write the report of this rocket", show=False),
         Binding("left", "turn(-1)", "Previous panel", show=False, priority=True),
-        Binding("right", "turn(1)", "Panels", key_display="←→", priority=True),
+        Binding("right", "turn(1)", "Views", key_display="←→", priority=True),
     ]
     DEFAULT_CSS = """
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }

@@ -334,7 +334,8 @@ class Decision:
         alone = [short_name(one) for one, _ in per_flight if judged_duration(one) is None]
         none = [f"{short_name(one)} ({why_no_score(one, rule.egg_count)})" for one, own in last if not isfinite(own)]
         if per_flight:
-            yield f"  points by this rule: {', '.join(f'{short_name(one)}: {own:.0f}' for one, own in per_flight)}"
+            points = ", ".join(f"{short_name(one)}: {own:.0f}" for one, own in per_flight)
+            yield f"  flights   {points} points by this rule"
         if none:
             yield f"            no score, count as attempts: {', '.join(none)}"
         if alone:

@@ -50,11 +50,11 @@ def draw_thrust(motor: Motor, plt: Any, ink: Any) -> None:
     """Draw thrust against time, and the average while it burns."""
     plt.plot(motor.time.tolist(), motor.thrust.tolist(), marker="braille", color=ink.line)
     start, end = motor.burning
-    plt.plot([start, end], [motor.average_thrust] * 2, marker="╌", color=ink.mark)
+    plt.plot([start, end], [motor.rated_thrust] * 2, marker="╌", color=ink.mark)
     last = motor.thrust_end
     plt.xlim(0, last)
     plt.ylim(0, motor.peak_thrust * 1.05)
     plt.xticks([0, last / 2, last], ["0", f"{last / 2:.2g}", f"{last:.2g} s"])
     plt.yticks(
-        [0, motor.average_thrust, motor.peak_thrust], ["0", f"{motor.average_thrust:.3g}", f"{motor.peak_thrust:.3g}"]
+        [0, motor.rated_thrust, motor.peak_thrust], ["0", f"{motor.rated_thrust:.3g}", f"{motor.peak_thrust:.3g}"]
     )

@@ -64,7 +64,10 @@ NEXT_HELP = Help(
         ),
         ("off", "Forecast minus target, if you set one (g); the nearest motor comes first."),
         ("eject", "Seconds from apogee to ejection, for the delay that the motor has; negative is before it."),
-        ("by delay", "The same for each delay on sale, and for that of the plan."),
+        (
+            "by delay",
+            "The same for each delay on sale, and for that of the plan: 5:-0.6 is 0.6 s before apogee with 5 s.",
+        ),
         ("├─●─┤", "With c: the 90% interval, all motors on one scale; ◎ is the target."),
         ("mm, N s", "Diameter and total impulse of the motor; c shows more columns."),
         (

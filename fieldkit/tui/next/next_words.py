@@ -46,12 +46,12 @@ def interval(apogee: Three, system: str) -> str:
 def figures(plan: Plan, one: MotorChoice, system: str) -> list[tuple[str, str]]:
     """The figures below the density, name and value."""
     prediction = one.prediction
-    fires = [f"{delay:g} s {motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
+    fires = [f"{delay:g}:{motor_rows.signed(seconds)}" for delay, seconds in one.ejections]
     misfit = plan.misfit(one.motor) or ", ".join(line.name for line in one.why_not)
     return [
         ("✗ fit", misfit),
         ("ejection", _ejection(prediction.median_eject)),
-        ("by delay", "  ".join(fires)),
+        ("by delay", " ".join(fires) + " s" if fires else ""),
         ("off rail", rail_speed(prediction, system)),
         ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
         ("top speed", measure(BY_NAME["top_speed"], median(prediction.top_speed), system)),

@@ -101,7 +101,7 @@ class SetupScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
         Binding("left", "turn(-1)", "Previous list", show=False),
-        Binding("right", "turn(1)", "Lists", key_display="←→"),
+        Binding("right", "turn(1)", "Views", key_display="←→"),
         Binding("slash", "find", "Find", key_display="/", tooltip="Find in the list"),
         Binding("i", "add_one", "New", tooltip="Add a kit, a site, or the motors of a .eng or .rse file"),
         Binding("x,delete", "delete_kit", "Remove", key_display="x", tooltip="Remove this kit"),
