@@ -60,6 +60,7 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "m": Unit(1.0),
         "mm": Unit(1e-3),
         "cm": Unit(1e-2),
+        "dm": Unit(1e-1),
         "km": Unit(1e3),
         "in": Unit(INCH),
         "ft": Unit(FOOT),
@@ -137,8 +138,8 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 """Units by quantity and lower-case suffix."""
 
 _WORDS = {
-    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",
-    "ms": "millisecond milliseconds millis msec",
+    "s": "second seconds sec secs sek sekunde sekunden secondes seg segundos secondi sekundy sekund с сек 秒 초",
+    "ms": "millisecond milliseconds millis msec мс 毫秒 ミリ秒",
     "ds": "decisecond deciseconds",
     "cs": "centisecond centiseconds",
     "us": "microsecond microseconds micros usec μs",
@@ -149,13 +150,13 @@ _WORDS = {
     "mm": "millimeter millimeters millimetre millimetres",
     "cm": "centimeter centimeters centimetre centimetres",
     "km": "kilometer kilometers kilometre kilometres",
-    "ft": "foot feet '",
+    "ft": "foot feet fuß fuss voet pied pieds pie pies pé pés piedi stopy stóp фут футы футов フィート 英尺 피트 '",
     "in": 'inch inches "',
     "yd": "yard yards",
     "mi": "mile miles",
-    "pa": "pascal pascals",
-    "hpa": "hectopascal hectopascals",
-    "kpa": "kilopascal kilopascals",
+    "pa": "pascal pascals па 帕",
+    "hpa": "hectopascal hectopascals гпа 百帕",
+    "kpa": "kilopascal kilopascals кпа 千帕",
     "mbar": "millibar millibars mbars",
     "inhg": 'inchhg incheshg "hg inchesofmercury inhga',
     "mmhg": "torr",
@@ -178,7 +179,10 @@ _WORDS = {
     "ft/s": "f/s",
     "knots": "knot kts",
 }
-_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {"ftagl": "ft", "magl": "m"}
+_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {
+    "ftagl": "ft",
+    **dict.fromkeys(["magl", "metern", "metry", "metrów", "米", "メートル", "미터"], "m"),
+}
 """Other spellings of units, or of a part of one, such as the `sec` of `ft/sec`."""
 CUSTOMARY_UNITS = frozenset({"ft", "in", "yd", "mi", "mph", "fps", "ft/s", "lb", "lbs", "oz", "inhg", "f", "°f", "psi"})
 """Units of flyers who write a decimal point."""

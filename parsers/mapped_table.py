@@ -17,8 +17,9 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading
-from fieldkit.importing.tables.clocks import credible
+from fieldkit.importing.tables.clocks import credible, spread
 from fieldkit.importing.tables.column_choice import (
+    HEIGHTS,
     SUFFICIENT_CHANNELS,
     Pick,
     chosen,
@@ -75,7 +76,8 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
     if missing := missing_channel({pick.channel for pick in picks}):
         columns = ", ".join(shown(name) for name in layout.headers[:30])
         raise DamagedLog(
-            f"found no column of {missing} among {columns}; name it with --map '{missing}=its column'",
+            f"found no column of {missing} among {columns}; name it with --map '{missing}=its column'"
+            + ", or how often samples were taken: --map 'time=20 Hz'" * (missing == "time"),
             row=layout.above or None,
         )
     line, found = _one_table(log, layout, picks, choice)
@@ -160,7 +162,7 @@ def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
             suffix=layout.suffix(pick.place),
             clock=pick.unit == "clock",
         )
-        for pick in {pick.place: pick for pick in picks}.values()
+        for pick in {pick.place: pick for pick in picks if not pick.counts_rows}.values()
     ]
     senders = (i for i, name in enumerate(layout.headers) if layout.says(i) and set(heading(name).words) & SENDERS)
     place = next(senders, None)
@@ -214,6 +216,8 @@ def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> lis
         begin = datetime.fromtimestamp(start, UTC)
         extra["log_started_utc"] = begin.isoformat(timespec="seconds").replace("+00:00", "Z")
         time = time - start
+    if (heights := next((values[name] for name in HEIGHTS if name in values), None)) is not None:
+        time = spread(time, np.isfinite(heights))
     table = LogTable({**values, "time": time}, table.rows, found=table.found)
     table = _oldest_first(table.pick(np.isfinite(time)))
     if not len(table):

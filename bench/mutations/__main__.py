@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.mutations import handed_on, tables
+from bench.mutations import handed_on, programs, tables
 from bench.mutations.files import FILES
 from bench.mutations.tables import log_of
 from bench.recorders.flights import draw
@@ -28,7 +28,7 @@ from fieldkit.importing.read import read
 from fieldkit.importing.tables.mapping import read_choice
 from fieldkit.parallel import processes
 
-KINDS = {**tables.KINDS, **handed_on.KINDS}
+KINDS = {**tables.KINDS, **handed_on.KINDS, **programs.KINDS}
 """Kinds of tables by what was done."""
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 

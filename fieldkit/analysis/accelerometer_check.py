@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
-from fieldkit.analysis.initial_guess import levelled
+from fieldkit.analysis.initial_guess import lagged, levelled
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import mad_sd, median_step
@@ -50,6 +50,8 @@ _CORRELATION_TIME = 0.5
 """Correlation time of the errors of heights. [s]"""
 _MAX_SAMPLE_INTERVAL = 0.2
 """Longest sample interval at which an accelerometer still captures the whole boost. [s]"""
+_FILTERS = (0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6)
+"""Time constants of filters to try if no delay explains the heights. [s]"""
 _MAX_SHIFT, _STEP = 1.5, 0.02
 """Range of clock shifts to try, and the step. [s]"""
 _SCALE, _RAM, _HEIGHT_ERROR = 0.3, 0.05, 0.01
@@ -67,7 +69,8 @@ class Agreement:
     `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2]; `misfit` is what
     remains after both, in standard deviations of the heights [1]. `derived` if the channel was computed rather than
     measured by a sensor. `boost` is the duration of the boost according to the heights, `onset` the time constant with
-    which the channel rises at lift-off [s].
+    which the channel rises at lift-off [s]. `filtered` is the time constant of the filter that the heights are behind,
+    if that explains them and no delay does [s].
     """
 
     scale: float
@@ -79,6 +82,7 @@ class Agreement:
     derived: bool = False
     boost: float = 0.0
     onset: float = 0.0
+    filtered: float = 0.0
 
     @property
     def is_consistent(self) -> bool:
@@ -158,7 +162,15 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
     derived, boost = _is_derived(push, seen), seen.fastest - lift.time
     onset = _onset(time, net, lift.time, seen.fastest) if derived else 0.0
-    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost, onset)
+    filtered = 0.0
+    if misfit > _MAX_MISFIT and full is None:
+        even = np.arange(time[0], time[-1], _STEP)
+        fast, high = np.interp(even, time, speed), np.interp(even, time, climb)
+        behind = [lagged(high, float(high[0]), _STEP, lag) for lag in _FILTERS]
+        costs = [_fit(when, height, even, one, fast, None, track.noise)[0] for one in behind]
+        least = int(np.argmin(costs))
+        filtered = _FILTERS[least] if costs[least] < _MAX_MISFIT**2 * when.size else 0.0
+    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost, onset, filtered)
 
 
 def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, fastest: float) -> float:

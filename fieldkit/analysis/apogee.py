@@ -37,7 +37,11 @@ def falls(ascent: Ascent) -> bool:
 
 
 def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
-    """The top of the curve, or of the heights if the curve misses it; None if they still rise when the log ends."""
+    """The top of the curve, or of the heights if the curve misses it; None if they still rise when the log ends.
+
+    The curve misses the heights around the top if they are farther from it than from a parabola of their own: something
+    disturbed the pressure in the climb, such as air brakes, but hardly at the top, where the air is at rest.
+    """
     has_samples = _has_samples(ascent.time, track, seen.top)
     place = int(np.argmax(np.where(has_samples, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:
@@ -50,6 +54,9 @@ def apogee_of(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Fig
     residual = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     fit_error = mad_sd(residual) / 2 if mad_sd(residual) > 3 * track.noise else 0.0
     sd = float(np.linalg.norm([tops.std(), seen.pad_sd, fit_error, slow_error_sd(track, seen)]))
+    shown = _by_heights(seen, track) if seen.down and fit_error > 0 else None
+    if shown is not None and shown[1].sd < fit_error:
+        return shown
     spread = 1.4826 * np.median(np.abs(moments - moment))
     event = Event(moment, float(np.hypot(spread, track.lag / 2)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)

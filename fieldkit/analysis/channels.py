@@ -65,7 +65,8 @@ class Heights:
 
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` if samples near the
     speed of sound were removed because shocks faked a fall. `lag` is the delay from a filter or small vents, which has
-    been removed [s].
+    been removed [s]. `bend` is the time constant of a filter that they may be behind, whether they are corrected for it
+    or not: it bends the end of a descent [s].
     """
 
     time: Float[Array, "time"]
@@ -75,6 +76,7 @@ class Heights:
     source: str
     disturbed: bool = False
     lag: float = 0.0
+    bend: float = 0.0
 
     @property
     def is_barometric(self) -> bool:

@@ -26,6 +26,8 @@ its last height [s]."""
 _MIN_LINE_SAMPLES, _MAX_LINE_SAMPLES, _LINES, _BENT = 6, 200, 2, 0.4
 """Fewest and most samples of the last line of a descent, the number of lines, each up to the landing that the one
 before it shows [1], and how long before that a filter or small vents may bend the descent [s]."""
+_TAIL = 3.5
+"""Time for which heights behind a filter approach the level of a landing visibly, in its time constants. [1]"""
 _LONG_REST, _REST_HEIGHT, _REST_MARGIN = 2.5, 0.5, 0.5
 """A rest of this length shows in a difference of heights two seconds apart [s]; how much above a shorter one smoothed
 heights may be [m]; uncertainty of the beginning of a rest from smoothed heights [s]."""
@@ -71,15 +73,16 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     level_sd = float(np.hypot(slow_error, track.noise / np.sqrt(rest.sum())))
     found, end = Event(about, 1.0, track.source), about
     high = calm > level + 4 * np.hypot(track.noise, slow_error)
+    bent = max(_BENT, _TAIL * track.bend)
     for _ in range(_LINES):
-        falls = (time > max(apogee, about - 8)) & (time < end - _BENT) & high
+        falls = (time > max(apogee, about - 8 - bent)) & (time < end - bent) & high
         if falls.sum() < 4:
             break
         line = _final_line(time[falls], track.noise)
         when = time[falls][line]
         slope, middle = student_line(when, height[falls][line], track.noise)
         end = (level - middle) / slope if slope < -0.3 else about
-        end = float(np.clip(end, about - 2, about + 1))
+        end = float(np.clip(end, about - 2 - bent, about + 1))
         sd = float(np.hypot(_line_error(when, track.noise, end), level_sd)) / max(-slope, 0.5)
         found, high = Event(end, sd, track.source), np.full(time.size, True)
     return found, level

@@ -24,6 +24,8 @@ _MAX_STEP_GAP = 3
 """Steps of one sign within this many samples count as one. [1]"""
 _MIN_STEP = 10.0
 """Smaller steps are left to the fit. [m]"""
+_SCATTER_WINDOW = 2.0
+"""Time around a step whose other samples show how much heights scatter there, as under a parachute that swings. [s]"""
 _SPEED_OF_SOUND = 335.0
 _NEAR_SONIC_SPEED = 0.4 * _SPEED_OF_SOUND
 """Mean speed from before an apparent fall to after it above which the rocket was near the speed of sound. The mean over
@@ -116,7 +118,9 @@ def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
     step, change = np.diff(track.time), np.diff(track.height)
     usual = running_median(change / step, 9) * step
     excess = change - usual
-    beyond = np.abs(excess) > np.maximum(_MAX_ACCELERATION * step**2 + 8 * track.noise, _MIN_STEP)
+    usual_excess = 1.4826 * running_median_over(track.time[1:], np.abs(excess), _SCATTER_WINDOW, 11, 201)
+    noise = np.maximum(track.noise, usual_excess)
+    beyond = np.abs(excess) > np.maximum(_MAX_ACCELERATION * step**2 + 8 * noise, _MIN_STEP)
     last, total = -1, 0.0
     for place in np.flatnonzero(beyond).tolist():
         size = float(excess[place])

@@ -27,8 +27,10 @@ from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
-_LAGS = (0.0, 0.06, 0.12, 0.2, 0.28, 0.36, 0.45, 0.55, 0.7)
-"""Lags to try. [s]"""
+_USUAL_LAGS = (0.0, 0.06, 0.12, 0.2, 0.28, 0.36, 0.45, 0.55, 0.7)
+"""Lags of altimeters. [s]"""
+_LAGS = (*_USUAL_LAGS, 0.85, 1.05, 1.3, 1.6)
+"""Lags to try: software of flyers has slower filters than altimeters. [s]"""
 _TYPICAL_LAG = 0.05
 """Scale of the half-Cauchy prior of a lag: half of all loggers are below it, one in six has more than 0.2 s. [s]"""
 
@@ -54,18 +56,18 @@ def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag
     if lift is None or not track.is_barometric or seen.transonic or burnout_is_hidden(track, seen):
         return [replace(NO_LAG, lift=lift)]
     lifts = earlier_liftoffs(lift, track, seen, _LAGS)
-    return [Lag(*one) for one in zip(_LAGS, _prior().tolist(), lifts, strict=True)]
+    return [Lag(*one) for one in zip(_LAGS, _prior(_LAGS).tolist(), lifts, strict=True)]
 
 
-def _prior() -> Float[Array, "lag"]:
-    """Prior probability of each lag to try. [1]"""
-    edges = np.append((np.array(_LAGS[1:]) + _LAGS[:-1]) / 2, np.inf)
+def _prior(lags: tuple[float, ...]) -> Float[Array, "lag"]:
+    """Prior probability of each of some lags [s]. [1]"""
+    edges = np.append((np.array(lags[1:]) + lags[:-1]) / 2, np.inf)
     return np.diff(np.arctan(edges / _TYPICAL_LAG) * 2 / np.pi, prepend=0.0)
 
 
 def widened_by_unseen_lag(found: Recorded) -> Recorded:
     """Results from heights whose lag is unknown: apogee and landing may be late, and the apogee low."""
-    lag, prior = np.array(_LAGS), _prior()
+    lag, prior = np.array(_USUAL_LAGS), _prior(_USUAL_LAGS)
     late, low = float(np.sqrt(prior @ lag**2)), GRAVITY / 2 * float(np.sqrt(prior @ lag**4))
     figures, events = dict(found.figures), dict(found.events)
     for name, error in {"apogee": low, "time_to_apogee": late, "duration": late}.items():
@@ -76,10 +78,25 @@ def widened_by_unseen_lag(found: Recorded) -> Recorded:
     return replace(found, figures=figures, events=events)
 
 
+def widened_by_filter(found: Recorded, lag: float) -> Recorded:
+    """Results from heights behind a filter with a time constant [s], for which they are not corrected: what follows the
+    boost is late, and the apogee low."""
+    figures, events = dict(found.figures), dict(found.events)
+    errors = {"apogee": GRAVITY * lag**2 / 2, **dict.fromkeys(("time_to_apogee", "coast_to_apogee", "duration"), lag)}
+    if {"descent_speed", "duration", "time_to_apogee"} <= figures.keys():
+        speed, falls = figures["descent_speed"].value, figures["duration"].value - figures["time_to_apogee"].value
+        errors |= {"descent_speed": speed * lag / max(falls, lag), "eject_altitude": speed * lag}
+    for name in errors.keys() & figures.keys():
+        figures[name] = replace(figures[name], sd=float(np.hypot(figures[name].sd, errors[name])))
+    for name in events.keys() & {"apogee", "landing"}:
+        events[name] = replace(events[name], sd=float(np.hypot(events[name].sd, lag)))
+    return replace(found, figures=figures, events=events)
+
+
 def burnout_is_hidden(track: Heights, seen: Outline) -> bool:
     """Whether samples are missing between lift-off and the time when the heights would have followed a burnout."""
     begin = seen.lift if seen.lift is not None else seen.fastest
-    first, last = np.searchsorted(track.time, (begin, seen.fastest + _LAGS[-1]))
+    first, last = np.searchsorted(track.time, (begin, seen.fastest + _USUAL_LAGS[-1]))
     return float(np.diff(track.time[max(first - 1, 0) : last + 1]).max(initial=0.0)) > MAX_HEIGHT_GAP
 
 

@@ -17,7 +17,7 @@ from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push, all_heights, 
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.ejection import shock
 from fieldkit.analysis.flight_parts import FittedLog, recorded_of
-from fieldkit.analysis.height_lag import averaged, possible_lags, widened_by_unseen_lag
+from fieldkit.analysis.height_lag import averaged, possible_lags, widened_by_filter, widened_by_unseen_lag
 from fieldkit.analysis.initial_guess import MAX_SENSOR_GAP
 from fieldkit.analysis.liftoff import felt_boost, liftoff
 from fieldkit.analysis.notes import (
@@ -25,6 +25,7 @@ from fieldkit.analysis.notes import (
     EARLIER_FLIGHT,
     ENDS_IN_BOOST,
     FILLED_NOTE,
+    FILTERED_NOTE,
     NO_FLIGHT,
     NO_HEIGHT,
     ONLY_CLOCK_NOTE,
@@ -135,7 +136,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     trust, seen = _best_trusted(pushes(clocks, start - 15, seen.top + 20), track, seen, start)
     felt = trust.push or trust.clock_only
     slanted = trust.slanted
-    track, seen = _sooner(trust.lag, track, seen)
+    track, seen = _sooner(trust.lag, replace(track, bend=trust.filtered), seen)
     if slanted is not None:
         track, seen = _without(~slanted.agrees(track, seen.pad), track, seen)
     lift = liftoff(track, felt, seen)
@@ -166,6 +167,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     found = averaged(each, weights if any(weights) else [float(one is on_time) for one in each], times)
     if track.is_barometric and not (trust.compared if log.ascent.fused else len(lags) > 1):
         found = widened_by_unseen_lag(found)
+    if trust.filtered and log.ascent.fused:
+        found = widened_by_filter(found, trust.filtered)
+        others += (FILTERED_NOTE.format(trust.filtered),)
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     others += () if later is None else (OTHER_FLIGHT.format(later - float(every[0])),)
     return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)
@@ -182,7 +186,8 @@ def _ascents(*log: Any) -> list[LaggedAscent]:
 def _recorded(log: FittedLog, found: LaggedAscent, clocks: Sequence[Series]) -> Recorded:
     """Results of a fitted ascent whose heights have a lag."""
     track, seen = _sooner(found.lag.lag, log.track, log.seen)
-    on_time = replace(log, track=replace(track, lag=log.track.lag), seen=seen, ascent=found.ascent)
+    bend = max(found.lag.lag, log.track.lag, log.track.bend)
+    on_time = replace(log, track=replace(track, lag=log.track.lag, bend=bend), seen=seen, ascent=found.ascent)
     return recorded_of(on_time, found.lag.lift, clocks)
 
 
@@ -192,7 +197,8 @@ class _Trust:
 
     The trusted accelerometer, or None; the tilted climb computed from it, if any; the delay of the heights relative to
     it, from a filter or small vents [s]; the note for the user; an accelerometer whose clock alone is trusted, for the
-    shocks that it felt; and whether the accelerometer was compared with the heights.
+    shocks that it felt; whether the accelerometer was compared with the heights; and the time constant of the filter
+    that the heights are behind, if it shows one [s].
     """
 
     push: Push | None
@@ -201,6 +207,7 @@ class _Trust:
     notes: tuple[str, ...] = ()
     clock_only: Push | None = None
     compared: bool = True
+    filtered: float = 0.0
 
 
 def _best_trusted(every: Iterable[Push], track: Heights, seen: Outline, start: float) -> tuple[_Trust, Outline]:
@@ -245,7 +252,8 @@ def _trusted(push: Push, full: Flags | None, track: Heights, seen: Outline) -> t
         return _Trust(push, compared=rise is None), seen
     if found.is_consistent:
         lag = -found.late if found.late < -_MIN_LAG - found.step / 2 else 0.0
-        return _Trust(replace(push, scale=found.scale, blur=found.blur), lag=lag), seen
+        kept = replace(push, scale=found.scale, blur=found.blur)
+        return _Trust(kept, lag=lag, filtered=found.filtered), seen
     if found.keeps_time:
         return _Trust(None, notes=(ONLY_CLOCK_NOTE.format(found.why),), clock_only=push), seen
     return _Trust(None, notes=(REJECTED_NOTE.format(found.why),)), seen

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from fieldkit.analysis import rises
 from fieldkit.errors import DamagedLog, UnknownFormat, unknown
@@ -15,7 +16,7 @@ from fieldkit.importing.tables.layout import layout_of
 from fieldkit.importing.tables.mapping import choice_for, is_of_flights
 from fieldkit.importing.tables.nmea import fixes_table
 from fieldkit.importing.tables.spreadsheet import SheetTable, as_csv, is_spreadsheet
-from fieldkit.importing.tables.text import shown
+from fieldkit.importing.tables.text import in_other_encodings, shown
 from fieldkit.importing.tables.tracks import track_table
 from fieldkit.importing.tables.wrapped_lines import unstamped, unwrapped
 from fieldkit.importing.weather import is_weather
@@ -129,6 +130,7 @@ def _hint(log: bytes) -> str:
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         time, height, motor = ("#1", "#2", "#3") if _is_without_names(start) else ("its column",) * 3
         samples = f"a table of samples is read with --map 'time={time}' --map 'altitude={height} [m]'"
+        samples += ", or without a clock with --map 'time=20 Hz'" * (time != "#1")
         flights = f"one of flights with --map 'motor={motor}' --map 'apogee={height} [m]'"
         return f"; {samples}, {flights}" + ", by the numbers of its columns" * (time == "#1")
     return ""
@@ -211,7 +213,8 @@ def _sheet_of(log: bytes, source: str) -> SheetTable:
         table = fixes_table(log) or track_table(log) or labeled_table(log)
         if table is not None:
             return SheetTable(log if claims(log) else table)
-        return SheetTable(next((one for one in unstamped(log) or () if claims(one)), log))
+        ways = chain(unstamped(log) or (), in_other_encodings(log) if not claims(log) else ())
+        return SheetTable(next((one for one in ways if claims(one)), log))
     try:
         return as_csv(log, lambda sheet: bool(claims(sheet)))
     except DamagedLog as error:

@@ -42,6 +42,22 @@ def test_small_vents_bias_no_readout_beyond_its_standard_deviation(rocket: Rocke
     assert figures["burn_time"].value == pytest.approx(right["burn_time"], rel=0.25)
 
 
+def test_an_accelerometer_shows_the_filter_that_heights_are_behind() -> None:
+    """The heights of a team's own filter: what they show late is that uncertain, and a note says why."""
+    truth = fly(SMALL)
+    series, felt = log(truth, Logger(accelerometer=100.0), np.random.default_rng(2))
+    found = measure([behind(series, 1.0), felt])
+    right = truth.readouts()
+    assert any("behind a filter of about 1.0 s" in note for note in found.notes)
+    known = right.keys() & found.figures & set(READOUTS)
+    assert {"apogee", "coast_to_apogee", "duration"} <= known
+    off = {name for name in known if abs(found.figures[name].value - right[name]) > 2.5 * found.figures[name].sd}
+    assert off == set()
+    plain = measure([series, felt])
+    assert not any("filter" in note for note in plain.notes)
+    assert plain.figures["duration"].sd < found.figures["duration"].sd / 3
+
+
 @pytest.mark.parametrize("rocket", [Rocket(mass=0.2, area=0.0009, delay=7.0), FAST], ids=["regressive thrust", "sonic"])
 def test_a_lag_that_thrust_or_shocks_hide_biases_no_readout_beyond_its_standard_deviation(rocket: Rocket) -> None:
     """Thrust that decreases throughout looks like a lag, and near the speed of sound shocks hide one."""

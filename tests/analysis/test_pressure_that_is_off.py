@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis import measure
-from fieldkit.analysis.channels import heights
+from fieldkit.analysis.apogee import apogee_of
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.channels import Heights, heights
+from fieldkit.analysis.disturbed_heights import undisturbed
+from fieldkit.analysis.phases import Outline
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, standard_density
 
@@ -46,6 +50,37 @@ def recorded(
     return Series(when, pressure=height_pressure(seen + PAD)), Series(
         clock, felt=swings + rng.normal(0, 0.5, clock.size)
     )
+
+
+def test_a_step_in_the_climb_and_the_swings_of_a_parachute_are_not_one_fault() -> None:
+    """Air brakes that open raise the pressure in the bay at once; a parachute that opens shakes it for seconds."""
+    time, rng = np.arange(0, 30, 0.02), np.random.default_rng(8)
+    climbs = time < 15
+    height = np.where(climbs, 500 - GRAVITY / 2 * (time - 10.5) ** 2, 401 - 12 * (time - 15))
+    height += np.where(time > 4, -20 * np.exp(-(time - 4) / 3), 0) + rng.normal(0, np.where(climbs, 0.2, 8))
+    track = Heights(time, height, True, 0.2, "barometric altitude")
+    kept = undisturbed(track)
+    assert np.diff(kept.time).max() < 0.5
+    assert kept.time.size > 0.99 * time.size
+
+
+def test_the_apogee_is_that_of_the_heights_if_a_curve_through_the_climb_misses_them() -> None:
+    """Air brakes disturb the pressure in the climb but not at the top, where a parabola fits better than the curve."""
+    time, rng = np.arange(0, 20, 0.02), np.random.default_rng(8)
+    height = 760 - GRAVITY / 2 * (time - 15) ** 2
+    track = Heights(time, height + rng.normal(0, 0.2, time.size), True, 0.2, "barometric altitude")
+    seen = Outline(2.0, 4.0, 15.0, True, 0.0, 0.1, 760.0, height, False, 120.0)
+
+    def curve(top: float, moment: float) -> Ascent:
+        high, fast = top - GRAVITY / 2 * (time - moment) ** 2, -GRAVITY * (time - moment)
+        drawn = [one + rng.normal(0, 0.1, (50, 1)) for one in (high, fast, 0 * time - GRAVITY)]
+        return Ascent(time, high, fast, 0 * time - GRAVITY, *drawn, 0.2, 0.0, True)
+
+    for ascent in (curve(790.0, 13.5), curve(760.1, 15.0)):
+        found = apogee_of(ascent, seen, track)
+        assert found is not None
+        assert found[1].value == pytest.approx(760.0, abs=0.3)
+        assert found[0].time == pytest.approx(15.0, abs=0.1)
 
 
 @pytest.mark.parametrize("shock", [0.0, 800.0])

@@ -5,10 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.mutations import programs
 from bench.mutations.__main__ import KINDS, Count, _judge, main
 from bench.mutations.files import FILES
-from bench.mutations.tables import log_of, plain
+from bench.mutations.tables import Log, log_of, plain
 from bench.recorders.flights import draw
+from fieldkit.analysis.channels import heights
+from fieldkit.errors import DamagedLog
+from fieldkit.importing import Reading
+from fieldkit.importing.recognize import open_log
+from fieldkit.importing.tables.mapping import read_choice
 
 pytestmark = pytest.mark.sampled
 
@@ -28,6 +34,38 @@ RIGHT = (
     "cut off in the coast, a barometer alone",
 )
 REFUSED = ("cut off in the boost", "cut off in the boost, a barometer alone", "milliseconds called seconds")
+
+
+OF_NO_FLIGHT = {
+    "decimeters called meters": r"gravity before apogee implies to be in dm; write --map 'altitude=#2 \[dm\]'",
+    "a clock in tenths of microseconds": "timestamp: found no unit, and nothing that implies one",
+    "flights in columns": "found two columns for altitude that differ",
+}
+"""Tables of other programs that are refused, and what the message says."""
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    (path,) = draw(np.random.default_rng(77), 1)
+    return log_of(path, np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("kind", programs.KINDS)
+def test_a_table_of_another_program_has_the_times_and_heights_of_its_flight(kind: str, log: Log) -> None:
+    sheet = programs.KINDS[kind](log)
+    choices = [read_choice(sheet.maps)] if sheet.maps else []
+    if kind in OF_NO_FLIGHT:
+        with pytest.raises(DamagedLog, match=f"log.csv.*{OF_NO_FLIGHT[kind]}"):
+            open_log(sheet.text(), "log.csv", None, choices)
+        return
+    found = open_log(sheet.text(), "log.csv", None, choices).found
+    (reading,) = [item for item in found if isinstance(item, Reading)]
+    track = heights(reading.clocks)
+    assert track is not None
+    assert np.ptp(track.time) == pytest.approx(np.ptp(log.time), abs=0.3)
+    assert track.height.max() - np.median(track.height[:5]) == pytest.approx(log.height.max(), abs=3.0)
+    top = track.time[np.argmax(track.height)] - track.time[0]
+    assert top == pytest.approx(log.time[np.argmax(log.height)] - log.time[0], abs=0.6)
 
 
 def test_there_are_at_least_160_kinds_of_tables() -> None:

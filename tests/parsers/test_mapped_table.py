@@ -40,9 +40,9 @@ def climb(step: float = 0.05) -> list[tuple[float, float, float]]:
 
 
 def table(header: str, row: str, step: float = 0.05) -> bytes:
-    """A table of that flight; `row` names t, h, v, p in SI."""
+    """A table of that flight; `row` names t, h, v, p in SI, and a `low` height."""
     lines = [
-        row.format(t=t, ms=t * 1000, h=h, ft=h / FOOT, v=v, p=101325 * (1 - h / 44330.77) ** 5.25588)
+        row.format(t=t, ms=t * 1000, h=h, ft=h / FOOT, low=0.98 * h, v=v, p=101325 * (1 - h / 44330.77) ** 5.25588)
         for t, h, v in climb(step)
     ]
     return "\n".join([header, *lines, ""]).encode()
@@ -335,8 +335,10 @@ def test_equal_columns_with_the_same_meaning_are_one_and_different_ones_are_aske
 
 @pytest.mark.parametrize("names", ["alt1 (m),alt2 (m)", "Altitude (m),Altitude 2 (m)"])
 def test_of_several_sensors_of_one_kind_the_first_is_used(names: str) -> None:
-    log = table(f"t (s),{names}", "{t:.2f},{h:.2f},{ft:.2f}")
+    log = table(f"t (s),{names}", "{t:.2f},{h:.2f},{low:.2f}")
     assert top(found(log)[0][0]) == pytest.approx(285, abs=0.2)
+    with pytest.raises(DamagedLog, match="found two columns for altitude that differ"):  # not of one flight
+        found(table(f"t (s),{names}", "{t:.2f},{h:.2f},{ft:.2f}"))
 
 
 def test_a_height_that_does_not_start_at_zero_is_not_above_the_pad() -> None:

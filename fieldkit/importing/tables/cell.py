@@ -45,7 +45,7 @@ _GROUPED_THOUSANDS = re.compile(
 """A number whose thousands a spreadsheet has separated: `1,234.5`, `1 234.5`, `1'234.5`."""
 _GROUPING = str.maketrans("", "", ", \u00a0\u2009\u202f'\u2019")
 _CLOCK = re.compile(
-    r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2})(?:[.,](\d{1,9})|:(\d{3}))? ?([AaPp][Mm])?"
+    r"(?:.*[T ])?([+-])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2})(?:[.,](\d{1,9})|:(\d{3}))? ?([AaPp][Mm])?"
     r" ?(?:Z|UTC|GMT|[+-]\d\d:?\d\d)?",
     re.ASCII,
 )
@@ -81,14 +81,15 @@ def ungrouped(number: str) -> str:
 
 
 def _seconds(cell: str) -> float | None:
-    """The seconds of `1:02:03.5`, `02:03.5`, `1:02:03:500` or `1:02:03 PM`, with or without a date before it or an
-    offset from UTC after it; None for anything else. [s]"""
+    """The seconds of `1:02:03.5`, `02:03.5`, `1:02:03:500`, `T-00:04.0` or `1:02:03 PM`, with or without a date before
+    it or an offset from UTC after it; None for anything else. [s]"""
     match = _CLOCK.fullmatch(cell) if len(cell) <= _MAX_CLOCK_LENGTH else None
     if not match:
         return None
-    hours, minutes, seconds, fraction, thousandths, half = match.groups()
+    sign, hours, minutes, seconds, fraction, thousandths, half = match.groups()
     whole = int(hours or 0) if half is None else int(hours or 0) % 12 + 12 * (half.lower() == "pm")
-    return 3600.0 * whole + 60.0 * int(minutes) + float(f"{seconds}.{fraction or thousandths or 0}")
+    value = 3600.0 * whole + 60.0 * int(minutes) + float(f"{seconds}.{fraction or thousandths or 0}")
+    return -value if sign == "-" else value
 
 
 def converter(channel: Channel) -> Callable[[str], float]:

@@ -47,6 +47,34 @@ def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
     return kept
 
 
+_MIN_RUNS, _SIMILAR = 5, 0.8
+"""Fewest ticks of a clock that show how many rows it has in each [1], and the fraction of its steps that are equal and
+of its rows that have a value [1]."""
+
+
+def spread(clock: Float[Array, "row"], known: Bool[Flags, "row"]) -> Float[Array, "row"]:
+    """A clock that has several rows in each of its ticks, such as whole seconds, with these rows at even times. [s]
+
+    `known` are the rows with a value; those of sensors in turn may belong to one time. The first tick may lack rows at
+    its beginning, the last at its end. A clock that is not so is returned as it is.
+    """
+    if not np.isfinite(clock).all() or known.mean() < _SIMILAR:
+        return clock
+    begins = np.flatnonzero(np.diff(clock, prepend=-np.inf) != 0)
+    counts, steps = np.diff(np.append(begins, clock.size)), np.diff(clock[begins])
+    if begins.size < _MIN_RUNS or (usual := int(np.median(counts[1:-1]))) < 2:
+        return clock
+    step = float(np.median(steps))
+    equal = np.abs(steps - step) < 1e-6 * max(step, 1.0)
+    if step <= 0 or equal.mean() < _SIMILAR or (np.abs(counts[1:-1] - usual) <= 1).mean() < _SIMILAR:
+        return clock
+    of_tick = np.maximum(counts, 1)
+    of_tick[0], of_tick[-1] = max(of_tick[0], usual), max(of_tick[-1], usual)
+    place = np.arange(clock.size) - np.repeat(begins, counts)
+    place[: counts[0]] += of_tick[0] - counts[0]
+    return np.asarray(clock + step * place / np.repeat(of_tick, counts))
+
+
 def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:
     """Columns with their rows sorted by the first column, a clock; of rows at the same time only the first is kept.
 

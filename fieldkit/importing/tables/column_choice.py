@@ -22,8 +22,9 @@ from fieldkit.importing.tables.headings import (
 )
 from fieldkit.importing.tables.layout import Layout
 from fieldkit.importing.tables.text import no_column, shown
+from fieldkit.importing.tables.unit_inference import settle_pressure
 from fieldkit.shapes import Array, Float
-from fieldkit.units import UNITS, Unit
+from fieldkit.units import UNITS, Unit, plain
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
 """Channels that are heights."""
@@ -56,6 +57,15 @@ LIMIT = 1e12
 """Largest magnitude of a sample; anything beyond is damaged. [any unit except of time]"""
 
 
+NO_COLUMN = -1
+"""Index of a clock that is the number of each row."""
+_COUNTERS = frozenset({"sample", "samples", "index", "row", "record", "n", "nr", "no"})
+"""Names of a column that counts the rows."""
+_PARTS_OF_A_TIME = frozenset({"year", "month", "day", "date", "hour", "hours", "h", "hh", "minute", "minutes", "min"})
+"""Names of columns with a part of a time of day or a date."""
+_RATE = re.compile(r"(\d{1,5}(?:\.\d{1,6})?)\s*Hz", re.IGNORECASE)
+
+
 @dataclass(frozen=True, slots=True)
 class Pick:
     """A column assigned to a channel: its index, its name, and the unit that it or the flyer states ("" if none)."""
@@ -65,6 +75,13 @@ class Pick:
     name: str
     unit: str
     chosen: bool = False
+    interval: float = 0.0
+    """Time between rows if the clock is their number in the file, or in a column that counts them. [s]"""
+
+    @property
+    def counts_rows(self) -> bool:
+        """Whether it is no column, but the number of each row."""
+        return self.place == NO_COLUMN
 
 
 def side_by_side(layout: Layout) -> list[range]:
@@ -97,7 +114,23 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
             for place, head in enumerate(heads)
             if barometric(head) and not layout.says(place) and (columns is None or place in columns)
         ]
-    return _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
+    picks = _without_clocks_of_others(picks + _by_contents(layout, picks, columns))
+    if layout.interval and layout.named and "time" not in {pick.channel for pick in picks}:
+        picks.append(_row_clock(layout, layout.interval))
+    return picks
+
+
+def _row_clock(layout: Layout, interval: float) -> Pick:
+    """The clock of a table without one, by the time between its rows [s]: a column that counts them, or the number of
+    each row in the file."""
+    counters = [
+        place
+        for place, name in enumerate(layout.headers)
+        if set(heading(name).words) & _COUNTERS and len(heading(name).words) == 1 and not layout.says(place)
+    ]
+    place = counters[0] if counters else NO_COLUMN
+    name = layout.headers[place] if counters else "number of the row"
+    return Pick("time", place, name, f"{interval:g} s", interval=interval)
 
 
 def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] | None) -> list[Pick]:
@@ -112,7 +145,24 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
     if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
         head = heads[barometers[0]]
         found.append(Pick("pressure", barometers[0], head.spelled, stated_unit(head, "pressure")))
+    elif not named & {*HEIGHTS, "pressure"}:
+        found += _by_letter(layout, heads)
     return found
+
+
+def _by_letter(layout: Layout, heads: Mapping[int, Heading]) -> list[Pick]:
+    """The pressure or the height of a table that names its columns by letters and has no other: `p` with a pressure
+    that a pad has, otherwise `h` or `z`."""
+    letters = {head.words[0]: place for place, head in heads.items() if head.words in (("p",), ("h",), ("z",))}
+    if "p" in letters:
+        cell = layout.first[letters["p"]].replace(layout.decimal, ".")
+        try:
+            pad = np.array([float(cell)])
+        except ValueError:
+            pad = np.empty(0)
+        if settle_pressure(pad):
+            return [Pick("pressure", letters["p"], heads[letters["p"]].spelled, "")]
+    return [Pick("altitude", place, heads[place].spelled, "") for name, place in letters.items() if name in "hz"][:1]
 
 
 def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:
@@ -129,7 +179,13 @@ def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
         pick for pick in clocks if not (pick.name[:1] == "T" and "t" in small and len(heading(pick.name).words[0]) == 1)
     ]
     clocks.sort(key=lambda pick: bool(pick.unit) and pick.unit != "clock" and not unit_named("time", pick.unit))
+    clocks.sort(key=lambda pick: _only_parts_a_time(pick.name))
     return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
+
+
+def _only_parts_a_time(name: str) -> bool:
+    """Whether a column has the days, hours or minutes of a time whose seconds are in another column."""
+    return set(heading(name).words) <= _PARTS_OF_A_TIME
 
 
 def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None = None) -> list[Pick]:
@@ -139,6 +195,10 @@ def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None 
     excluded = {_find(layout, text)[0] for name, text in choice.channels.items() if is_exclusion(name)}
     for name, text in choice.channels.items():
         if is_exclusion(name):
+            continue
+        rate = _RATE.fullmatch(text) if name == "time" and text not in layout.headers else None
+        if rate and float(rate[1]) > 0:
+            picks.append(replace(_row_clock(layout, 1 / float(rate[1])), chosen=True))
             continue
         place, unit = _find(layout, text)
         if same := next((pick.channel for pick in picks if pick.place == place), ""):
@@ -190,11 +250,15 @@ def missing_channel(channels: set[str]) -> str:
 
 def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     """The numbers of a column, without values that no sensor returns; those of a clock are in seconds."""
+    if pick.interval:
+        counts = np.asarray(table.rows, float) if pick.counts_rows else table.values[f"{pick.place}"]
+        return np.asarray(counts * pick.interval)
     values = table.values[f"{pick.place}"]
     if pick.unit == "clock":
         return _over_midnight(values)
     if pick.channel == "time":
-        return _running_on(_of_digits(values))
+        within_minute = len(heading(pick.name).words) == 1 and plain(pick.unit or pick.name) == "s"
+        return _running_on(_of_digits(values), (60.0,) if within_minute else ())
     values = np.where(np.abs(values) < LIMIT, values, np.nan)
     return _unwrapped(values) if pick.channel in (*HEIGHTS, "pressure") else values
 
@@ -231,7 +295,9 @@ def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], d
         if _are_numbered(rival, pick):
             if not rival.chosen and _fails_first(values[pick.channel], column):
                 kept[kept.index(rival)], values[pick.channel] = pick, column
-            continue
+                continue
+            if rival.chosen or _fails_first(column, values[pick.channel]) or _is_close(values[pick.channel], column):
+                continue
         if preferred := _barometric_one(rival, pick):
             kept[kept.index(rival)] = preferred
             values[pick.channel] = column if preferred is pick else values[pick.channel]
@@ -263,6 +329,13 @@ def _fails_first(values: Float[Array, "row"], other: Float[Array, "row"]) -> boo
     if not changes.size or not (after := other[there][int(changes[-1]) + 1 :]).size:
         return False
     return float(np.ptp(after)) > _MUCH * float(np.ptp(other[there]))
+
+
+def _is_close(values: Float[Array, "row"], other: Float[Array, "row"]) -> bool:
+    """Whether two sensors of one kind show one flight, as well as sensors of two prices do."""
+    there = np.isfinite(values) & np.isfinite(other)
+    away = np.abs(values - other)[there]
+    return not away.size or float(np.quantile(away, 0.9)) <= _MUCH * float(np.ptp(values[there]))
 
 
 def _with_satellite_height(picks: Sequence[Pick], columns: Mapping[int, Float[Array, "row"]]) -> list[Pick]:
@@ -361,14 +434,14 @@ def _unwrapped(values: Float[Array, "row"]) -> Float[Array, "row"]:
     return values
 
 
-def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:
-    """A counter of 16 or 32 bits with its overflows removed.
+def _running_on(counter: Float[Array, "row"], more: Sequence[float] = ()) -> Float[Array, "row"]:
+    """A counter of 16 or 32 bits, or of `more` values, with its overflows removed.
 
     An overflow continues the clock with a step like the others; the restart of a second flight does not.
     """
     steps = np.diff(counter, prepend=counter[:1])
     usual = float(np.nanmax(steps[steps >= 0], initial=0.0))
-    for span in (2.0**16, 2.0**32):
+    for span in (*more, 2.0**16, 2.0**32):
         over = steps < -0.9 * span
         continues = bool((steps[over] + span <= 2 * usual).all())
         if over.any() and continues and float(np.nanmax(counter)) < span:

@@ -15,8 +15,9 @@ from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
     InferredUnit,
     epoch_unit,
-    height_unit_by_free_fall,
+    height_of_ratio,
     height_unit_by_pressure,
+    height_units_by_free_fall,
     last_of_climb,
     rest,
     settle_felt,
@@ -51,6 +52,8 @@ def units_of(
     for name, pick in by_channel.items():
         if pick.unit == "clock":
             units[name] = Unit(1.0), "clock", ""
+        elif pick.interval:
+            units[name] = Unit(1.0), "s", f"{pick.interval:g} s from row to row, as stated"
         elif pick.unit and (unit := unit_named(QUANTITIES[name.rstrip("?")], pick.unit)):
             units[name] = unit, pick.unit, ""
     if "pressure" in units and not by_channel["pressure"].chosen:
@@ -69,8 +72,9 @@ def units_of(
         if name not in units and (pick.chosen or only or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that implies one"
+            usual = _usual_height(values, units) if name == "altitude" else _usual(name)
             raise DamagedLog(
-                f"found {found}, expected one of {expected}: write --map '{name}=#{pick.place + 1} [{_usual(name)}]'",
+                f"found {found}, expected one of {expected}: write --map '{name}=#{pick.place + 1} [{usual}]'",
                 column=printable(pick.name),
             )
         if name not in units:
@@ -104,17 +108,21 @@ def _by_physics(
     If physics implies another unit, a note is added if the user chose the stated unit; otherwise DamagedLog is raised.
     """
     unit, name, _ = stated = units["altitude"]
-    shows, why = height_unit_by_pressure(values), "the pressure column"
-    if not shows and "time" in units and plain(name) in ("m", "ft"):
+    by_pressure = height_unit_by_pressure(values)
+    shows: tuple[str, ...] = (by_pressure,) if by_pressure else ()
+    why = "the pressure column"
+    if not by_pressure:
+        if "time" not in units or plain(name) not in ("m", "ft"):
+            return stated
         seconds = {**values, "time": to_si(units["time"][0], values["time"])}
-        shows, why = height_unit_by_free_fall(seconds, plain(name)), "gravity before apogee"
-    if not shows or 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
+        shows, why = height_units_by_free_fall(seconds, plain(name)), "gravity before apogee"
+    if not shows or any(0.7 < unit.factor / UNITS["length"][one].factor < 1.4 for one in shows):
         return stated
     if pick.chosen:
-        return unit, name, f"as you chose, although {why} implies {shows}"
+        return unit, name, f"as you chose, although {why} implies {' or '.join(shows)}"
     raise DamagedLog(
-        f"found heights in {shown(pick.unit)} that {why} implies to be in {shows}; "
-        f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
+        f"found heights in {shown(pick.unit)} that {why} implies to be in {' or '.join(shows)}; "
+        f"write --map 'altitude=#{pick.place + 1} [{shows[0]}]', or the unit that you trust",
         column=pick.name,
     )
 
@@ -124,16 +132,28 @@ def _usual(name: str) -> str:
     return {"time": "s", "pressure": "Pa"}.get(name, next(iter(UNITS[QUANTITIES[name]])))
 
 
+def _usual_height(values: Mapping[str, Float[Array, "row"]], units: Mapping[str, tuple[Unit, str, str]]) -> str:
+    """The unit that an error suggests for heights: the one that gravity implies, if there is one."""
+    if "time" not in units:
+        return _usual("altitude")
+    fits = height_units_by_free_fall({**values, "time": to_si(units["time"][0], values["time"])}, "")
+    return fits[0] if len(fits) == 1 else _usual("altitude")
+
+
 def _settled(
     values: Mapping[str, Float[Array, "row"]],
     known: Mapping[str, str],
     units: Mapping[str, tuple[Unit, str, str]],
 ) -> dict[str, InferredUnit]:
     """Units inferred from physics."""
-    if "time" in units:
-        values = {**values, "time": to_si(units["time"][0], values["time"])}
-        known = {**known, "time": "s"}
-    settled = settle_time_heights(values, known)
+    si = {name: one for name, one in {"time": "s", "altitude": "m", "speed": "m/s"}.items() if name in units}
+    values = {**values, **{name: to_si(units[name][0], values[name]) for name in si}}
+    known = {**known, **si}
+    by_height, known_by_height = values, known
+    if "altitude" not in values and "pressure" in values:
+        by_height = {**values, "altitude": height_of_ratio(values["pressure"])}
+        known_by_height = {**known, "altitude": "m"}
+    settled = settle_time_heights(by_height, known_by_height)
     if "pressure" in values and "pressure" not in units and (one := settle_pressure(values["pressure"])):
         settled["pressure"] = one
     felt = "felt_total" if "felt_total" in values else "felt?"

@@ -96,6 +96,8 @@ _SENSORS = frozenset({"baro", "barometric", "accel", "inertial", "gps", "agl", "
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _HEIGHT_ZERO = re.compile(r"(.*?)[,;]?\s{1,4}((?:above )?(?:ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `m above sea level`."""
+_SCALED = re.compile(r"[x×]?\s?(\d{1,6}(?:\.\d{1,6})?)(?:/(\d{1,6}))?\s?([^\W\d].{0,10})")
+"""A multiple or a fraction of a unit: `10ms`, `1/100 s`, `0.1 m`."""
 _QUOTIENT = re.compile(r"([^/]{1,40}?)\s?/\s?(\([^()]{1,12}\)|[^\s()]{1,12})")
 """A name divided by its unit: `h/m`, `v/(m/s)`."""
 
@@ -156,6 +158,10 @@ def unit_named(quantity: str, text: str) -> Unit | None:
     """The unit of a quantity that a text names in any spelling, or None."""
     if quantity == "degree":
         return DEGREES.get(plain(text))
+    scaled = _SCALED.fullmatch(text.strip())
+    unit = named(quantity, scaled[3]) if scaled else None
+    if scaled and unit and not unit.offset and float(scaled[1]) > 0 and float(scaled[2] or 1) > 0:
+        return Unit(unit.factor * float(scaled[1]) / float(scaled[2] or 1))
     return named(quantity, text)
 
 

@@ -15,7 +15,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.cell import is_grouped
 from fieldkit.importing.tables.headings import channel, heading, unit_named
 from fieldkit.importing.tables.text import encodings
-from fieldkit.units import UNITS, is_unit
+from fieldkit.units import UNITS, is_unit, plain
 
 LOOKED_AT = 400
 """Number of lines among which the first rows of numbers must be. [1]"""
@@ -33,6 +33,13 @@ _DECIMALS = {mark: re.compile(rf"\s*[+-]?\d*[{mark}]\d+([eE][+-]?\d+)?\s*") for 
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}[,.]\d{3}\s*")
 _SPACED = re.compile(r"(?<=\d)[ \u00a0\u2009\u202f'\u2019](?=\d)")
 """A mark between thousands that is no decimal mark."""
+_OF_SAMPLES = re.compile(r"sampl|rate|interval|period|frequen|frequenz|fréquen|frecuen|abtast|échantill|@", re.I)
+_OF_A_FILTER = re.compile(r"filter|cut.?off|low.?pass|baud|gps|gyro", re.I)
+_RATE = re.compile(r"(\d{1,5}(?:\.\d{1,6})?)\s?(?:Hz\b|(?:samples? ?)?(?:/ ?s|per second)\b)", re.I)
+_STEP = re.compile(
+    r"(?:interval|period|step|intervall)\b\D{0,20}?(\d{1,6}(?:[.,]\d{1,6})?)\s?(ms|us|µs|s|sec|seconds)\b", re.I
+)
+"""Words of a line about how often samples are taken, words of one about something else, and the number in it."""
 _UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,4}){0,4}[\])}]?")
 
 
@@ -41,7 +48,8 @@ class Layout:
     """A table's column names, the number of rows above its first numbers, and the format of its cells.
 
     `headers` are `#1`, `#2`, ... if there are none, and `named` is then False. `separator` None is whitespace; `first`
-    are cells of the first row of numbers.
+    are cells of the first row of numbers. `interval` is the time between rows that the text above states, 0 if it
+    states none [s].
     """
 
     headers: tuple[str, ...]
@@ -50,6 +58,7 @@ class Layout:
     decimal: str
     named: bool
     first: tuple[str, ...]
+    interval: float = 0.0
 
     @property
     def saved_names(self) -> tuple[str, ...]:
@@ -92,9 +101,10 @@ def _is_number(cell: str) -> bool:
 
 def split(line: str, separator: str | None) -> list[str]:
     """The cells of a line; quoted cells may contain the separator."""
-    if separator is not None and '"' in line:
+    if '"' in line:
         try:
-            return next(csv.reader([line], delimiter=separator), [])
+            row = line.strip() if separator is None else line
+            return next(csv.reader([row], delimiter=separator or " ", skipinitialspace=separator is None), [])
         except csv.Error:
             pass
     return line.split(separator)
@@ -157,16 +167,51 @@ def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
         pairs = zip(higher, headers, strict=True)
         headers = [f"{name} ({unit.strip('[](){}')})" if unit else name for name, unit in pairs]
     rows = [split(line, separator) for line in lines[start:]]
+    if headers and headers[-1] == f"#{width}" and _are_numbered(rows, headers):
+        headers = ["#1", *headers[:-1]]
     decimal = decimal_mark([cell for cells in rows for cell in cells])
     first = tuple(cell.strip() for cell in rows[0])
     if headers is None:
         return Layout(tuple(f"#{i}" for i in range(1, width + 1)), start, separator, decimal, False, first)
-    return Layout(tuple(headers), start, separator, decimal, True, first)
+    return Layout(tuple(headers), start, separator, decimal, True, first, _interval(lines[:start]))
+
+
+def _are_numbered(rows: Sequence[Sequence[str]], names: Sequence[str]) -> bool:
+    """Whether the first cell of each row is its number, for which the header has no name, as in tables of statistics
+    programs: then the clock is one column further right."""
+    whole = [row for row in rows if len(row) == len(names)]
+    clock = next((place for place, name in enumerate(names) if channel(heading(name)) == "time"), None)
+    if clock is None or clock + 1 >= len(names) or len(whole) < _LEAST_CLOCK_STEPS:
+        return False
+    numbers = [row[0].strip() for row in whole]
+    if not all(number.isdecimal() for number in numbers) or not all(row[-1].strip() for row in whole):
+        return False
+    times = [row[clock + 1].strip().replace(",", ".") for row in whole]
+    rise = [float(time) for time in times if re.fullmatch(r"[+-]?\d+(\.\d+)?", time)]
+    counts = all(int(after) - int(before) == 1 for before, after in pairwise(numbers))
+    return counts and len(rise) == len(whole) and all(before < after for before, after in pairwise(rise))
+
+
+def _interval(lines: Sequence[str]) -> float:
+    """The time between rows that lines above a table state, as a rate or an interval of samples; 0 if they state none,
+    or two. [s]"""
+    found = set()
+    for line in lines:
+        if not _OF_SAMPLES.search(line) or _OF_A_FILTER.search(line):
+            continue
+        rate, step = _RATE.search(line), _STEP.search(line)
+        if rate and float(rate[1]) > 0:
+            found.add(1 / float(rate[1]))
+        elif step and float(step[1].replace(",", ".")) > 0:
+            found.add(float(step[1].replace(",", ".")) * UNITS["time"][plain(step[2])].factor)
+    return found.pop() if len(found) == 1 else 0.0
 
 
 def _are_units(cells: Sequence[str], names: Sequence[str]) -> bool:
     """Whether a line below a line of names contains their units, rather than names below a line of a preamble."""
     if not all(_UNITS.fullmatch(cell) for cell in cells):
+        return False
+    if any(channel(heading(cell)) and not is_unit(cell.strip("[](){}")) for cell in cells if cell):
         return False
     lower, upper = (sum(bool(channel(heading(cell))) for cell in line) for line in (cells, names))
     known = any(unit_named(quantity, cell.strip("[](){}")) for cell in cells for quantity in UNITS if cell)

@@ -81,6 +81,25 @@ def encodings(start: bytes) -> tuple[str, ...]:
     return ("utf-8", "cp1252")
 
 
+_OTHER_ENCODINGS = ("cp932", "gb18030", "cp949", "big5", "cp1251", "cp1250", "cp1253", "mac_roman")
+"""Encodings in which spreadsheets of Japan, China, Korea, Taiwan, eastern Europe and Greece save text."""
+
+
+def in_other_encodings(log: bytes) -> Iterator[bytes]:
+    """A log that is neither UTF-8 nor UTF-16 in UTF-8, as the text of each encoding that it may have."""
+    head = log[:BLOCK]
+    if len(log) > MAX_TABLE_SIZE or b"\0" in head:
+        return
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        for encoding in _OTHER_ENCODINGS:
+            try:
+                yield log.decode(encoding).encode()
+            except UnicodeDecodeError:
+                continue
+
+
 def _size(log: bytes) -> int:
     """The length of a log without NUL padding at the end."""
     size = len(log)

@@ -15,11 +15,15 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS
 
 CANDIDATES: Mapping[str, tuple[str, ...]] = {
-    "time": ("s", "ms", "us", "days"),
+    "time": ("s", "ms", "us", "days", "cs"),
     "altitude": ("m", "ft"),
     "speed": ("m/s", "ft/s", "mph", "km/h"),
 }
 """Units that a channel without a stated unit may have."""
+_SHOWN_BY_COAST = "cs"
+"""Unit of a clock that only the coast shows: by the step size alone, a slow logger's milliseconds look like it."""
+_HEIGHT_UNITS = ("m", "ft", "dm", "cm", "in")
+"""Units of heights among which gravity before apogee may decide."""
 _EPOCH = (9.4e8, 2.6e9)
 """Unix time from 1999 to 2052. [s]"""
 _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
@@ -58,11 +62,13 @@ def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[
         return settled
     ways = [known | dict(zip(unsettled, way, strict=True)) for way in product(*(CANDIDATES[n] for n in unsettled))]
     ways = [way for way in ways if _steps_are_a_loggers(time * UNITS["time"][way["time"]].factor)]
+    ways = [way for way in ways if not _is_absurd(_coast(raw, way))]
     reasons = ["its step size"]
     for reason, test in _TESTS:
         agreeing = [way for way in ways if test(raw, way)]
         if agreeing and len(agreeing) < len(ways):
             ways, reasons = agreeing, [*reasons, reason]
+    ways = [way for way in ways if way["time"] != _SHOWN_BY_COAST or way["time"] == known.get("time")] or ways
     for name in unsettled:
         left = {way[name] for way in ways}
         if len(left) == 1:
@@ -217,7 +223,7 @@ def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str
 def _coast_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
     """Whether the middle of the coast decelerates at one g or more: drag only adds to it, and so does an early charge,
     which is later."""
-    return _coast(raw, way) > _LEAST_SLOWING
+    return _LEAST_SLOWING < _coast(raw, way) < _MOST_SLOWING
 
 
 def _coast(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> float:
@@ -240,9 +246,18 @@ def _coast(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> f
     return -2 * float(curve[0]) / STANDARD_GRAVITY
 
 
-_SPEED_WINDOW, _MIDDLE, _LEAST_SLOWING = 0.3, (0.3, 0.75), 0.75
-"""Time over which a climb rate is taken [s], the middle of a coast as fractions of it, and its least deceleration with
-errors of heights. [1], [g]"""
+_ABSURD = 0.2
+"""Deceleration below which heights do not coast, whatever disturbs them. [g]"""
+
+
+def _is_absurd(slowing: float) -> bool:
+    """Whether the middle of a coast cannot decelerate so, if it is known. [g]"""
+    return slowing < _ABSURD or slowing > _MOST_SLOWING
+
+
+_SPEED_WINDOW, _MIDDLE, _LEAST_SLOWING, _MOST_SLOWING = 0.3, (0.3, 0.75), 0.75, 30.0
+"""Time over which a climb rate is taken [s], the middle of a coast as fractions of it, its least deceleration with
+errors of heights, and one that no drag causes so late. [1], [g]"""
 
 
 def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
@@ -251,18 +266,39 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
     return 0.75 < slowing < 1.45 and 0.4 < fall_rate < 3.2
 
 
-def height_unit_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: str) -> str:
-    """The unit of heights in which a climb slows down like a coast, if in the stated one neither its end or middle nor
-    its whole duration can be a coast's; "" otherwise. A charge before apogee stops a rocket faster, but does not
-    shorten its climb before."""
-    other = "ft" if stated == "m" else "m"
-    ways = [{"altitude": unit, "time": "s"} for unit in (stated, other)]
-    (slowing, fall_rate), (_, fall_rate_of_other) = (_gravities(raw, way) for way in ways)
-    coast, coast_of_other = (_coast(raw, way) for way in ways)
+def height_units_by_free_fall(raw: Mapping[str, Float[Array, "time"]], stated: str) -> tuple[str, ...]:
+    """The units of heights in which a climb slows down like a coast, if in the stated one neither its end or middle nor
+    its whole duration can be a coast's; the stated one otherwise. A charge before apogee stops a rocket faster, but
+    does not shorten its climb before. A log that ends in the climb does not show how long it lasts. Empty if it is no
+    coast in any unit."""
+    if stated and not (_comes_down(raw["altitude"]) and _is_no_coast(raw, stated)):
+        return (stated,)
+    return tuple(unit for unit in _HEIGHT_UNITS if unit != stated and _is_coast(raw, unit))
+
+
+def _comes_down(height: Float[Array, "time"]) -> bool:
+    """Whether the heights of a log fall after the highest of them by a tenth of their range."""
+    there = height[np.isfinite(height)]
+    return there.size > 0 and float(there.max() - there[-_REST_SAMPLES:].min()) > _FALL_PART * float(np.ptp(there))
+
+
+_FALL_PART = 0.1
+"""Fall after the top of a climb that shows where it was, as a fraction of the climb. [1]"""
+
+
+def _is_no_coast(raw: Mapping[str, Float[Array, "time"]], unit: str) -> bool:
+    """Whether a climb is too fast or too slow for a coast, with times in s and heights in a unit."""
+    way = {"altitude": unit, "time": "s"}
+    (slowing, fall_rate), coast = _gravities(raw, way), _coast(raw, way)
     fast = fall_rate > _TOO_FAST[1] and max(slowing, coast) > _TOO_FAST[0]
-    slow = fall_rate < _TOO_SLOW and coast < _LEAST_SLOWING
-    fits = fall_rate_of_other > _TOO_SLOW and coast_of_other > _LEAST_SLOWING
-    return other if (fast or slow) and fits else ""
+    return fast or (fall_rate < _TOO_SLOW and coast < _LEAST_SLOWING)
+
+
+def _is_coast(raw: Mapping[str, Float[Array, "time"]], unit: str) -> bool:
+    """Whether a climb can be a coast, with times in s and heights in a unit."""
+    way = {"altitude": unit, "time": "s"}
+    (_, fall_rate), coast = _gravities(raw, way), _coast(raw, way)
+    return fall_rate > _TOO_SLOW and coast > _LEAST_SLOWING and not _is_no_coast(raw, unit)
 
 
 def _gravities(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.importing.tables.unit_inference import height_unit_by_free_fall, settle_time_heights
+from fieldkit.importing.tables.unit_inference import height_units_by_free_fall, settle_time_heights
 from fieldkit.shapes import Array
 from fieldkit.units import FOOT
 from tests.analysis.recordings import SMALL, TINY, Logger, Rocket, fly, log
@@ -23,6 +23,6 @@ def test_meters_are_known_by_the_coast_and_feet_called_meters_are_noticed(rocket
     meters = heights(rocket)
     feet = {**meters, "altitude": meters["altitude"] / FOOT}
     assert settle_time_heights(meters, {"time": "s"})["altitude"].unit == "m"
-    assert [height_unit_by_free_fall(meters, unit) for unit in ("m", "ft")] == ["", "m"]
-    assert [height_unit_by_free_fall(feet, unit) for unit in ("m", "ft")] == ["ft", ""]
+    assert [height_units_by_free_fall(meters, unit) for unit in ("m", "ft")] == [("m",), ("m",)]
+    assert [height_units_by_free_fall(feet, unit) for unit in ("m", "ft")] == [("ft",), ("ft",)]
     assert settle_time_heights(feet, {"time": "s"}).get("altitude") is None or rocket is not EARLY
