@@ -104,7 +104,10 @@ def rank(rng: np.random.Generator, hyperprior: Hyperprior) -> float:
         (flight.with_changes(**{name: own[name] for name in kept}), motor)
         for (flight, motor), own in zip(plans, figures, strict=True)
     ]
-    (made,) = predict(flown[:-1], [plans[-1]], hyperprior=hyperprior)
+    draws_of_its_own = int(
+        rng.integers(2**31)
+    )  # with the same draws in all ledgers, their ranks would not be independent
+    (made,) = predict(flown[:-1], [plans[-1]], hyperprior=hyperprior, seed=draws_of_its_own)
     return float(np.mean(made.apogee < figures[-1]["apogee"]))
 
 
@@ -130,6 +133,8 @@ def page(found: Float[Array, "ledger"]) -> Iterator[str]:
         f"| {len(found)} | {found.mean():.3f} | {np.mean(found < low):.1%} | {np.mean(found > high):.1%} | "
         f"{stats.chisquare(counts).pvalue:.2g} | {stats.kstest(found, 'uniform').pvalue:.2g} |"
     )
+    yield ""
+    yield f"Ledgers in each twentieth of the ranks: {', '.join(map(str, counts.tolist()))}."
 
 
 if __name__ == "__main__":
