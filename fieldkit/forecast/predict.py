@@ -67,8 +67,8 @@ class FittedForecast:
     """Posterior draws of every term for the simulation of planned flights.
 
     `model` is the model of the planned flights, and `at` the center of the posterior. `rests_on` counts the flights in
-    the fit, and `name` is the model's name; `rng` draws the scatter of single flights. `left_out` is as in
-    `Prediction`.
+    the fit, `heaviest_motor` is the largest loaded mass of a motor flown so far [kg], and `name` the model's name;
+    `rng` draws the scatter of single flights. `left_out` is as in `Prediction`.
     """
 
     model: Model
@@ -76,6 +76,7 @@ class FittedForecast:
     values: Float[Array, "draw term"]
     scales: Float[Array, "draw 3"]
     rests_on: int
+    heaviest_motor: float
     name: str
     rng: np.random.Generator
     left_out: tuple[str, ...] = ()
@@ -159,8 +160,17 @@ def learn(
             parts.append(_drawn_with(model, terms, data, flown, count, rng, fits))
     values, scales = (np.concatenate(column) for column in zip(*((v, s) for _, v, s, _ in parts), strict=True))
     rests_on = int(np.sum(data.seen.any(axis=1)))
-    name = model_name(sets[0][1])
-    return FittedForecast(model.part(slice(flown, None)), parts[0][0], values, scales, rests_on, name, rng, parts[0][3])
+    return FittedForecast(
+        model=model.part(slice(flown, None)),
+        at=parts[0][0],
+        values=values,
+        scales=scales,
+        rests_on=rests_on,
+        heaviest_motor=max((found.motor.loaded_mass for found in history.found[:flown]), default=0.0),
+        name=model_name(sets[0][1]),
+        rng=rng,
+        left_out=parts[0][3],
+    )
 
 
 def fitted(model: Model, data: Data, fits: Fits) -> Fit:
@@ -277,6 +287,7 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
             plan=flight,
             found=motor,
             rests_on=fitted.rests_on,
+            heaviest_motor=fitted.heaviest_motor,
             model=fitted.name,
             left_out=fitted.left_out,
             random_draws=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),

@@ -23,7 +23,8 @@ class Prediction:
     the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of the plan,
     `drift` and `across` are the positions of the apogee downwind and to the right of that, and `drift_speed` and
     `across_speed` the velocity there. `cd` and `alpha` are the drag coefficient and thrust factor, and `random_draws`
-    the scatter of single flights by cause. `rests_on` counts the flights in the model's fit. `stretched_by` is the
+    the scatter of single flights by cause. `rests_on` counts the flights in the model's fit,
+    and `heaviest_motor` is the largest loaded mass of a motor flown so far [kg]. `stretched_by` is the
     factor on the width of both apogees from the results of `earlier_forecasts`, 1 if there are too few of them.
     `mixed_with` has the weight of each simpler method in the apogee, empty for the model alone. [1] `left_out` has a
     line for each flight that was not used, and for each outlier readout.
@@ -46,6 +47,7 @@ class Prediction:
     alpha: Float[Array, "draw"]
     random_draws: tuple[Float[Array, "draw"], ...]
     rests_on: int
+    heaviest_motor: float
     model: str
     stretched_by: float = 1.0
     earlier_forecasts: int = 0

@@ -15,6 +15,9 @@ from fieldkit.planning.rules import Rule, RuleRow
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
 
 NO_RULE = "no rule in the chosen sets"
+HEAVIER_MOTOR = 0.02
+"""Mass of a motor beyond the heaviest one flown, over the mass on the pad, that requires another check of stability:
+with the motor about five calibers behind the center of gravity it moves it back by a tenth of a caliber. [1]"""
 
 
 def _line(
@@ -246,23 +249,31 @@ def age_line(governed_by: Governed, age: int | None = None) -> SafetyCheck:
     return _line(name, rules, judge)
 
 
-def stability_line(governed_by: Governed, margin: float | None, flown: int, limits: Limits) -> SafetyCheck:
+def stability_line(
+    governed_by: Governed, margin: float | None, flown: int, limits: Limits, added: float = 0.0
+) -> SafetyCheck:
     """The static margin on the pad [1] against guidance; without one, what must be checked before a rocket that has not
-    flown does, by the codes' own words. `flown` are the flights of the rocket that were measured."""
+    flown does, or not with so heavy a motor, by the codes' own words.
+
+    `flown` are the flights of the rocket that were measured, `added` the mass of the motor beyond the heaviest one of
+    these flights [kg].
+    """
     name, least, most = "stability", limits["stability"], limits["stability_most"]
-    if margin is None and flown:
-        times = "once" if flown == 1 else f"{flown} times"
-        return SafetyCheck(name, "ok", f"flown {times}; a heavier motor moves the center of gravity back", least.source)
+    times = "once" if flown == 1 else f"{flown} times"
+    if margin is None and flown and not added > HEAVIER_MOTOR * governed_by.build.mass:
+        return SafetyCheck(name, "ok", f"flown {times} with motors as heavy as this one", least.source)
     if margin is None:
-        text = (
-            f"no static margin, and this rocket has not flown: check it before flight, at least {least.value:g} caliber"
-        )
-        text = f"{text} (--stability-cal, or its design)"
+        why = f"it flew {times}, but this motor is {figure(added, 'g')} heavier than any flown"
+        why = f"no static margin, and {why if flown else 'this rocket has not flown'}"
+        text = f"{why}: check it before flight, at least {least.value:g} caliber (--stability-cal, or its design)"
+        verdict: Verdict = "caution" if flown else "unknown"
 
         def judge(rule: Rule) -> SafetyCheck:
-            return _check(name, "unknown", text, rule)
+            return _check(name, verdict, text, rule)
 
-        return _line(name, governed_by.texts(UNTESTED), judge, text)
+        if rules := governed_by.texts(UNTESTED):
+            return _line(name, rules, judge)
+        return SafetyCheck(name, verdict, text, least.source)
     if margin <= 1 / MAX_STABILITY:  # the least that a plan can state
         text = "the center of pressure is not behind the center of gravity: it is unstable with this motor"
         return SafetyCheck(name, "unsafe", text, least.source)

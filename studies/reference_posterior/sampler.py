@@ -120,7 +120,9 @@ def next_flight(
     """`FIGURES` of the next flight, simulated with posterior draws; its scatter depends only on the seed."""
     plan = case.model().part(slice(len(case.flown), None))
     rng = np.random.default_rng(seed)
-    return _figures(FittedForecast(plan, terms.mean(axis=0), terms, scales, len(case.flown), "field", rng))
+    heaviest = max(motor.motor.loaded_mass for _, motor in case.flown)
+    fitted = FittedForecast(plan, terms.mean(axis=0), terms, scales, len(case.flown), heaviest, "field", rng)
+    return _figures(fitted)
 
 
 def summary_of_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:

@@ -104,6 +104,14 @@ def prediction(rocket: RocketData, plan: Flight, motors: Catalogue) -> Predictio
     return forecasts(rocket, [(plan, motors.resolve("F24-4W"))], draws=300)[0]
 
 
+def test_a_motor_heavier_than_any_flown_asks_for_a_check_of_stability(prediction: Prediction) -> None:
+    assert lines_of(prediction)["stability"].verdict == "ok"
+    lighter = replace(prediction, heaviest_motor=prediction.found.motor.loaded_mass - 0.020)
+    line = lines_of(lighter)["stability"]
+    assert line.verdict == "caution"
+    assert "this motor is 20 g heavier than any flown" in line.words("SI")
+
+
 def lines_of(prediction: Prediction, site: Site = ANYWHERE, **changes: object) -> dict[str, SafetyCheck]:
     """The safety lines of a forecast with a changed plan, by name."""
     changed = replace(prediction, plan=prediction.plan.with_changes(**changes))

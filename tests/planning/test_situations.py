@@ -17,17 +17,22 @@ PLANS = [one for one in SITUATIONS if "plan" in one]
 QUESTIONS = [one for one in SITUATIONS if "ask" in one]
 
 
+def _import_flights(one: dict[str, str], run: Run, folder: Path) -> None:
+    if "flights" in one:
+        (folder / "flights.csv").write_text(one["flights"].strip())
+        run("import", folder / "flights.csv")
+
+
 @pytest.mark.parametrize("one", QUESTIONS, ids=[one["name"] for one in QUESTIONS])
 def test_a_question_has_the_right_answer(one: dict[str, str], run: Run, tmp_path: Path) -> None:
-    if "flights" in one:
-        (tmp_path / "flights.csv").write_text(one["flights"].strip())
-        run("import", tmp_path / "flights.csv")
+    _import_flights(one, run, tmp_path)
     answer = run(*shlex.split(one["ask"]), status=None)
     assert " ".join(one["says"].split()) in " ".join((answer.out + answer.err).split())
 
 
 @pytest.mark.parametrize("one", PLANS, ids=[one["name"] for one in PLANS])
-def test_a_situation_has_the_right_verdict_for_the_right_reason(one: dict[str, str], run: Run) -> None:
+def test_a_situation_has_the_right_verdict_for_the_right_reason(one: dict[str, str], run: Run, tmp_path: Path) -> None:
+    _import_flights(one, run, tmp_path)
     if "flyer" in one:
         run("flyer", *shlex.split(one["flyer"]))
     (made,) = json.loads(run("predict", *shlex.split(one["plan"]), "--json").out)["predictions"]
