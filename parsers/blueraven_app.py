@@ -85,7 +85,7 @@ def read(log: bytes) -> list[Parsed]:
 def _low(table: LogTable, head: Header, log: bytes) -> Reading:
     time = table.values["time"]
     events = marks(time, {name: table.values.get(f"flag {name}") for name in FLAGS.values()})
-    return replace(_reading(table.series(), table, head, log), events=events, part="low-rate")
+    return replace(_reading(table.series(), table, head, log), events=events, part="low")
 
 
 def _high(table: LogTable, head: Header, log: bytes, notes: list[Parsed]) -> Reading:
@@ -101,7 +101,7 @@ def _high(table: LogTable, head: Header, log: bytes, notes: list[Parsed]) -> Rea
     else:
         felt = upright(axes * scale, before) if before.any() else along_thrust(time, axes * scale)
         series = Series(time=time, felt=felt, felt_total=total * scale)
-    return replace(_reading(series, table, head, log), part="high-rate")
+    return replace(_reading(series, table, head, log), part="high")
 
 
 def _at_rest_last(time: Float[Array, "row"], total: Float[Array, "row"]) -> Flags:

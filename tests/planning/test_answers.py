@@ -18,7 +18,7 @@ def test_a_rocket_that_does_not_lift_gets_a_sentence_and_no_nan(command: str, ru
     text = printed.out + printed.err + (sheet.read_text(encoding="utf-8") if out else "")
     assert "nan" not in text.lower().replace("finance", "")
     if command == "landing":
-        assert "the motor does not lift the rocket off the pad" in text
+        assert "the motor does not lift the rocket off the rail" in text
 
 
 @pytest.mark.parametrize("command", ["predict", "landing", "delay", "contest"])

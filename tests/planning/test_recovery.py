@@ -491,7 +491,7 @@ def test_a_known_static_margin_is_checked(margin: str, verdict: str, prediction:
 def test_the_stability_of_a_rocket_that_has_not_flown_is_asked_for(prediction: Prediction) -> None:
     new, flown = (
         next(line for line in safety_lines(one, Site(), usual(), limits()) if line.name == "stability")
-        for one in (replace(prediction, rests_on=0), replace(prediction, rests_on=5))
+        for one in (replace(prediction, rests_on=0), replace(prediction, rests_on=5, heaviest_motor=1.0))
     )
     assert (new.verdict, new.mark) == ("unknown", "O")
     assert "check it before flight" in new.text

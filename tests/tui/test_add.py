@@ -87,7 +87,7 @@ async def test_the_fields_are_in_the_order_of_the_altimeter(file: Path) -> None:
 async def test_a_typo_in_the_third_field_gives_a_note_and_does_not_block(file: Path) -> None:
     async with opened(file, page="add") as pilot:
         await press(pilot, *typed("923ft"), "enter", *typed("140mph"), "enter", *typed("2.x"), "enter")
-        assert "✗ found" in shown(pilot)
+        assert "✗ unit 'x'" in shown(pilot)
         await press(pilot, *typed("7.9"), "ctrl+s")
         assert "✗ error Burn time: found" in words(pilot)
         assert pilot.app.focused is not None

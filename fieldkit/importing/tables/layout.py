@@ -15,6 +15,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.tables.cell import is_grouped
 from fieldkit.importing.tables.headings import channel, heading, unit_named
 from fieldkit.importing.tables.text import encodings
+from fieldkit.safe_text import whole_number
 from fieldkit.units import UNITS, is_unit, plain
 
 LOOKED_AT = 400
@@ -183,12 +184,12 @@ def _are_numbered(rows: Sequence[Sequence[str]], names: Sequence[str]) -> bool:
     clock = next((place for place, name in enumerate(names) if channel(heading(name)) == "time"), None)
     if clock is None or clock + 1 >= len(names) or len(whole) < _LEAST_CLOCK_STEPS:
         return False
-    numbers = [row[0].strip() for row in whole]
-    if not all(number.isdecimal() for number in numbers) or not all(row[-1].strip() for row in whole):
+    numbers = [number for row in whole if (number := whole_number(row[0].strip())) is not None]
+    if len(numbers) < len(whole) or not all(row[-1].strip() for row in whole):
         return False
     times = [row[clock + 1].strip().replace(",", ".") for row in whole]
     rise = [float(time) for time in times if re.fullmatch(r"[+-]?\d+(\.\d+)?", time)]
-    counts = all(int(after) - int(before) == 1 for before, after in pairwise(numbers))
+    counts = all(after - before == 1 for before, after in pairwise(numbers))
     return counts and len(rise) == len(whole) and all(before < after for before, after in pairwise(rise))
 
 
