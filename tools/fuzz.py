@@ -49,7 +49,7 @@ def main() -> int:
     with atheris.instrument_imports(include=[f"fieldkit.{name}" for name in read]):
         readers = _readers()
     if options.reader is None:
-        return max(_apart(name, sys.argv[1:]) for name in readers)
+        return max(_in_own_process(name, sys.argv[1:]) for name in readers)
     warnings.simplefilter("error")
     one_input = readers[options.reader]
     if options.again:
@@ -68,7 +68,7 @@ def main() -> int:
     return 0
 
 
-def _apart(name: str, arguments: list[str]) -> int:
+def _in_own_process(name: str, arguments: list[str]) -> int:
     """Fuzz one reader in a process of its own, print the result in a line, and return its exit status."""
     done = subprocess.run([sys.executable, __file__, *arguments, "--reader", name], capture_output=True, text=True)
     counts = [line.split()[-1] for line in done.stderr.splitlines() if line.startswith(("stat::number", "stat::new"))]

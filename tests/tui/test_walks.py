@@ -79,7 +79,7 @@ async def test_a_kit_that_never_flew(empty: Path) -> None:
         assert "stability: ok" in await checks(pilot)
         await press(pilot, "w", "enter", "_", "escape", "_")
         assert Path("range_safety_sheet.pdf").exists()
-        assert "5 s" in text_of(pilot, "#more"), "the delay in the box"
+        assert "by delay 5:" in text_of(pilot, "#more"), "the delay in the box"
         await press(pilot, "enter", "_")  # saves the forecast
         await press(pilot, "0", "_", "K", "_", "space", "t", "escape", "a", "_")
         await fill(pilot, apogee="420ft", duration="30s")
