@@ -1,4 +1,5 @@
-# Commands that stay open or compute for long: the tests check their options here, and run them elsewhere.
+# Commands that stay open, compute for long, or read a file of yours: the tests check their options here, and `-m slow`
+# runs those that end.
 
 fieldkit tui
 # in a browser on this computer
@@ -15,7 +16,5 @@ fieldkit study rockets --out rockets.md
 # how much rockets, motors, and flights vary, from the exports of a club's flyers; cross-validated by rocket
 fieldkit learn anna.csv ben.csv --check --out club.json
 fieldkit learn anna.csv ben.csv --keep
-# the track of a logger with satellite positions, for a map
-fieldkit track flight-dd2afbb08f --out track.kml
 # the reference paper's ensemble again: needs the extra `train`
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again

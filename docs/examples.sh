@@ -8,6 +8,9 @@ fieldkit import fieldkit/data/reference_flights.csv
 fieldkit import --dry-run fieldkit/data/reference_flights.csv
 # a logger's file, and the values that it lacks
 fieldkit import sample_logs/perfectflite__drogue_and_main.pf2 --set rocket=Comet --set motor=F24-4W --set dry_mass=300g --set diameter=66mm
+# a logger with satellite positions, and its track for a map
+fieldkit import sample_logs/altos_csv__with_satellites.csv
+fieldkit track flight-4f3b53f6c1 --out track.kml
 # the saved column mappings
 fieldkit mappings
 # a flight in one line, each figure with the unit of the altimeter

@@ -4,6 +4,7 @@ import ast
 import json
 import re
 import shlex
+import shutil
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -25,6 +26,7 @@ from fieldkit.flight.plausibility import IMPULSE_SCATTER
 from fieldkit.ledger import Ledger
 from fieldkit.motors.delay_tolerance import RELATIVE_DELAY_TOLERANCE
 from fieldkit.motors.motor import BURN_THRUST_FRACTION
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.flight import fly
 from fieldkit.physics.paper import paper_setup
 from fieldkit.physics.single import at_the_edge
@@ -52,6 +54,8 @@ SLOW = ("after-flight", "contest", "evidence", "landing", "loop", "planning", "s
 """Pages whose sessions take seconds."""
 OWN_UNITS = {"inspect", "docs", "contest", "finals", "season"}
 """Commands that quote a file's columns, the manual, or a contest's rule."""
+OPEN = {"tui", "serve"}
+"""Commands that stay open; the tests of the app start them."""
 PROPER_NAMES = """
     Astra Comet Coker Entacore Kieffer Kosdon Missile Nitrous Pnut RoadRunner Robert John SCR TSP contributors
     dev fps https isc license mDACS public works www
@@ -64,7 +68,7 @@ TO_BE_MADE = {
     ".venv/bin",
 }
 """Paths that the reader creates."""
-MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "log-book.csv", "sheet.pdf"}
+MADE = {"flights.csv", "flights.json", "card.pdf", "finals.png", "log-book.csv", "sheet.pdf", "track.kml"}
 """Files that the examples write."""
 
 
@@ -144,6 +148,22 @@ def test_the_examples_run_one_after_another(name: str, tmp_path: Path, capsys: p
 @pytest.mark.parametrize("line", lines_of("examples-long.sh"))
 def test_the_long_examples_are_valid(line: str) -> None:
     assert main([*shlex.split(line)[1:], "--help"]) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.train
+@pytest.mark.timeout(0)
+def test_the_long_examples_run(at_the_root: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that end, beside the files that they name."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(ROOT / "bench" / "faults" / "samples" / "skylark.ork", tmp_path)
+    for name in ("anna.csv", "ben.csv"):
+        shutil.copy(REFERENCE_FLIGHTS, tmp_path / name)
+    assert main(["import", "anna.csv"]) == 0
+    for line in lines_of("examples-long.sh"):
+        _, *arguments = shlex.split(line)
+        if arguments[0] not in OPEN:
+            assert main(arguments) == 0, line
 
 
 def test_the_commands_of_every_page_run() -> None:

@@ -33,9 +33,9 @@ FOUND, MISSED, USUAL = "#c2410c", "#2563eb", "#64748b"
 OPEN_BRAKES = {
     "contest_2_15_26_flight_3": FOUND,
     "contest_2_7_26_flight_2": FOUND,
-    "contest_12_23_25_flight_3": MISSED,
+    "contest_12_23_25_flight_4": MISSED,
 }
-"""Flights whose servo opened the brakes and whose drag rose, by the color of what the loop found."""
+"""Flights whose brakes opened in the coast, by the color of what the loop found."""
 OWN = ("fieldkit", "fieldkit, from apogees alone", "mixed with rivals")
 """Methods that are not simple rules."""
 SETS = {"journal, by time": "one flyer's later flights", "contest_teams, left out": "contest teams"} | {
@@ -99,7 +99,7 @@ def brakes_picture() -> str:
         marks.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="2.5"/>')
     marks += [_text(_across(place, 6), HEIGHT - 25, f"{place + 1}/6", "middle") for place in range(6)]
     marks.append(_text(WIDTH / 2, HEIGHT - 6, "part of the coast, burnout to apogee", "middle"))
-    marks += _legend((FOUND, "brakes found"), (MISSED, "brakes missed"), (USUAL, "no rise measured"))
+    marks += _legend((FOUND, "brakes found"), (MISSED, "brakes missed"), (USUAL, "brakes shut, or no effect"))
     return _svg(marks)
 
 

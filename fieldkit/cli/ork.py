@@ -145,5 +145,5 @@ def _document(start: "Configuration", design: "Design", *, saved: bool) -> dict[
         ],
         "flown_again": [asdict(one) | {"difference": one.difference} for one in design.flown_again],
         "notes": list(design.notes),
-        "kept": saved,
+        "saved": saved,
     }

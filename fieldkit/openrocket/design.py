@@ -11,7 +11,18 @@ from fieldkit.motors import Motor, catalogue
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.balance import Balance, balance
 from fieldkit.openrocket.implied import FlownAgain, flown_again, implied_cds, in_several_winds
-from fieldkit.openrocket.parts import PER_MASS, airframe, children, copies, everything, mass, number, override, sizes
+from fieldkit.openrocket.parts import (
+    PER_AREA,
+    PER_MASS,
+    airframe,
+    children,
+    copies,
+    everything,
+    mass,
+    number,
+    override,
+    sizes,
+)
 from fieldkit.openrocket.rasaero import from_rasaero, is_rasaero
 from fieldkit.openrocket.rocksim import from_rocksim, is_rocksim
 from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
@@ -156,7 +167,8 @@ def _design(root: "Element", source: str, notes: list[str]) -> Design:
         notes.append(f"it has {len(stages)} stages, treated as one: staged flights are not forecast")
     if any(part.tag in ("podset", "parallelstage") for part in everything(rocket)):
         notes.append(
-            "pods and boosters count for mass but not for diameter: without a Cd of the design, apogees are too high"
+            "pods and boosters count for mass but not for diameter: without a Cd of the design, apogees are too high, "
+            f"{PER_AREA}"
         )
     figures = {"dry_mass": weight, "diameter": diameter, "length": sum(one.length for one in body), "cd": cd}
     known = {name: _plausible(name, value, notes) for name, value in figures.items()}

@@ -33,6 +33,8 @@ CENTERED_CLUSTERS = ("3-star", "4-star", "5-star", "6-star")
 PER_MASS = "by 0.5 to 1.2% for each percent of the mass"
 """How much a wrong mass moves an apogee: `fieldkit simulate` of a fast rocket (F24-4W, 322 g, 66 mm) and of a slow one
 (A8-3, 40 g, 25 mm), with a Cd of 0.6 and a tenth of the mass missing."""
+PER_AREA = "by 0.2 to 0.4% for each percent of the frontal area"
+"""How much a missing frontal area moves an apogee: the same two flights, with a tenth of the Cd missing."""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 

@@ -196,18 +196,18 @@ def score_document(found: "ScoreReport") -> dict[str, Any]:
 
 
 def scores_document(found: "LedgerScores") -> dict[str, Any]:
-    """The scores of flights with an earlier one of their rocket; under `first_flights` of first flights, under `kept`
+    """The scores of flights with an earlier one of their rocket; under `first_flights` of first flights, under `saved`
     of saved forecasts, with the same keys."""
     own = score_document(found.first) | {
         "evaluation": "forward in time: each flight from the earlier ones of other rockets"
     }
     stacking = {"weights": dict(found.weights), "weights_of_first": dict(found.weights_of_first)}
     document = {**score_document(found.later), "first_flights": own, "stacking": stacking}
-    kept = None
+    saved = None
     if found.saved is not None:
-        kept = score_document(found.saved) | {"evaluation": "as predicted before the flight", "stale": found.stale}
-        del kept["corrected"]
-    whole: dict[str, Any] = finite({**document, "kept": kept})
+        saved = score_document(found.saved) | {"evaluation": "as predicted before the flight", "stale": found.stale}
+        del saved["corrected"]
+    whole: dict[str, Any] = finite({**document, "saved": saved})
     return whole
 
 

@@ -1,5 +1,7 @@
 """Pressure that is off for seconds: ports behind a shock in a fast climb, and a sensor or radio that holds a value."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, stand
 PAD, SOUND = 300.0, 335.0
 
 
+@cache
 def fast_flight(thrust: float, burn: float, drag: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Time [s], height [m], speed [m/s] and specific force [m/s^2] of a vertical flight with a parachute at apogee;
     thrust [m/s^2], burn [s], and drag area per mass [m^2/kg], which rises around Mach 1."""

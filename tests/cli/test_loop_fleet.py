@@ -6,6 +6,8 @@ import pytest
 
 from tests.commands import Run
 
+CHECK_SHAPES = False
+
 HEADER = "flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m"
 
 

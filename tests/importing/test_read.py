@@ -149,7 +149,11 @@ def test_an_endless_table_of_flights_is_refused_at_once(name: str) -> None:
         read(log + b" " * (33 << 20), "t", any_motor, name)
 
 
-@pytest.mark.parametrize("log", [b"rocket,apogee_m\n" + b"1,\n" * 500_001, b'{"flights": [' + b"1," * 500_001 + b"1]}"])
+@pytest.mark.parametrize(
+    "log",
+    [b"rocket,apogee_m\n" + b"1,\n" * 500_001, b'{"flights": [' + b"1," * 500_001 + b"1]}"],
+    ids=["CSV", "JSON"],  # without them the log itself is the name of the test
+)
 def test_a_table_of_too_many_rows_is_refused_at_once(log: bytes) -> None:
     with pytest.raises(
         DamagedLog, match=r"found 500,00\d lines, expected at most 500,000 in a table of flights; split it"

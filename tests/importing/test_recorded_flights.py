@@ -16,6 +16,8 @@ from fieldkit.services.replay import recording_of
 from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
 from tests.commands import Run
 
+CHECK_SHAPES = False
+
 flown = cache(fly)
 
 

@@ -10,6 +10,8 @@ from fieldkit.motors import catalogue
 from fieldkit.openrocket import Design, read_design
 from tests.commands import Run
 
+CHECK_SHAPES = False
+
 pytestmark = pytest.mark.fast
 
 PAPER = '<material type="bulk" density="700">Paper</material>'

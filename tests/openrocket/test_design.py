@@ -351,7 +351,7 @@ def test_the_command_saves_the_design_and_reports_what_it_found(tmp_path: Path, 
     assert "Cd        0.55" in printed.out
     assert "Saved" in printed.err
     document = run("ork", file, "--look", "--rocket", "Lark", "--json").document
-    assert (document["rocket"], document["kept"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))
+    assert (document["rocket"], document["saved"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))
     with Ledger.open(tmp_path / "ledger.db") as opened:
         assert opened.flights() == []
         assert [one.config for one in opened.rocket("Skylark").configurations] == ["A"]

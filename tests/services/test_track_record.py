@@ -45,7 +45,7 @@ def test_a_saved_prediction_is_scored_with_what_was_known_then(
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert picture.read_bytes().startswith(b"<?xml")
     document = run("score", "--json").document
-    assert document["kept"]["stale"] == 1
+    assert document["saved"]["stale"] == 1
     assert {"flights", "errors", "coverage90", "corrected", "evaluation", "rivals", "calibration"} <= document.keys()
     assert 0 <= document["flights"][0]["pit"] <= 1
 

@@ -20,6 +20,8 @@ from fieldkit.tui.next.next_page import ForecastCard
 from fieldkit.tui.widgets.big import GLYPHS, Big
 from tests.pressing import ROOT, at_home, opened, press, shown, text_of, typed, words
 
+CHECK_SHAPES = False
+
 LOG = "".join(f"{n * 50},{n * 3},{20 + n}\n" for n in range(9))
 
 

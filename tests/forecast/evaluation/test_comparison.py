@@ -163,7 +163,7 @@ def test_a_whole_ledger_or_one_rocket_can_be_scored(tmp_path: Path, monkeypatch:
         "evaluation",
         "rivals",
         "calibration",
-        "kept",
+        "saved",
     } <= whole.keys()
     assert whole["stacking"]["weights"] == {"fieldkit": 1.0, **dict.fromkeys(STACKED_RIVALS, 0.0)}
     assert whole["flights"][0]["persistence"] == 210.0
