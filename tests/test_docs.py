@@ -268,6 +268,26 @@ def test_the_pictures_of_measured_flights_show_the_figures_of_the_pages() -> Non
     assert f"a factor of {step[2]}" in text
 
 
+def test_causes_and_shared_motors_on_the_page_of_evidence_are_those_measured() -> None:
+    text = " ".join(PAGES["evidence"].split())
+    found = json.loads((ROOT / "docs" / "measured" / "evidence.json").read_text(encoding="utf-8"))
+    causes, shared = found["journal"]["causes"], found["journal"]["shared"]
+    words = {1: "one", 3: "three", 4: "four"}
+    assert f"Of {words[causes['noted']]} flights whose notes state a cause" in text
+    assert f"right for {words[causes['first']]}, and the right one is among the three most" in text
+    assert f"probable for {words[causes['among_three']]}." in text
+    assert f"Of the {causes['others']} others {words[len(causes['named'])]} is named" in text
+    assert re.search(r"top speed \d+% high", causes["named"][0])[0].split()[2] in text  # type: ignore[index]
+    assert f"{shared['n_flights']} normal flights of {shared['n_rockets']} rockets" in text
+    assert found["contest"]["shared"]["findings"] == []
+    (motor,) = shared["findings"]
+    assert re.search(r"\d+% more thrust", motor["why"])[0] in text  # type: ignore[index]
+    assert f"a probability of {motor['probability']:.0%}" in text
+    assert "from {} m to {} m with".format(*(f"{motor[key]['mae_m']:.1f}" for key in ("before", "after"))) in text
+    last = next(one for one in shared["rivals"] if one["name"] == "last on motor, else last ratio")
+    assert f"misses by {last['mae_m']:.1f} m" in text
+
+
 @pytest.mark.thorough
 def test_the_picture_of_single_flights_is_of_this_model() -> None:
     assert (ROOT / "docs" / "evidence_one_offs.svg").read_text(encoding="utf-8") == evidence.one_offs_picture()
