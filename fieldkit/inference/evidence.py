@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fieldkit.shapes import Array, Float
+from fieldkit.inference.batched_inverse import inverses
+from fieldkit.shapes import Array, Float, Int, Integers
 
 INSIDE_SDS = 7.0
 """At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
@@ -46,6 +47,39 @@ def normal_posterior(
     mean = (covariance @ score[..., None])[..., 0]
     log_bayes = 0.5 * ((score * mean).sum(axis=-1) - np.linalg.slogdet(precision)[1] + log_det_prior)
     return NormalPosterior(mean, covariance, np.asarray(log_bayes))
+
+
+def grouped_posterior(
+    information: Float[Array, "group term term"],
+    score: Float[Array, "group term"],
+    prior: Float[Array, "scale term term"],
+    log_det_prior: Float[Array, "scale"],
+    group: Int[Integers, "scale"],
+    varied: Int[Integers, "own"],
+) -> NormalPosterior:
+    """As `normal_posterior`, for scales in groups with the same readouts: `group` is that of each scale. Within one, only
+    the priors of the terms `varied` differ, and they are independent of the other terms.
+
+    Derivation: the other terms are eliminated once for each group (Schur complement; Bishop, 2006, section 2.3.1).
+    """
+    common = np.setdiff1d(np.arange(prior.shape[-1]), varied)
+    every, both, own = np.ix_(common, common), np.ix_(common, varied), np.ix_(varied, varied)
+    first = np.unique(group, return_index=True)[1]
+    inner, log_det_inner = inverses(information[:, *every] + prior[first][:, *every])
+    cross = information[:, *both]
+    gain = inner @ cross
+    left = information[:, *own] - np.swapaxes(cross, 1, 2) @ gain
+    outer, log_det_outer = inverses(left[group] + prior[:, *own])
+    part = gain[group] @ outer
+    covariance = np.empty(prior.shape)
+    covariance[:, *own] = outer
+    covariance[:, *both] = -part
+    covariance[:, *np.ix_(varied, common)] = -np.swapaxes(part, 1, 2)
+    covariance[:, *every] = inner[group] + part @ np.swapaxes(gain, 1, 2)[group]
+    mean = (covariance @ score[group][..., None])[..., 0]
+    distance = (score[group] * mean).sum(axis=-1)
+    log_bayes = 0.5 * (distance - log_det_inner[group] - log_det_outer + log_det_prior)
+    return NormalPosterior(mean, covariance, log_bayes)
 
 
 def strength_posterior(

@@ -6,7 +6,14 @@ from scipy.integrate import quad
 from scipy.special import log_ndtr
 from scipy.stats import multivariate_normal, norm
 
-from fieldkit.inference.evidence import LinearModel, log_mass, normal_posterior, pair_evidence, strength_posterior
+from fieldkit.inference.evidence import (
+    LinearModel,
+    grouped_posterior,
+    log_mass,
+    normal_posterior,
+    pair_evidence,
+    strength_posterior,
+)
 
 RNG = np.random.default_rng(5)
 SLOPE, MISS, SDS = RNG.normal(size=(6, 3)), RNG.normal(size=6), np.array([0.5, 1.0, 2.0])
@@ -21,6 +28,21 @@ def dense(columns: list[int]) -> float:
 def test_the_evidence_of_terms_is_that_of_a_normal_density_with_their_covariance() -> None:
     found = normal_posterior(SLOPE.T @ SLOPE, SLOPE.T @ MISS, np.diag(1 / SDS**2), np.array(-2 * np.log(SDS).sum()))
     assert found.log_bayes == pytest.approx(dense([0, 1, 2]))
+
+
+def test_scales_with_the_same_readouts_have_the_posterior_of_each_alone() -> None:
+    """The terms whose prior they share are eliminated once."""
+    slope, group, varied = RNG.normal(size=(2, 9, 5)), np.array([0, 0, 0, 1, 1]), np.array([1, 4])
+    information, score = np.swapaxes(slope, 1, 2) @ slope, RNG.normal(size=(2, 5))
+    shared = np.linalg.inv(np.cov(RNG.normal(size=(3, 9))))  # terms with a joint prior
+    sds = np.exp(RNG.normal(size=(5, 5)))
+    prior = np.stack([np.diag(1 / row**2) for row in sds])
+    prior[:, np.array([[0], [2], [3]]), np.array([0, 2, 3])] = shared
+    log_det = np.linalg.slogdet(prior)[1]
+    found = grouped_posterior(information, score, prior, log_det, group, varied)
+    alone = normal_posterior(information[group], score[group], prior, log_det)
+    for one, other in zip(found, alone, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12)
 
 
 def test_the_evidence_of_a_pair_is_that_of_both_terms() -> None:

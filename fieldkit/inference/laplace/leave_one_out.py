@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.batched_inverse import inverses
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.inference.laplace.posterior import Fit, density_constant, residual_variance
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR

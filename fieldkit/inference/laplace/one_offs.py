@@ -19,7 +19,7 @@ from math import log, pi
 
 import numpy as np
 
-from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.batched_inverse import inverses
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
 from fieldkit.inference.laplace.posterior import Fit, FlightEvidence, flight_evidence, residual_variance, solve

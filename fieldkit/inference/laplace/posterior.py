@@ -10,8 +10,8 @@ from math import isfinite, log, pi
 
 import numpy as np
 
-from fieldkit.inference.evidence import LinearModel, log_mass, normal_posterior
-from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.evidence import LinearModel, grouped_posterior, log_mass, normal_posterior
+from fieldkit.inference.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.model.documents import power
@@ -21,6 +21,8 @@ from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 UNOBSERVED_SD = 1e3
 """Standard deviation of readouts that were not observed."""
+FEW_SCALES = 16
+"""Below this number of scales, a matrix inverted for each takes less time than `grouped_posterior`. [1]"""
 SCALED_BY = ("", "scatter", "reading")
 """What may scale the standard deviation of a term, in the order of the factors in `term_sds`."""
 _PRIOR_FIELDS = ("mean", "sd", "low", "high")
@@ -35,8 +37,12 @@ def term_sds(model: Model) -> Float[Array, "scale term"]:
     sds = np.array([term.sd for term in model.terms]) * factors[:, np.array(by, int)]
     if model.hyperprior.documents is None:
         return np.asarray(sds)
-    powers = np.array([power(term.name.quantity, term.name.level) for term in model.terms])
-    return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** powers)
+    return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** _powers(model))
+
+
+def _powers(model: Model) -> Float[Array, "term"]:
+    """The power of the scale of documents in the prior standard deviation of each term. [1]"""
+    return np.array([power(term.name.quantity, term.name.level) for term in model.terms])
 
 
 def prior_precision(
@@ -80,6 +86,10 @@ class FlightEvidence:
     miss: Float[Array, "flight used"]
     sharpness: Float[Array, "scale flight used used"]
     log_det: Float[Array, "scale flight"]
+
+    def at(self, places: Int[Integers, "some"]) -> "FlightEvidence":
+        """The evidence at some of its pairs of scales."""
+        return replace(self, sharpness=self.sharpness[places], log_det=self.log_det[places])
 
     def noise(self) -> Float[Array, "scale flight used used"]:
         """Covariance of each flight's readouts given the terms, in the units of `miss`, squared; computed on request,
@@ -141,12 +151,16 @@ def solve(
     `fieldkit.inference.laplace.outlier_flights`). With `which`, the result has only those pairs of scales, for an
     unfinished fit.
     """
-    evidence = flight_evidence(model, data, near, flight_weight, which)
-    scales, terms = len(evidence.sharpness), len(model.terms)
+    every = np.arange(len(model.hyperprior.scales()[0])) if which is None else which
+    documents = model.hyperprior.documents  # the last axis of the grid; it changes the prior and no noise
+    values = len(documents.grid) if documents else 1
+    _, first, group = np.unique(every // values, return_index=True, return_inverse=True)
+    evidence = flight_evidence(model, data, near, flight_weight, every[first])
+    scales, terms = len(first), len(model.terms)
     slope, miss = evidence.slope.reshape(-1, terms), evidence.miss.ravel()
     weighed = (evidence.sharpness @ evidence.slope).reshape(scales, len(slope), terms)
     missed = (evidence.sharpness @ evidence.miss[..., None]).reshape(scales, len(slope))
-    found = _concluded(model, data, near, evidence, (slope.T @ weighed, missed @ slope, missed @ miss), which)
+    found = _concluded(model, data, near, evidence, (slope.T @ weighed, missed @ slope, missed @ miss), which, group)
     if flight_weight is None:
         return found
     tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
@@ -158,14 +172,23 @@ def _concluded(
     data: Data,
     near: Tangent,
     evidence: FlightEvidence,
-    sums: tuple[Float[Array, "scale term term"], Float[Array, "scale term"], Float[Array, "scale"]],
+    sums: tuple[Float[Array, "group term term"], Float[Array, "group term"], Float[Array, "group"]],
     which: Int[Integers, "scale"] | None,
+    group: Int[Integers, "scale"],
 ) -> Fit:
     """The posterior from the sums over flights: the information matrix, the score at the prior means, and the squared
-    distance of the flights from them."""
+    distance of the flights from them, each for groups of scales with the same noise; `evidence` is that of the
+    groups."""
     information, gain, misfit = sums
     prior, log_det_prior = prior_precision(model, which)
-    offset, covariance, log_bayes = normal_posterior(information, gain, prior, log_det_prior)
+    if FEW_SCALES <= len(group) > len(information):
+        shared = [] if model.shared is None else [model.names.index(name) for name in model.shared.names]
+        varied = np.setdiff1d(np.flatnonzero(_powers(model)), shared)
+        posterior = grouped_posterior(information, gain, prior, log_det_prior, group, varied)
+    else:
+        posterior = normal_posterior(information[group], gain[group], prior, log_det_prior)
+    offset, covariance, log_bayes = posterior
+    evidence, misfit = evidence.at(group), misfit[group]
     mean = np.array([term.mean for term in model.terms]) + offset
     log_prior = model.hyperprior.scales()[2]
     log_weight = log_bayes - 0.5 * (misfit + evidence.log_det.sum(axis=1))

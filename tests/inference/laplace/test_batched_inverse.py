@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.batched_inverse import inverses
 
 pytestmark = pytest.mark.fast
 

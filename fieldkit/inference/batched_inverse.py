@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
-LARGEST_SWEPT = 6
+LARGEST_SWEPT = 9
 """Up to this size, sweeping takes less time than LAPACK, which inverts matrix by matrix."""
 
 
