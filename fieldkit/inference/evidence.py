@@ -57,25 +57,26 @@ def grouped_posterior(
     group: Int[Integers, "scale"],
     varied: Int[Integers, "own"],
 ) -> NormalPosterior:
-    """As `normal_posterior`, for scales in groups with the same readouts: `group` is that of each scale. Within one, only
-    the priors of the terms `varied` differ, and they are independent of the other terms.
+    """As `normal_posterior`, for scales in groups with the same readouts: `group` is that of each scale. Within one,
+    only the priors of the terms `varied` differ, and they are independent of the other terms; in the units of the
+    terms.
 
     Derivation: the other terms are eliminated once for each group (Schur complement; Bishop, 2006, section 2.3.1).
     """
     common = np.setdiff1d(np.arange(prior.shape[-1]), varied)
-    every, both, own = np.ix_(common, common), np.ix_(common, varied), np.ix_(varied, varied)
+    common_rows, varied_rows = common[:, None], varied[:, None]
     first = np.unique(group, return_index=True)[1]
-    inner, log_det_inner = inverses(information[:, *every] + prior[first][:, *every])
-    cross = information[:, *both]
+    inner, log_det_inner = inverses(information[:, common_rows, common] + prior[first][:, common_rows, common])
+    cross = information[:, common_rows, varied]
     gain = inner @ cross
-    left = information[:, *own] - np.swapaxes(cross, 1, 2) @ gain
-    outer, log_det_outer = inverses(left[group] + prior[:, *own])
+    left = information[:, varied_rows, varied] - np.swapaxes(cross, 1, 2) @ gain
+    outer, log_det_outer = inverses(left[group] + prior[:, varied_rows, varied])
     part = gain[group] @ outer
     covariance = np.empty(prior.shape)
-    covariance[:, *own] = outer
-    covariance[:, *both] = -part
-    covariance[:, *np.ix_(varied, common)] = -np.swapaxes(part, 1, 2)
-    covariance[:, *every] = inner[group] + part @ np.swapaxes(gain, 1, 2)[group]
+    covariance[:, varied_rows, varied] = outer
+    covariance[:, common_rows, varied] = -part
+    covariance[:, varied_rows, common] = -np.swapaxes(part, 1, 2)
+    covariance[:, common_rows, common] = inner[group] + part @ np.swapaxes(gain, 1, 2)[group]
     mean = (covariance @ score[group][..., None])[..., 0]
     distance = (score[group] * mean).sum(axis=-1)
     log_bayes = 0.5 * (distance - log_det_inner[group] - log_det_outer + log_det_prior)

@@ -10,8 +10,8 @@ from math import isfinite, log, pi
 
 import numpy as np
 
-from fieldkit.inference.evidence import LinearModel, grouped_posterior, log_mass, normal_posterior
 from fieldkit.inference.batched_inverse import inverses
+from fieldkit.inference.evidence import LinearModel, grouped_posterior, log_mass, normal_posterior
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_flights import log_tail, readouts_used
 from fieldkit.model.documents import power
