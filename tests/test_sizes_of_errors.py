@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -51,3 +52,25 @@ def test_missing_mass_and_area_raise_the_apogee_by_the_stated_part(apogee: Apoge
 def test_boosters_that_drag_more_lower_the_apogee_by_the_stated_part(apogee: Apogee) -> None:
     lost = [100 * (1 - apogee(*one, "--booster-cd", 0.66) / apogee(*one)) for one in STAGED]
     assert [round(min(lost), 1), round(max(lost), 1)] == ends(STAGES_NOTE)
+
+
+def test_air_that_is_not_given_moves_the_apogee_as_the_page_of_forecasts_says(run: Run) -> None:
+    def apogees(one: tuple[str, int, int], *air: str) -> tuple[float, float]:
+        motor, mass, diameter = one
+        body = ("--dry-mass", f"{mass}g", "--diameter", f"{diameter}mm", "--cd", 0.6)
+        found = run("simulate", "--motor", motor, *body, *air, "--json").document
+        return found["apogee_m"], found["true_apogee_m"]
+
+    rockets = (FAST, SLOW, LIGHT)
+    usual = [apogees(one) for one in rockets]
+    warm = [apogees(one, "--temperature", "25C") for one in rockets]
+    high = [apogees(one, "--site-elevation", "300m") for one in rockets]
+    shown = [round(100 * (1 - now[0] / then[0])) for now, then in zip(warm, usual, strict=True)]
+    assert (min(shown), max(shown)) == (2, 3)
+    gains = [
+        [round(100 * (now[1] / then[1] - 1), 1) for now, then in zip(air, usual, strict=True)] for air in (warm, high)
+    ]
+    assert [(min(gain), max(gain)) for gain in gains] == [(0.6, 1.4), (0.5, 1.2)]
+    page = " ".join((Path(__file__).parents[1] / "docs" / "predictions.md").read_text(encoding="utf-8").split())
+    assert "2 to 3% too high for what the altimeter shows, 0.6 to 1.4% too low for the true apogee" in page
+    assert "too low, by 0.5 to 1.2%" in page

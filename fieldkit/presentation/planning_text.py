@@ -30,7 +30,7 @@ RAIL_WAYS = {
 """Directions of a slanted rail, in degrees to the right of into the wind."""
 
 
-BREEZE, IN_A_BREEZE = 4.5, "by 4 to 9%"
+BREEZE, IN_A_BREEZE = 4.47, "by 4 to 9%"
 """A wind [m/s], and how much it lowers an apogee: `fieldkit simulate` of F24-4W (322 g, 66 mm), A8-3 (40 g, 25 mm) and
 C6-5 (60 g, 25 mm), with a Cd of 0.6."""
 
@@ -43,7 +43,7 @@ def conditions_in_words(plan: Flight, rocket: Rocket | None = None, system: str 
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     breeze = measure(BY_NAME["wind"], BREEZE, system)
-    blows = f"wind {wind}" if wind else f"wind not given ({breeze} lowers the apogee {IN_A_BREEZE})"
+    blows = f"wind {wind}" if wind else f"wind not given (from calm to {breeze} the apogee falls {IN_A_BREEZE})"
     slanted = f"at {(angle or '').removeprefix('-')} {_way(plan)}"
     yield f"  with      {blows}, {rail}, {slanted if plan.rail_angle else 'vertical'}"
     design = rocket.design(plan.config) if rocket is not None else None

@@ -160,25 +160,28 @@ def solve(
     slope, miss = evidence.slope.reshape(-1, terms), evidence.miss.ravel()
     weighed = (evidence.sharpness @ evidence.slope).reshape(scales, len(slope), terms)
     missed = (evidence.sharpness @ evidence.miss[..., None]).reshape(scales, len(slope))
-    found = _concluded(model, data, near, evidence, (slope.T @ weighed, missed @ slope, missed @ miss), which, group)
+    mean, covariance, log_weight = _weighed(model, (slope.T @ weighed, missed @ slope, missed @ miss), every, group)
+    evidence = evidence.at(group)
+    log_weight = log_weight - 0.5 * evidence.log_det.sum(axis=1)
+    found = Fit(model, data, near, evidence, mean, covariance, log_weight, scales=which)
     if flight_weight is None:
         return found
     tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
     return replace(found, log_weight=found.log_weight + tail.sum(), flight_weight=flight_weight)
 
 
-def _concluded(
+def _weighed(
     model: Model,
-    data: Data,
-    near: Tangent,
-    evidence: FlightEvidence,
     sums: tuple[Float[Array, "group term term"], Float[Array, "group term"], Float[Array, "group"]],
-    which: Int[Integers, "scale"] | None,
+    which: Int[Integers, "scale"],
     group: Int[Integers, "scale"],
-) -> Fit:
-    """The posterior from the sums over flights: the information matrix, the score at the prior means, and the squared
-    distance of the flights from them, each for groups of scales with the same noise; `evidence` is that of the
-    groups."""
+) -> tuple[Float[Array, "scale term"], Float[Array, "scale term term"], Float[Array, "scale"]]:
+    """Mean and covariance of the terms for some pairs of scales, and the log weight of each without the normalization
+    of the noise.
+
+    `sums` over the flights are the information matrix, the score at the prior means, and the squared distance of the
+    flights from them, for each `group` of pairs with the same noise.
+    """
     information, gain, misfit = sums
     prior, log_det_prior = prior_precision(model, which)
     if FEW_SCALES <= len(group) > len(information):
@@ -188,13 +191,9 @@ def _concluded(
     else:
         posterior = normal_posterior(information[group], gain[group], prior, log_det_prior)
     offset, covariance, log_bayes = posterior
-    evidence, misfit = evidence.at(group), misfit[group]
     mean = np.array([term.mean for term in model.terms]) + offset
-    log_prior = model.hyperprior.scales()[2]
-    log_weight = log_bayes - 0.5 * (misfit + evidence.log_det.sum(axis=1))
-    log_weight += log_prior if which is None else log_prior[which]
-    log_weight += log_inside(model, mean, covariance)
-    return Fit(model, data, near, evidence, mean, covariance, log_weight, scales=which)
+    log_prior = model.hyperprior.scales()[2][which]
+    return mean, covariance, log_bayes - 0.5 * misfit[group] + log_prior + log_inside(model, mean, covariance)
 
 
 def flight_evidence(
