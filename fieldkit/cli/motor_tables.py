@@ -96,7 +96,7 @@ def print_own_corrections(json: bool) -> None:
 
     folder = motor_folder()
     file = correction_file(folder)
-    known_motors()  # reports the rows that cannot be used
+    known_motors(always=True)  # reports the rows that cannot be used
     rows, _ = read_own_corrections(folder)
     if json:
         shown = [{"maker": one.maker, "motor": one.designation, "lot": one.lot, "date": one.date} for one in rows]

@@ -169,7 +169,7 @@ def motors(
         _about(json)
         return
     else:
-        known, text = known_motors(), " ".join(search or ())
+        known, text = known_motors(always=check), " ".join(search or ())
         found = known.search(text)
         if not known.knows(text):
             _check_near(text, found, known.complaint(text), strict=json or shortlist_for is not None)
@@ -231,9 +231,10 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
 def _added(file: Path) -> "list[Motor]":
     from fieldkit.motors.own import import_file
 
-    found, errors = import_file(file, motor_folder())
-    remarks = [*map(str, errors), *(remark for motor in found for remark in motor.remarks)]
+    found, _ = import_file(file, motor_folder())
+    remarks = [remark for motor in found for remark in motor.remarks]
     complain("\n".join([f"Added {counted(len(found), 'motor')} from {file}", *remarks]))
+    known_motors()  # reports the motors that cannot be used
     return found
 
 

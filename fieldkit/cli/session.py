@@ -43,12 +43,14 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
                 complain(f"warning: {ledger.trouble}")
 
 
-def known_motors() -> "Catalogue":
-    """The shipped motors and the user's own; a damaged file among those is reported."""
+def known_motors(*, always: bool = False) -> "Catalogue":
+    """The shipped motors and the user's own; a damaged file among those is reported once, or `always`."""
     from fieldkit.motors import own
 
-    motors, errors = own.known_motors(motor_folder())
-    for error in errors:
+    folder = motor_folder()
+    motors, errors = own.known_motors(folder)
+    new = own.unreported(errors, folder)
+    for error in errors if always else new:
         complain(str(error))
     return motors
 

@@ -27,6 +27,8 @@ from fieldkit.units import UNITS
 
 MOST_LACKING = 4
 """Largest number of signs of a format, or of sheets of a spreadsheet, that a message lists. [1]"""
+_OLD_WORKBOOK = bytes.fromhex("d0cf11e0a1b11ae1")
+"""What a compound file of Microsoft begins with."""
 
 
 def parsers() -> Mapping[str, Parser]:
@@ -122,6 +124,8 @@ def _hint(log: bytes) -> str:
     """Advice about a log that no parser recognizes, if there is any."""
     if log.startswith(b"PK\x03\x04"):
         return "; it is an archive; unpack it first"
+    if log.startswith(_OLD_WORKBOOK):
+        return "; it is a workbook of an old Excel (.xls); save it as .xlsx or CSV"
     start = log[:HEAD]
     if is_weather(start):
         return "; it is saved weather, which `fieldkit weather FILE` fills in"

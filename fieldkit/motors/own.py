@@ -1,5 +1,8 @@
 """The user's own motors: `.eng` and `.rse` files in a folder of the user's data."""
 
+import json
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from fieldkit import files
@@ -7,11 +10,13 @@ from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.motors import rasp, rocksim
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
-from fieldkit.motors.own_corrections import read_own_corrections
+from fieldkit.motors.own_corrections import FILE_NAME, read_own_corrections
 
 SUFFIXES = (".eng", ".rse")
 MAX_MOTOR_FILE_SIZE = 16 << 20
 """Size limit of a motor file; all motors of the catalog together are smaller. [bytes]"""
+_REPORTED = ".reported.json"
+"""The file in the folder with the errors that were reported, and the files as they were."""
 
 
 def read(data: bytes, source: str) -> list[Motor]:
@@ -58,6 +63,25 @@ def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
     known = catalogue().with_motors(motors) if motors else catalogue()
     known, unused = known.with_corrections(rows) if rows else (known, [])
     return known, [*errors, *unread, *unused]
+
+
+def unreported(errors: Sequence[FieldkitError], folder: Path) -> Sequence[FieldkitError]:
+    """The errors of `known_motors`; none if they were reported before and no file of the folder has changed since.
+
+    They count as reported from now on, unless that cannot be saved.
+    """
+    file = folder / _REPORTED
+    if not errors and not file.exists():
+        return errors
+    present = [one for one in sorted(folder.iterdir()) if one.suffix.lower() in SUFFIXES or one.name == FILE_NAME]
+    states = [[one.name, about.st_mtime_ns, about.st_size] for one in present if (about := one.lstat())]
+    report = json.dumps({"files": states, "errors": [str(error) for error in errors]})
+    with suppress(OSError, UnicodeDecodeError):
+        if file.exists() and files.read_own(file) == report:
+            return []
+    with suppress(OSError, FieldkitError):
+        files.replace(file, report.encode())
+    return errors
 
 
 def import_file(path: Path, folder: Path) -> tuple[list[Motor], list[DamagedLog]]:

@@ -69,16 +69,17 @@ class Resources:
 
     @property
     def motors(self) -> "Catalogue":
-        """The known motors; `complaints` has the errors in the flyer's files."""
+        """The known motors; `complaints` has the new errors in the flyer's files."""
         with IMPORTING:
             return self._motors
 
     @cached_property
     def _motors(self) -> "Catalogue":
-        from fieldkit.motors.own import known_motors
+        from fieldkit.motors.own import known_motors, unreported
 
-        motors, errors = known_motors(motor_folder())
-        self.complaints += errors
+        folder = motor_folder()
+        motors, errors = known_motors(folder)
+        self.complaints += unreported(errors, folder)
         return motors
 
     def names(self) -> "Names":

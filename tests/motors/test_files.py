@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog
 from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue
-from fieldkit.motors.own import import_file, own_motors, read, sound_motors
+from fieldkit.motors.own import import_file, known_motors, own_motors, read, sound_motors, unreported
 from tests.effort import examples
 
 pytestmark = pytest.mark.fast
@@ -251,6 +251,24 @@ def test_a_damaged_file_in_the_folder_of_own_motors_does_not_affect_the_others(t
     assert [motor.designation for motor in motors] == ["F24W", "Sugar-1", "C6"]
     assert len(errors) == 1
     assert "c.eng" in str(errors[0])
+
+
+def test_an_error_is_reported_once_for_each_change_of_the_files(tmp_path: Path) -> None:
+    def reported() -> list[str]:
+        return [str(error) for error in unreported(known_motors(tmp_path)[1], tmp_path)]
+
+    (tmp_path / "sound.eng").write_bytes(ENG)
+    assert reported() == []
+    assert {path.name for path in tmp_path.iterdir()} == {"sound.eng"}
+    (tmp_path / "bad.eng").write_bytes(ENG[:90])
+    assert "bad.eng" in reported()[0]
+    assert reported() == []
+    (tmp_path / "bad.eng").write_bytes(ENG[:91])
+    assert "bad.eng" in reported()[0]
+    (tmp_path / "bad.eng").write_bytes(ENG)
+    assert reported() == []
+    (tmp_path / "bad.eng").write_bytes(ENG[:91])
+    assert "bad.eng" in reported()[0]
 
 
 def test_an_imported_file_is_kept_and_its_motor_is_found(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Convert spreadsheets (`.xlsx` and `.ods`) to CSV, so that every table parser can read them.
+"""Convert spreadsheets (`.xlsx` and `.ods`) and tables of web pages to CSV, so that every table parser can read them.
 
 Of several sheets the first one that a parser recognizes is used, otherwise the first that is not empty.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from fieldkit import zips
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.tables import ods, xlsx
+from fieldkit.importing.tables import markup, ods, xlsx
 
 MAX_UNPACKED = 256 << 20
 """Largest uncompressed size of all files in a spreadsheet. [bytes]"""
@@ -21,7 +21,7 @@ _KINDS = {xlsx.WORKBOOK: xlsx.sheets, ods.CONTENT: ods.sheets}
 def is_spreadsheet(log: bytes) -> bool:
     """Whether a file is a spreadsheet of a supported kind."""
     if not log.startswith(b"PK\x03\x04"):
-        return False
+        return markup.is_markup(log)
     try:
         with zips.opened(log) as archive:
             names = set(archive.namelist())
@@ -61,6 +61,9 @@ def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> SheetTable:
 
 def sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
     """Each sheet that is not empty, as its name and CSV. Raises DamagedLog."""
+    if markup.is_markup(log):
+        yield from ((name, content) for name, content in markup.sheets(log) if content)
+        return
     try:
         with zips.opened(log) as archive:
             size = sum(one.file_size for one in archive.infolist())
