@@ -45,7 +45,7 @@ ZERO_CELSIUS = 273.15
 
 
 @dataclass(slots=True)
-class Rows:
+class LineSamples:
     """The wanted cells of one kind of line, in the order of its columns."""
 
     names: tuple[str, ...]
@@ -83,9 +83,9 @@ def read(log: bytes) -> list[Parsed]:
     return [Reading(series=series, device="ArduPilot"), *damage(damaged, "lines", log)]
 
 
-def _kinds(log: bytes) -> tuple[dict[str, Rows], Damaged]:
+def _kinds(log: bytes) -> tuple[dict[str, LineSamples], Damaged]:
     """The samples of each wanted kind of line, and the damaged lines."""
-    kinds: dict[str, Rows] = {}
+    kinds: dict[str, LineSamples] = {}
     damaged, formats = Damaged(), 0
     for first, lines in blocks(log):
         for row, line in enumerate(lines, start=first):
@@ -100,7 +100,7 @@ def _kinds(log: bytes) -> tuple[dict[str, Rows], Damaged]:
     return kinds, damaged
 
 
-def _format(text: str) -> tuple[str, Rows | None]:
+def _format(text: str) -> tuple[str, LineSamples | None]:
     """The kind of line that a format describes, and where its wanted columns are; None for another kind."""
     cells = [cell.strip() for cell in text.split(",")]
     kind, names = (cells[2], cells[4:]) if len(cells) > 4 else ("", [])
@@ -110,10 +110,10 @@ def _format(text: str) -> tuple[str, Rows | None]:
     wanted = tuple(name for name in WANTED[kind] if name in names)
     instance = names.index(INSTANCE) if INSTANCE in names else None
     places = tuple(names.index(name) for name in (clock, *wanted))
-    return kind, Rows(wanted, places, CLOCKS[clock], instance, len(names))
+    return kind, LineSamples(wanted, places, CLOCKS[clock], instance, len(names))
 
 
-def _add(rows: Rows, cells: list[str]) -> bool:
+def _add(rows: LineSamples, cells: list[str]) -> bool:
     """Add a line of the first sensor; False for a damaged one."""
     if len(cells) != rows.width:
         return False

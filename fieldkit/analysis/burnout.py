@@ -22,6 +22,8 @@ from fieldkit.analysis.samples import Marks, Samples
 from fieldkit.analysis.smooth import apply, unlagged
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
+_LEAST_PRIOR = 1e-12
+"""Smallest prior probability of a lag. [1]"""
 _BURNOUTS = 21
 """Number of burnout times to try for each lag. [1]"""
 _ENDS_FOR, _LASTS_FOR, _LATEST_END = 0.3, 0.1, 0.7
@@ -123,7 +125,8 @@ def likeliest_burnout(start: FitStart, found: FittedCurve, marks: Marks, lag: La
     if not np.isfinite(evidence.max()):
         return Burnout(marks, 0.0, lag.lag, -np.inf)
     probability = np.exp(evidence - evidence.max())
-    total = float(evidence.max() + np.log(probability.sum() * (every[1] - every[0]) * lag.prior))
+    likelihood = float(evidence.max() + np.log(probability.sum() * (every[1] - every[0])))
+    total = lag.counts * likelihood + float(np.log(max(lag.prior, _LEAST_PRIOR)))
     probability /= probability.sum()
     mean, speed = float(probability @ every), float(probability @ speeds)
     sd = float(np.sqrt(probability @ (every - mean) ** 2))

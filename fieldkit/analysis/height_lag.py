@@ -7,6 +7,11 @@ figures are averaged over the lags. Where shocks or gaps hide it, its prior wide
 h(t) = H - g t^2/2 around an apogee H at t = 0, behind a first-order lag T, are H - g (t - T)^2/2 - g T^2/2. So they are
 late by T, and their apogee is low by g T^2/2.
 
+A filter in the logger also takes the noise of its sensor away. At rest the steps from one height to the next have the
+lag-one autocorrelation -1/2 if that noise is as usual, and -(1 - exp(-s/T))/2 behind a first-order filter T at a time
+step s. So steps that are hardly correlated make lags more probable. They also show that the noise is not independent
+from sample to sample, and then the likelihood of a lag counts for as much less.
+
 Source: the BMP280 datasheet (Bosch, BST-BMP280-DS001, 3.3.3), whose filters have time constants of 0.06 to 0.6 s at 25
 samples per second. A bay with one port of 1/4 inch per 100 cubic inches, the rule of altimeter manuals, has far less:
 by Bernoulli's equation its heights are low by w^2 / 2g at the speed w = v V / (A H) of the air in the port, with V/A =
@@ -24,6 +29,7 @@ from fieldkit.analysis.liftoff import earlier_liftoffs
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.possible import known_well, possible
 from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.analysis.robust_statistics import mad_sd
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
@@ -33,15 +39,29 @@ _LAGS = (*_USUAL_LAGS, 0.85, 1.05, 1.3, 1.6)
 """Lags to try: software of flyers has slower filters than altimeters. [s]"""
 _TYPICAL_LAG = 0.05
 """Scale of the half-Cauchy prior of a lag: half of all loggers are below it, one in six has more than 0.2 s. [s]"""
+_REST_MARGIN, _REST_SEEN, _AT_REST = 0.3, 2.0, (8.0, 1.0)
+"""Time before lift-off that does not count as rest, and time at the end of a log that shows where it rests [s]; how far
+heights are from there, in their noise [1] or, if more, in m."""
+_MIN_STEPS, _MAX_STEP_TIME = 30, 0.2
+"""Fewest steps at rest that show noise [1], and the largest time between samples for which motion does not. [s]"""
+_FILTER_PROBABILITY = 0.5
+"""Probability that a lag is of a filter, rather than of small vents, which leave the noise of the sensor. [1]"""
+_NOISE_PARTS = np.linspace(0.02, 1.0, 50)
+"""Parts of the sensor's noise in the variance of the steps without a filter; their probability is proportional to them:
+the rest is from gusts. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Lag:
-    """A lag that heights may have [s], its prior probability [1], and lift-off if they have it."""
+    """A lag that heights may have [s], its prior probability [1], and lift-off if they have it.
+
+    `counts` is the number of independent samples that one height is worth. [1]
+    """
 
     lag: float
     prior: float
     lift: Event | None = None
+    counts: float = 1.0
 
 
 MAX_HEIGHT_GAP = 1.3
@@ -56,7 +76,47 @@ def possible_lags(track: Heights, seen: Outline, lift: Event | None) -> list[Lag
     if lift is None or not track.is_barometric or seen.transonic or burnout_is_hidden(track, seen):
         return [replace(NO_LAG, lift=lift)]
     lifts = earlier_liftoffs(lift, track, seen, _LAGS)
-    return [Lag(*one) for one in zip(_LAGS, _prior(_LAGS).tolist(), lifts, strict=True)]
+    priors, counts = _by_noise(track, lift.time, _prior(_LAGS))
+    return [Lag(*one, counts) for one in zip(_LAGS, priors.tolist(), lifts, strict=True)]
+
+
+def _by_noise(track: Heights, lift: float, prior: Float[Array, "lag"]) -> tuple[Float[Array, "lag"], float]:
+    """Probabilities of the lags given the noise of heights at rest, and the number of independent samples that one
+    height is worth. [1]"""
+    steps, step_time = _steps_at_rest(track, lift)
+    spread = mad_sd(steps)
+    if steps.size < _MIN_STEPS or step_time > _MAX_STEP_TIME or spread == 0:
+        return prior, 1.0
+    steps, sd = np.clip(steps, -5 * spread, 5 * spread), float(1 / np.sqrt(steps.size))
+    correlation = min(float(np.mean(steps[1:] * steps[:-1]) / np.mean(steps**2)), 0.0)
+    by_sensor = np.exp(-(((correlation + _NOISE_PARTS / 2) / sd) ** 2) / 2) @ _NOISE_PARTS / _NOISE_PARTS.sum()
+    expected = -(1 - np.exp(-step_time / np.maximum(_LAGS, 1e-3))) / 2
+    by_filter = np.exp(-(((correlation - expected) / sd) ** 2) / 2)
+    filters = np.where(np.array(_LAGS) > 0, _FILTER_PROBABILITY, 0.0)
+    found = prior * (filters * by_filter + (1 - filters) * by_sensor)
+    part = min(2 * (sd - correlation), 1.0)
+    return found / found.sum(), part / (2 - part)
+
+
+def _steps_at_rest(track: Heights, lift: float) -> tuple[Float[Array, "step"], float]:
+    """Steps between different heights on the pad, and at the end of the log if it rests there [m], and the usual time
+    between such heights [s].
+
+    A barometer that is read less often than its log is written repeats a height.
+    """
+    time, height = track.time, track.height
+    level = float(np.median(height[time > time[-1] - _REST_SEEN]))
+    away = np.flatnonzero(np.abs(height - level) > max(_AT_REST[0] * track.noise, _AT_REST[1]))
+    landed = int(away[-1]) + 1 if away.size else height.size
+    steps, times = [np.empty(0)], [np.empty(0)]
+    for part in (slice(0, int(np.searchsorted(time, lift - _REST_MARGIN))), slice(landed, None)):
+        changes = np.flatnonzero(np.diff(height[part], prepend=np.nan) != 0)
+        if changes.size > 1:
+            found = np.diff(height[part][changes])
+            steps.append(found - np.median(found))
+            times.append(np.diff(time[part][changes]))
+    between = np.concatenate(times)
+    return np.concatenate(steps), float(np.median(between)) if between.size else np.inf
 
 
 def _prior(lags: tuple[float, ...]) -> Float[Array, "lag"]:

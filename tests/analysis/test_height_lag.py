@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from fieldkit.analysis import NO_FLIGHT, Event, Figure, Recorded, measure
-from fieldkit.analysis.height_lag import averaged
+from fieldkit.analysis.channels import heights
+from fieldkit.analysis.height_lag import averaged, possible_lags
 from fieldkit.analysis.initial_guess import lagged
+from fieldkit.analysis.liftoff import liftoff
+from fieldkit.analysis.phases import outline
 from fieldkit.analysis.smooth import Grid, design, fit
 from fieldkit.flight import Series
 from fieldkit.motors import catalogue
@@ -40,6 +43,34 @@ def test_small_vents_bias_no_readout_beyond_its_standard_deviation(rocket: Rocke
     right = truth.readouts()
     assert {name for name in READOUTS if abs(figures[name].value - right[name]) > 2.5 * figures[name].sd} == set()
     assert figures["burn_time"].value == pytest.approx(right["burn_time"], rel=0.25)
+
+
+@pytest.mark.parametrize("lag", [0.5, 1.0])
+def test_a_slow_filter_biases_no_readout_of_a_barometer_alone_beyond_its_standard_deviation(lag: float) -> None:
+    """The missing noise shows that there is a filter, and hardly more of it."""
+    truth = fly(SMALL)
+    figures = measure([behind(recording(truth)[0], lag)]).figures
+    right = truth.readouts()
+    known = set(READOUTS) & figures.keys()
+    assert {"apogee", "top_speed", "time_to_apogee", "duration"} <= known
+    assert {name for name in known if abs(figures[name].value - right[name]) > 3 * figures[name].sd} == set()
+    assert figures["time_to_apogee"].sd > 3 * measure(recording(truth)).figures["time_to_apogee"].sd
+
+
+@pytest.mark.parametrize(("lag", "counts"), [(0.0, (0.9, 1.0)), (0.5, (0.0, 0.3))])
+def test_noise_at_rest_shows_a_filter(lag: float, counts: tuple[float, float]) -> None:
+    """Steps of a height held for two rows, as by a barometer that is read less often, are of the same noise."""
+    series = behind(recording(fly(SMALL))[0], lag)
+    assert series.altitude is not None
+    for height in (series.altitude, np.repeat(series.altitude[::2], 2)[: series.time.size]):
+        track = heights([replace(series, altitude=height)])
+        assert track is not None
+        seen = outline(track)
+        assert seen is not None
+        lags = possible_lags(track, seen, liftoff(track, None, seen))
+        assert counts[0] <= lags[0].counts <= counts[1]
+        assert (lags[0].prior < 0.3) == (lag > 0)  # 0.34 before the noise is known
+        assert sum(one.prior for one in lags) == pytest.approx(1.0)
 
 
 def test_an_accelerometer_shows_the_filter_that_heights_are_behind() -> None:

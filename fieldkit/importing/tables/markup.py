@@ -23,7 +23,7 @@ _TAG = re.compile(r"<(/?)(?:ss:)?(table|tr|row|td|th|cell)\b([^<>]{0,2000})>", r
 _ANY_TAG = re.compile(r"<[^<>]{0,2000}>")
 _SPAN = re.compile(r"\b(?:colspan|ss:MergeAcross)\s?=\s?[\"']?(\d{1,3})", re.IGNORECASE)
 _INDEX = re.compile(r"\bss:Index\s?=\s?[\"'](\d{1,5})[\"']", re.IGNORECASE)
-_STATED = re.compile(r"\bx:num\s?=\s?[\"']([\d.eE+-]{1,30})[\"']", re.IGNORECASE)
+_STATED_NUMBER = re.compile(r"\bx:num\s?=\s?[\"']([\d.eE+-]{1,30})[\"']", re.IGNORECASE)
 _NUMBER = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?")
 
 
@@ -36,7 +36,7 @@ def is_markup(log: bytes) -> bool:
 def sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
     """Each table, as its name and CSV. Raises DamagedLog."""
     text, budget = decode_whole(log), Budget()
-    opened: list[_Table] = []
+    opened: list[_MarkupTable] = []
     number, after = 0, 0
     for tag in _TAG.finditer(text):
         budget.element()
@@ -45,7 +45,7 @@ def sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
             opened[-1].add(text[after : tag.start()])
         after = tag.end()
         if kind == "table" and not closes:
-            opened.append(_Table(budget))
+            opened.append(_MarkupTable(budget))
         elif kind == "table" and opened:
             number += 1
             yield f"table {number}", opened.pop().content()
@@ -58,7 +58,7 @@ def sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
         yield f"table {number}", table.content()
 
 
-class _Table:
+class _MarkupTable:
     """The rows of a table while its tags are read."""
 
     def __init__(self, budget: Budget) -> None:
@@ -78,7 +78,7 @@ class _Table:
         self._in_cell = not closes and not given.rstrip().endswith("/")
         if closes:
             return
-        index, span, stated = _INDEX.search(given), _SPAN.search(given), _STATED.search(given)
+        index, span, stated = _INDEX.search(given), _SPAN.search(given), _STATED_NUMBER.search(given)
         self._cells += [""] * max(self._empty, int(index[1]) - 1 - len(self._cells) if index else 0)
         self._empty = max(int(span[1]) - ("colspan" in span[0].lower()), 0) if span else 0
         self._stated = stated[1] if stated else ""
