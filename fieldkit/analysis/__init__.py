@@ -6,6 +6,7 @@ from fieldkit.analysis.notes import NO_FLIGHT
 from fieldkit.analysis.possible import widened_by_contradictions
 from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
 from fieldkit.analysis.simulated import simulated
+from fieldkit.analysis.true_height import true_apogee
 
 __all__ = [
     "NO_FLIGHT",
@@ -20,5 +21,6 @@ __all__ = [
     "measure",
     "rises",
     "simulated",
+    "true_apogee",
     "widened_by_contradictions",
 ]

@@ -125,6 +125,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         climb,
         pressed,
         (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *wrong, *impossible, *unknown),
+        sighted=log.ascent.sighted.scale if log.ascent.sighted else None,
     )
 
 

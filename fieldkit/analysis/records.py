@@ -89,6 +89,8 @@ class Sightings:
     order: Int[Integers, "sample"]
     variance: Float[Array, "sample"]
     static: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+    """Ratio of barometric to satellite heights, and its standard deviation. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +109,10 @@ class Recorded:
     track: HeightTrack | None = None
     device: Mapping[str, float] = field(default_factory=dict)
     """Readouts by the logger's own speed and the events that it marked, for comparison. [SI]"""
+    sighted: tuple[float, float] | None = None
+    """Ratio of barometric to satellite heights and its standard deviation, if the log has both. [1]"""
+    true_apogee: Figure | None = None
+    """The true height of a barometric apogee, and what it rests on."""
 
     def height_at(self, time: float) -> float | None:
         """Height above the pad at a time on the log's clock, from the smoothed ascent if it covers that time. [m]"""

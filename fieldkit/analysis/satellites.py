@@ -68,8 +68,8 @@ class _Alignment:
     """Alignment of a receiver's heights with the barometer.
 
     Cost, scale [1] and zero [m]; the fraction of the dynamic pressure by which the airframe's pressure is too high,
-    with its standard deviation [1]; the receiver's times without its delay [s], the barometer's speeds at those times
-    [m/s], which samples were compared, and the residuals [m].
+    with its standard deviation [1], and that of the scale [1]; the receiver's times without its delay [s], the
+    barometer's speeds at those times [m/s], which samples were compared, and the residuals [m].
     """
 
     cost: float
@@ -77,6 +77,7 @@ class _Alignment:
     zero: float
     static: float
     static_sd: float
+    scale_sd: float
     time: Float[Array, "sample"]
     climbs: Float[Array, "sample"]
     quiet: Flags
@@ -115,6 +116,7 @@ def sightings(clocks: Sequence[Series], track: Heights, seen: Outline) -> Sighti
         np.concatenate([np.full(part[0].size, part[2]) for part in parts]),
         np.concatenate([part[3] for part in parts]),
         static,
+        (found.scale, found.scale_sd),
     )
 
 
@@ -190,7 +192,7 @@ def _aligned(
     rows = np.stack([height, np.ones(time.size), climbs * np.abs(climbs) / (2 * GRAVITY)], axis=1)[quiet]
     target = (calm - height)[quiet]
     if target.size < MIN_SAMPLES:
-        return _Alignment(np.inf, 1.0, 0.0, 0.0, np.inf, time, climbs, quiet, target)
+        return _Alignment(np.inf, 1.0, 0.0, 0.0, np.inf, np.inf, time, climbs, quiet, target)
     noise, weight = max(mad_sd(np.diff(target, 2)) / np.sqrt(6), track.noise, _LEAST_NOISE), np.ones(target.size)
     prior = np.diag(1 / np.array(_PRIOR) ** 2)
     for _ in range(_ROUNDS):
@@ -199,9 +201,10 @@ def _aligned(
         residual = np.asarray(target - rows @ values)
         weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (residual / noise) ** 2)
     cost = (_STUDENT_DOF + 1) / 2 * np.log1p((residual / noise) ** 2 / _STUDENT_DOF).sum() + (late / _DELAY) ** 2 / 2
-    spread = np.linalg.inv(counted @ rows / (noise * _correlation_factor(residual)) ** 2 + prior)[2, 2]
+    spread = np.linalg.inv(counted @ rows / (noise * _correlation_factor(residual)) ** 2 + prior)
+    scale_sd, static_sd = np.sqrt(np.diag(spread)[[0, 2]]).tolist()
     scale, zero, static = 1 + float(values[0]), float(values[1]), -float(values[2])
-    return _Alignment(float(cost), scale, zero, static, float(np.sqrt(spread)), time, climbs, quiet, residual)
+    return _Alignment(float(cost), scale, zero, static, static_sd, scale_sd, time, climbs, quiet, residual)
 
 
 def _correlation_factor(residual: Float[Array, "sample"]) -> float:

@@ -4,7 +4,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
-from fieldkit.analysis import NO_FLIGHT, by_device, columns, measure, rises, simulated, widened_by_contradictions
+from fieldkit.analysis import (
+    NO_FLIGHT,
+    by_device,
+    columns,
+    measure,
+    rises,
+    simulated,
+    true_apogee,
+    widened_by_contradictions,
+)
 from fieldkit.analysis.channels import MIN_SAMPLES
 from fieldkit.analysis.notes import NO_HEIGHT
 from fieldkit.errors import DamagedLog
@@ -46,6 +55,11 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     reading, proven = with_proven_heights(reading)
     recorded = widened_by_contradictions(measure(reading.clocks, reading.events), reading.stated)
     recorded = replace(recorded, device=by_device(reading.clocks, recorded, reading.events))
+    air = [
+        float(one) if isinstance(one := reading.stated.get(name), float) else None
+        for name in ("temperature", "elevation")
+    ]
+    recorded = replace(recorded, true_apogee=true_apogee(recorded, reading.clocks, *air))
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
     samples = max((series.time.size for series in reading.clocks), default=0)

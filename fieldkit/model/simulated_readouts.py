@@ -44,7 +44,9 @@ def shown(
     flown = fly_unique(setup)
     readings: Mapping[str, Any] = flown.readouts()
     for name, climbed in (("top_speed", flown.top_climb), ("peak_accel", climbed_peak(flown))):
-        readings = {**readings, name: np.where(_by_heights(model, name), climbed, readings[name])}
+        readings = {**readings, name: np.where(_by(model, name, *HEIGHT_SENSORS), climbed, readings[name])}
+    for name, height in (("apogee", flown.apogee), ("eject_altitude", flown.eject_altitude)):
+        readings = {**readings, name: np.where(_by(model, name, "gps"), height, readings[name])}
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)
     grounded = flown.lift_off == 0
@@ -52,8 +54,10 @@ def shown(
     if any(map(has_log, model.flights)):
         drag, impulse = coast_drag(setup, flown), burn_impulse(setup)
         logged = {
-            "coast_drag": np.where(_by_heights(model, "coast_drag"), climbed_drag(flown, drag), drag),
-            "burn_impulse": np.where(_by_heights(model, "burn_impulse"), climbed_impulse(flown, impulse), impulse),
+            "coast_drag": np.where(_by(model, "coast_drag", *HEIGHT_SENSORS), climbed_drag(flown, drag), drag),
+            "burn_impulse": np.where(
+                _by(model, "burn_impulse", *HEIGHT_SENSORS), climbed_impulse(flown, impulse), impulse
+            ),
         }
     readings = {**readings, **logged}
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
@@ -67,10 +71,11 @@ def shown(
     return out | figures | {"true": flown.apogee * higher, "duration": out["duration"] + (higher - 1) * sinking}
 
 
-def _by_heights(model: Model, name: str) -> Flags:
-    """Whether a readout of each flight is measured in heights, which show the upward part of a slanted path."""
+def _by(model: Model, name: str, *sensors: str) -> Flags:
+    """Whether a readout of each flight is by one of some sensors: heights show the upward part of a slanted path, and
+    those of satellites are true, while an altimeter assumes the standard atmosphere."""
     found = [flight.readout(name) for flight in model.flights]
-    return np.array([one is not None and one.source in HEIGHT_SENSORS for one in found], bool)
+    return np.array([one is not None and one.source in sensors for one in found], bool)
 
 
 def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import units
+from fieldkit.analysis.labels import figure_text
 from fieldkit.flight import BY_NAME, FIGURES_BY_NAME
 from fieldkit.flight.event_names import event_title
 from fieldkit.importing.recognize import parsers
@@ -179,6 +180,8 @@ def _readout_lines(flight: FlightView, system: str) -> Iterator[str]:
             "" if readout.stated is None else f"   device: {rounded(scale.from_si(own.to_si(readout.stated)))} {unit}"
         )
         yield f"    {column.title:22}{f'{with_sd(value, sd)} {unit}':22}{readout.sensor:11}{by_device}".rstrip()
+        if name == "apogee" and flight.recorded and (true := flight.recorded.true_apogee):
+            yield f"      {'true height':20}{figure_text(name, true.value, true.sd, system):22}by {true.source}"
 
 
 def _plot_lines(curve: "FlightCurve | None", system: str) -> Iterator[str]:

@@ -80,3 +80,19 @@ def test_drag_and_thrust_follow_from_logged_readouts_despite_biased_devices(slow
     logged, typed = max(misses("accel")), max(misses("typed"))
     assert logged < 1.0
     assert typed > 1.5 * logged
+
+
+def test_apogees_by_satellites_are_true_heights_on_a_hot_day() -> None:
+    motor = catalogue().resolve(PLAN.motor)
+    flights = [
+        PLAN.with_changes(temperature=313.15, apogee=250.0, eject_altitude=240.0, source=dict.fromkeys(names, source))
+        for source in ("gps", "baro", "")
+        for names in [("apogee", "eject_altitude")]
+    ]
+    model = base_model(history_of(flights, [motor] * 3), START)
+    readings = shown(model, np.array([[term.mean for term in model.terms]]), {})
+    assert readings["apogee"][0, 0] == pytest.approx(readings["true"][0, 0])
+    for name in ("apogee", "eject_altitude"):
+        by_satellites, by_pressure, unknown = readings[name][0].tolist()
+        assert by_pressure == unknown
+        assert by_pressure / by_satellites == pytest.approx(288.15 / 313.15)
