@@ -10,9 +10,12 @@ import html
 import re
 from collections.abc import Iterator
 
-from fieldkit.importing.tables.sheet_xml import Budget, SheetWriter
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.sheet_xml import Budget, SheetWriter, Text
 from fieldkit.importing.tables.text import decode_whole
 
+MAX_TABLES = 100
+"""Largest number of tables in a page. [1]"""
 _BEGINS = re.compile(
     rb"\s*(?:<\?[^>]{0,200}>\s*){0,4}<(?:!doctype html|html|head|meta|body|div|style|table|(?:ss:)?workbook)\b",
     re.IGNORECASE,
@@ -45,53 +48,60 @@ def sheets(log: bytes) -> Iterator[tuple[str, bytes]]:
             opened[-1].add(text[after : tag.start()])
         after = tag.end()
         if kind == "table" and not closes:
-            opened.append(_MarkupTable(budget))
-        elif kind == "table" and opened:
             number += 1
-            yield f"table {number}", opened.pop().content()
+            if number > MAX_TABLES:
+                raise DamagedLog(f"found more than {MAX_TABLES} tables in a page, expected fewer")
+            opened.append(_MarkupTable(f"table {number}", budget))
+        elif kind == "table" and opened:
+            yield opened[-1].name, opened.pop().content()
         elif opened and kind in ("tr", "row"):
             opened[-1].row()
         elif opened:
             opened[-1].cell(given, closes=closes)
-    for table in reversed(opened):  # a page that was cut off
-        number += 1
-        yield f"table {number}", table.content()
+    yield from ((table.name, table.content()) for table in reversed(opened))  # a page that was cut off
 
 
 class _MarkupTable:
     """The rows of a table while its tags are read."""
 
-    def __init__(self, budget: Budget) -> None:
+    def __init__(self, name: str, budget: Budget) -> None:
+        self.name = name
         self._writer, self._rows = SheetWriter(budget), 0
         self._cells: list[str] = []
-        self._in_cell, self._stated, self._empty = False, "", 0
+        self._text, self._in_cell, self._stated, self._span = Text(), False, "", 0
 
     def add(self, text: str) -> None:
-        """Text up to the next tag; that of a cell has several pieces if a table is in it."""
+        """Text up to the next tag of a table; that of a cell has several pieces if another table is in it."""
         if self._in_cell:
-            self._cells[-1] += " ".join(html.unescape(_ANY_TAG.sub(" ", text)).split())
-            if self._stated and _NUMBER.fullmatch(self._cells[-1]):  # a date is stated as a number of days
-                self._cells[-1] = self._stated
+            self._text.add(text)
 
     def cell(self, given: str, *, closes: bool) -> None:
         """The beginning of a cell, with the attributes of its tag, or the end of one."""
-        self._in_cell = not closes and not given.rstrip().endswith("/")
+        self._end()
         if closes:
             return
         index, span, stated = _INDEX.search(given), _SPAN.search(given), _STATED_NUMBER.search(given)
-        self._cells += [""] * max(self._empty, int(index[1]) - 1 - len(self._cells) if index else 0)
-        self._empty = max(int(span[1]) - ("colspan" in span[0].lower()), 0) if span else 0
+        self._cells += [""] * max(self._span, int(index[1]) - 1 - len(self._cells) if index else 0)
+        self._span = max(int(span[1]) - ("colspan" in span[0].lower()), 0) if span else 0
         self._stated = stated[1] if stated else ""
-        self._cells.append("")
+        self._in_cell = True
 
     def row(self) -> None:
         """The end of a row, or the beginning of one, which need not follow an end."""
+        self._end()
         if self._cells:
             self._rows += 1
             self._writer.row(self._rows, self._cells)
-        self._cells, self._in_cell, self._empty = [], False, 0
+        self._cells, self._span = [], 0
 
     def content(self) -> bytes:
         """The table as CSV."""
         self.row()
         return self._writer.content()
+
+    def _end(self) -> None:
+        """The end of a cell, if one is open. A date shows as such what is stated as a number of days."""
+        if self._in_cell:
+            shown = " ".join(html.unescape(_ANY_TAG.sub(" ", self._text.take())).split())
+            self._cells.append(self._stated if self._stated and _NUMBER.fullmatch(shown) else shown)
+        self._in_cell = False

@@ -2,10 +2,13 @@
 
 import html
 
+import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.importing import Reading
 from fieldkit.importing.read import read
+from fieldkit.importing.recognize import open_log
 from fieldkit.importing.tables.spreadsheet import is_spreadsheet, sheets
 from tests.samples import any_motor, samples_of
 
@@ -35,13 +38,17 @@ def workbook(rows: list[list[str]]) -> str:
     return f'{head}<Worksheet ss:Name="Log"><Table>{table}</Table></Worksheet></Workbook>'
 
 
-@pytest.mark.parametrize("log", [page(ROWS).encode(), page(ROWS).encode("utf-16"), workbook(ROWS).encode()])
-def test_they_give_the_figures_of_the_csv(log: bytes) -> None:
-    expected = read(LOG, "log.csv", any_motor).recorded[0]
-    found = read(log, "log.xls", any_motor).recorded[0]
-    assert expected is not None
-    assert found is not None
-    assert found.figures == expected.figures
+FORMS = {"page": page(ROWS).encode(), "UTF-16": page(ROWS).encode("utf-16"), "workbook": workbook(ROWS).encode()}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_they_give_the_samples_of_the_csv(form: str) -> None:
+    expected, found = (one for log in (LOG, FORMS[form]) for one in open_log(log, "log.xls", None).found[:1])
+    assert isinstance(expected, Reading)
+    assert isinstance(found, Reading)
+    for one, other in zip(expected.clocks, found.clocks, strict=True):
+        for name in ("time", "altitude", "pressure"):
+            assert np.array_equal(getattr(one, name), getattr(other, name))
 
 
 def test_a_page_that_was_cut_off_gives_the_rows_before() -> None:
@@ -75,3 +82,9 @@ def test_a_page_without_a_table_and_an_old_workbook_are_refused_by_name() -> Non
         read(b"<html><body>Not found</body></html>", "log.xls", any_motor)
     with pytest.raises(UnknownFormat, match=r"^log\.xls: .*save it as \.xlsx or CSV"):
         read(bytes.fromhex("d0cf11e0a1b11ae1") + bytes(512), "log.xls", any_motor)
+
+
+@pytest.mark.parametrize("piece", [b"<table>", b"<table><tr><td>1</table>", b"x<table><td></table>", b"<td", b"<td <"])
+def test_a_page_of_one_piece_over_and_over_takes_no_time(piece: bytes) -> None:
+    with pytest.raises(DamagedLog):
+        read(b"<html><table><tr><td>" + piece * 100_000, "log.xls", any_motor)
