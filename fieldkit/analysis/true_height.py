@@ -2,6 +2,8 @@
 
 An altimeter converts pressure by the standard atmosphere; layers of warm air are thicker, in proportion to their
 temperature. So the heights of all such altimeters agree on a hot day, and all are too low: by 0.35% per kelvin.
+
+Source: the hypsometric equation, U.S. Standard Atmosphere 1976.
 """
 
 from collections.abc import Sequence

@@ -43,9 +43,8 @@ FORMS = {"page": page(ROWS).encode(), "UTF-16": page(ROWS).encode("utf-16"), "wo
 
 @pytest.mark.parametrize("form", FORMS)
 def test_they_give_the_samples_of_the_csv(form: str) -> None:
-    expected, found = (one for log in (LOG, FORMS[form]) for one in open_log(log, "log.xls", None).found[:1])
-    assert isinstance(expected, Reading)
-    assert isinstance(found, Reading)
+    opened = [open_log(log, "log.xls", None).found for log in (LOG, FORMS[form])]
+    expected, found = (next(one for one in items if isinstance(one, Reading)) for items in opened)
     for one, other in zip(expected.clocks, found.clocks, strict=True):
         for name in ("time", "altitude", "pressure"):
             assert np.array_equal(getattr(one, name), getattr(other, name))
