@@ -193,3 +193,15 @@ def test_a_log_without_any_readout_is_not_a_flight() -> None:
     imported = opened(table("Time (s),Vel Z (m/s),Acc X (m/s2),Acc Y (m/s2),Acc Z (m/s2)", TIME, SPEED, *axes))
     assert imported.flights == ()
     assert "without any readout" in imported.rejected[0].error
+
+
+@pytest.mark.parametrize(("name", "scale"), [("ms", 1000.0), ("us", 1e6), ("s", 1.0)])
+def test_a_first_column_named_by_a_unit_of_time_is_the_clock(name: str, scale: float) -> None:
+    """Only a first one, and only without another clock: `ms` may also be a speed."""
+    (reading,) = opened(table(f"{name},altitude (m),G's", scale * (TIME + 3), SEEN, FELT)).recorded
+    assert reading is not None
+    assert reading.figures["apogee"].value == pytest.approx(APOGEE, abs=1.0)
+    assert reading.figures["burn_time"].value == pytest.approx(BURN, abs=0.1)
+    assert "acceleration" in reading.figures["burn_time"].source
+    with pytest.raises((DamagedLog, UnknownFormat)):
+        opened(table(f"altitude (m),{name}", SEEN, scale * (TIME + 3)))

@@ -84,6 +84,10 @@ class Pick:
         return self.place == NO_COLUMN
 
 
+_CLOCK_UNITS = (("ms",), ("us",), ("s",))
+"""Names of a first column that is a clock if the table has no other: the unit of its times."""
+
+
 def side_by_side(layout: Layout) -> list[range]:
     """The columns of each table if several are side by side: each begins with a clock of the same name."""
     heads = [heading(name) for name in layout.headers]
@@ -142,6 +146,8 @@ def _by_contents(layout: Layout, picks: Sequence[Pick], columns: Container[int] 
     clocks = [i for i in free if _clock_unit("time", "", layout, i) == "clock"]
     barometers = [i for i in free if is_pressure(heads[i])]
     found = [Pick("time", clocks[0], heads[clocks[0]].spelled, "clock")] if clocks and "time" not in named else []
+    if not (found or named & {"time"}) and 0 in heads and heads[0].words in _CLOCK_UNITS:
+        found = [Pick("time", 0, heads[0].spelled, heads[0].words[0])]
     if len(barometers) == 1 and not named & {*HEIGHTS, "pressure"}:
         head = heads[barometers[0]]
         found.append(Pick("pressure", barometers[0], head.spelled, stated_unit(head, "pressure")))

@@ -96,6 +96,8 @@ _SENSORS = frozenset({"baro", "barometric", "accel", "inertial", "gps", "agl", "
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
 _HEIGHT_ZERO = re.compile(r"(.*?)[,;]?\s{1,4}((?:above )?(?:ground|sea)(?: level)?)", re.IGNORECASE)
 """A unit with the zero of a height: `m above sea level`."""
+_G_FORCE = re.compile(r"\bg[ _-]force", re.IGNORECASE)
+"""An acceleration in two words."""
 _SCALED = re.compile(r"[x×]?\s?(\d{1,6}(?:\.\d{1,6})?)(?:/(\d{1,6}))?\s?([^\W\d].{0,10})")
 """A multiple or a fraction of a unit: `10ms`, `1/100 s`, `0.1 m`."""
 _QUOTIENT = re.compile(r"([^/]{1,40}?)\s?/\s?(\([^()]{1,12}\)|[^\s()]{1,12})")
@@ -106,7 +108,7 @@ def heading(spelled: str) -> Heading:
     """Split a header: `Alt (ft)` is the word `alt` and the unit `ft`."""
     spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
     name, unit = _divided(spelled) or _bracketed(spelled) or (spelled, _unknown_unit(spelled))
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", _G_FORCE.sub("gforce", name))
     words = re.findall(r"[^\W_]+(?:'s)?|/", folded(name))
     return Heading(
         spelled, tuple(word[:-1] if word[:-1] in _NUMBERED and word[-1].isdecimal() else word for word in words), unit

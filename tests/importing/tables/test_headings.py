@@ -92,3 +92,9 @@ def test_a_name_may_be_a_letter_or_a_word_beside_its_unit(spelled: str, name: st
 )
 def test_a_name_without_one_certain_meaning_is_no_channel(spelled: str) -> None:
     assert channel(heading(spelled)) == ""
+
+
+@pytest.mark.parametrize("spelled", ["GForce", "G's", "G-Force (G)", "g force", "gforce_g"])
+def test_g_forces_are_accelerations(spelled: str) -> None:
+    assert channel(heading(spelled)) == "felt?"
+    assert channel(heading(f"{spelled} max")) != "altitude"
