@@ -26,8 +26,8 @@ def ledger(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def check(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    """Run a command with warnings as errors; it prints finite figures, or refuses in a line."""
+def check(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """What a command prints, run with warnings as errors; it prints finite figures, or refuses in a line."""
     capsys.readouterr()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -38,6 +38,7 @@ def check(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert not NOT_FINITE.search(shown.err), shown.err
     if status == 0 and "--json" in arguments:
         json.loads(shown.out, parse_constant=_refused)
+    return shown.out
 
 
 def _refused(constant: str) -> Any:
@@ -166,24 +167,32 @@ PLAUSIBLE = {
     "descent_speed": 5.0,
     "duration": 55.0,
     "coast_drag": 1.6,
-    "burn_impulse": 60.0,
+    "burn_impulse": 84.0,
 }
 """A value of every readout, in its column's own unit."""
+REPORT = "report.html"
 EVERY_COMMAND = (
     ["flights"],
     ["show", "3"],
     ["infer"],
     ["predict", "--motor", "F24-4W"],
     ["predict", "--quick", "--motor", "F24-4W"],
-    ["loop", "--details", "--dry-run"],
+    ["loop", "--details", "--dry-run", "--report", REPORT],
     ["loop", "--dry-run", "--json"],
     ["loop", "--quick", "--dry-run"],
     ["landing", "--motor", "F24-4W"],
     ["delay", "--motor", "F24"],
+    ["ballast", "--motor", "F24-4W", "--target", "240m"],
+    ["contest", "--target", "250m"],
+    ["motors", "--fit", "Law"],
+    ["compare", "1", "2"],
     ["score"],
+    ["report", "2", "--out", REPORT],
     ["export"],
+    ["export", "--format", "json"],
     ["history"],
 )
+ALSO_AS_JSON = ("flights", "show", "infer", "predict", "landing", "delay", "ballast", "contest", "compare", "score")
 
 
 @pytest.fixture(scope="module")
@@ -207,8 +216,18 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("command", EVERY_COMMAND, ids=" ".join)
+@pytest.mark.parametrize(
+    "command",
+    [*EVERY_COMMAND, *([*one, "--json"] for one in EVERY_COMMAND if one[0] in ALSO_AS_JSON)],
+    ids=" ".join,
+)
 def test_every_command_knows_every_readout(
-    command: list[str], measured: Path, capsys: pytest.CaptureFixture[str]
+    command: list[str], measured: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    check(["--ledger", str(measured), *command], capsys)
+    printed = check(
+        ["--ledger", str(measured), *(str(tmp_path / one) if one == REPORT else one for one in command)], capsys
+    )
+    assert printed
+    if "--details" in command:  # the table of fingerprints
+        assert "coast dra" in printed
+        assert "burn impu" in printed
