@@ -222,8 +222,13 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ids=" ".join,
 )
 def test_every_command_knows_every_readout(
-    command: list[str], measured: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: list[str],
+    measured: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
     printed = check(
         ["--ledger", str(measured), *(str(tmp_path / one) if one == REPORT else one for one in command)], capsys
     )
