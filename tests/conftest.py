@@ -65,9 +65,12 @@ settings.load_profile("fieldkit")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """`-m fast` replaces the default `-m 'not slow and not thorough'`, but long tests are still left out."""
+    """`-m fast` replaces the default `-m 'not slow and not thorough'`, but long tests are still left out; the thorough
+    run has them too."""
     if config.option.markexpr == "fast":
         config.option.markexpr = "fast and not slow and not thorough"
+    elif THOROUGH and config.option.markexpr == "not slow and not thorough":
+        config.option.markexpr = "not slow"
 
 
 @pytest.hookimpl(trylast=True)
