@@ -19,6 +19,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, read_tags
 from fieldkit.flight.readout import ReadoutColumn
 from fieldkit.importing import HEAD, ColumnChoice, Mapped, Note, Parsed, Parser, Reading
+from fieldkit.importing.manual_entry import check_judged
 from fieldkit.importing.tables import headings
 from fieldkit.importing.tables.decimal_marks import (
     NOT_RECORDED,
@@ -289,7 +290,9 @@ def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: st
 def _known_header(cell: str, heading: ColumnRole) -> str:
     if not heading.spelled:
         raise BadValue(f"found {shown(cell)} under an empty header, expected a name for the column")
-    return from_cell(cell)
+    text = from_cell(cell)
+    check_judged(heading.spelled, text)
+    return text
 
 
 def _date(cell: str, heading: ColumnRole) -> datetime | None:

@@ -25,10 +25,12 @@ from fieldkit.flight import (
     read_tags,
 )
 from fieldkit.flight.further import JUDGED_COLUMNS, TIMERS
+from fieldkit.flight.judged import condition_of_eggs, read_eggs, read_timer
 from fieldkit.flight.limits import NAMES, check, check_name
 from fieldkit.flight.plausibility import doubts
 from fieldkit.flight.readout import beside
 from fieldkit.importing.tables.flight_dates import date_of
+from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.messages import TextWithAmounts, marked, message
 
 MONTH_FIRST = "month/day"
@@ -86,7 +88,7 @@ LIFT_OFF_MASS = Question(
 JUDGED_QUESTIONS = (
     Question("timer_1_s", "Timer 1", "Contest: what the first watch showed, such as 38.42."),
     Question("timer_2_s", "Timer 2", "Contest: what the second watch showed; the mean of both counts."),
-    Question("eggs", "Eggs", "Contest: intact; with cracked, or anything else, the flight has no score."),
+    Question("eggs", "Eggs", "Contest: intact, or cracked, with which the flight has no score; 2 intact counts them."),
 )
 """The questions about a contest flight; their answers are further columns."""
 
@@ -195,10 +197,21 @@ def with_cells(extra: Mapping[str, str], changed: Mapping[str, str]) -> dict[str
 
 
 def _judged(name: str, text: str) -> str:
-    """A column in which a contest flight is judged, as a table has it: seconds without their unit. Raises BadValue."""
-    if name not in TIMERS or not text.strip():
-        return text
-    return f"{units.parse(text, 'time', 's'):.10g}"
+    """A further column as typed: seconds without their unit, eggs with their condition, another one unchanged. Raises
+    BadValue."""
+    if plain(name) in TIMERS:
+        time = read_timer(text)
+        return "" if time is None else f"{time:.10g}"
+    return condition_of_eggs(text) if plain(name) == "eggs" else text
+
+
+def check_judged(header: str, text: str) -> None:
+    """Raise BadValue for a cell of a table with a watch or eggs that cannot be read; a count of eggs alone can be, but
+    gives no score."""
+    if plain(header) in TIMERS:
+        read_timer(text)
+    if plain(header) == "eggs":
+        read_eggs(text)
 
 
 def answer_text(flight: Flight, name: str) -> str:

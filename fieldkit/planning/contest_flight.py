@@ -7,22 +7,15 @@ Source: the rules of the seasons, as the files in `fieldkit/data/seasons` name t
 """
 
 import math
-import re
-from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
+from decimal import ROUND_HALF_UP, Decimal
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.further import TIMERS, text_under
+from fieldkit.flight.judged import read_eggs, read_timer
 from fieldkit.importing.tables.flight_headings import plain
 from fieldkit.units import FOOT
 
-WHOLE_EGGS = ("intact", "whole", "ok", "okay", "uncracked", "unbroken", "good", "fine", "survived", "not cracked")
-"""Texts in the column `eggs` that mean intact eggs, also after `all`, `eggs`, or their number as in `2 intact`."""
-EGG_COUNTS = {"one": 1, "two": 2, "both": 2, "three": 3}
-"""Numbers of eggs that are written as words. [1]"""
-_BARE_COUNT = re.compile(r"(?:\d{1,2}|" + "|".join(EGG_COUNTS) + r")(?:\s+eggs?)?")
-"""A count of eggs without their condition."""
-_COUNTED_EGGS = re.compile(r"(?:(all|\d{1,2}|" + "|".join(EGG_COUNTS) + r")\s+)?(?:eggs?\s+)?(.*)", re.DOTALL)
 NO_SCORE_TAGS = {"cracked_egg": "a cracked egg", "damaged": "a damaged rocket", "disqualified": "disqualified"}
 """Tags of a flight without a score, with the reason."""
 NOT_TRUE = ("", "no", "n", "false", "f", "0", "-", "none")
@@ -44,16 +37,11 @@ def _cell(flight: Flight, name: str) -> str:
 
 
 def _time(flight: Flight, name: str) -> Decimal | None:
-    text = _cell(flight, name).replace(",", ".")
-    if not text:
-        return None
     try:
-        time = Decimal(text)
-    except InvalidOperation:
-        time = Decimal("NaN")
-    if not time.is_finite() or not 0 < time < 10000:
-        raise BadValue(f"{name}: found {text[:20]!r}, expected seconds such as 38.42")
-    return time
+        time = read_timer(_cell(flight, name))
+    except BadValue as error:
+        raise BadValue(f"{name}: {error}") from error
+    return None if time is None else Decimal(f"{time:.10g}")
 
 
 def whole_feet(apogee: float) -> float:
@@ -76,16 +64,15 @@ def why_no_score(flight: Flight, eggs: int | None = None) -> str:
 
 def _why_not_whole(text: str, wanted: int) -> str:
     """Why a text about the eggs does not mean that all are intact; empty if it does, or if it is empty itself. A count
-    without their condition does not mean that."""
-    if text in ("", "-"):
-        return ""
-    found = _COUNTED_EGGS.fullmatch(text.casefold())
-    if _BARE_COUNT.fullmatch(text.casefold()):
-        return f"eggs: {text[:30]}, which does not say intact or cracked"
-    if found is None or found[2] not in WHOLE_EGGS:
+    without their condition does not mean that, nor does a text of an older ledger that cannot be read."""
+    try:
+        eggs = read_eggs(text)
+    except BadValue:
         return f"eggs: {text[:30]}"
-    number = found[1]
-    counted = None if number in (None, "all") else EGG_COUNTS.get(number) or int(number)
-    if counted is not None and counted < wanted:
-        return f"eggs: {text[:30]}, {wanted} needed"
-    return ""
+    if eggs is None:
+        return ""
+    if eggs.intact is None:
+        return f"eggs: {text[:30]}, which does not say intact or cracked"
+    if not eggs.intact:
+        return f"eggs: {text[:30]}"
+    return "" if eggs.count is None or eggs.count >= wanted else f"eggs: {text[:30]}, {wanted} needed"

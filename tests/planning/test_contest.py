@@ -641,6 +641,25 @@ def test_a_score_without_a_duration_states_that_it_covers_only_altitude(
     assert "6.00 points, the best 2 of 1, 2; 2 without a duration: altitude only" in capsys.readouterr().out
 
 
+def test_misspelled_eggs_and_timers_are_refused_where_they_come_in(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "flights.csv"
+    table.write_text(
+        "flight_id,rocket,motor,apogee_ft,Timer 1 (s),Eggs\n"
+        "1,Egg,F39T-6,801,38.4,2 intact\n2,Egg,F39T-6,805,38.1,intakt\n3,Egg,F39T-6,805,38.4.1,intact\n"
+        "4,Egg,F39T-6,790,39,2\n"
+    )
+    printed = run("import", table)
+    assert "row 3, Eggs: found 'intakt'; did you mean intact?" in printed.err
+    assert "row 4, Timer 1 (s): found '38.4.1', expected seconds such as 38.42" in printed.err
+    added = run("add", "--rocket", "Egg", "--motor", "F39T-6", "--apogee", "801ft", "--eggs", "craked", status=None)
+    assert (added.status, added.err.strip()) == (1, "eggs: found 'craked'; did you mean cracked?")
+    edited = run("edit", "1", "eggs=2", status=None)
+    assert "eggs: found '2', expected intact or cracked, such as 2 intact" in edited.err
+    assert [one["flight_id"] for one in run("flights", "--json").document["flights"]] == ["1", "4"]
+    assert run("import", table, "--json", status=None).document["duplicates"] == 2
+    assert "which does not say intact or cracked" in run("contest", "--season", "2027").out
+
+
 def test_contest_columns_count_however_a_spreadsheet_writes_their_headings() -> None:
     flight = Flight(apogee=240.0, duration=35.0)
     assert why_no_score(flight.with_changes(extra={"Eggs": "cracked"}), 2)

@@ -248,7 +248,10 @@ async def test_a_contest_flight_has_its_two_timers_and_its_eggs(file: Path) -> N
         screen.field("timer_1_s").line.focus()
         await press(pilot, *typed("38.4l"), "ctrl+s")
         assert screen.field("timer_1_s").line.has_focus
-        await press(pilot, "backspace", "2", "enter", *typed("38.5"), "enter", *typed("cracked"), "ctrl+s")
+        await press(pilot, "backspace", "2", "enter", *typed("38.5"), "enter", *typed("craked"), "ctrl+s")
+        assert "Eggs: found 'craked'; did you mean cracked?" in words(pilot)
+        assert screen.field("eggs").line.has_focus
+        await press(pilot, "ctrl+u", *typed("cracked"), "ctrl+s")
         assert "Saved flight 13" in words(pilot)
         await press(pilot, "1", "e", "end", *["down"] * 40, "ctrl+u", *typed("intact"), "ctrl+s", "_")
         assert "Saved flight 13: eggs" in words(pilot)
