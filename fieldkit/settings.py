@@ -25,11 +25,13 @@ BIRTH = re.compile(r"(19|20)\d\d(-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01]))?")
 
 @dataclass(frozen=True, slots=True)
 class BoxedMotors:
-    """Motors in the flyer's range box: a name as printed, how many, and their lot."""
+    """Motors in the flyer's range box: a name as printed, how many, their lot, and the local time when they were
+    counted (ISO), empty if it is not known."""
 
     motor: str
     count: int
     lot: str = ""
+    counted: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +52,11 @@ class FlyerCard:
         on = day or date.today()
         return on.year - year - ((on.month, on.day) < (month, of_month))
 
-    def with_motors(self, motor: str, count: int, lot: str = "") -> "FlyerCard":
+    def with_motors(self, counted: BoxedMotors) -> "FlyerCard":
         """The card with this many of a motor and lot in the box; none of them for a count of 0."""
-        others = [one for one in self.box if (one.motor.casefold(), one.lot) != (motor.casefold(), lot)]
-        return replace(self, box=(*others, *([BoxedMotors(motor, count, lot)] if count else [])))
+        key = counted.motor.casefold(), counted.lot
+        others = [one for one in self.box if (one.motor.casefold(), one.lot) != key]
+        return replace(self, box=(*others, *([counted] if counted.count else [])))
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +115,8 @@ def _list(saved: object) -> list[Any]:
 
 def _boxed(saved: Mapping[str, Any]) -> BoxedMotors:
     count = saved.get("count")
-    named, lot = (str(saved.get(key) or "") for key in ("motor", "lot"))
-    return BoxedMotors(named, count if isinstance(count, int) else 0, lot)
+    named, lot, counted = (str(saved.get(key) or "") for key in ("motor", "lot", "counted"))
+    return BoxedMotors(named, count if isinstance(count, int) else 0, lot, counted)
 
 
 def _number(saved: object, most: float) -> float | None:

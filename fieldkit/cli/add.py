@@ -205,6 +205,11 @@ def _add(ledger: "Ledger", flight: "Flight", filled: Collection[str], draft: str
         _print(ledger, flight, added.new[0])
     finally:
         complain(f"Saved {flight_label(added.new[0])}. `fieldkit undo` to undo.")
+    if box := settings.read_settings().flyer.box:
+        from fieldkit.services.range_box import taken_in_words
+
+        if taken := taken_in_words(box, flight, ledger, MotorCheck().catalogue):
+            complain(taken)
 
 
 def _print(ledger: "Ledger", flight: "Flight", id: str) -> None:

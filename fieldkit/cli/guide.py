@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ from fieldkit.settings import read_settings
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
     from fieldkit.planning.motor_advice import MotorAdvice
-    from fieldkit.planning.motor_guide import MotorChoice, Wanted
+    from fieldkit.planning.motor_guide import MotorChoice, MotorOrder, Wanted
 
 MotorNames = dict["Motor", str]
 """The name of each motor in the guide."""
@@ -46,13 +47,14 @@ def print_guide(
     quick: bool,
     json: bool,
 ) -> None:
-    """Print the motor guide of a rocket, nearest to the target first, and with a season the motor with the fewest
+    """Print the motor guide of a rocket in the order of the app's Fly page, and with a season the motor with the fewest
     points; with `quick`, only quick forecasts. Raises UnknownMotor if no motor fits."""
     from fieldkit.planning.contest_limits import approved_motors
-    from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, label, lifts, suitable_motors
+    from fieldkit.planning.motor_guide import LEAST_THRUST, guide, label, lifts, motor_order, suitable_motors
     from fieldkit.presentation.planning_text import advice_in_words
+    from fieldkit.services.saved_forecasts import motors_with_open_forecast
 
-    target = length("--target", fit["target"])
+    target = length("--target", fit["target"]) or read_settings().target
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted, boxed=boxed)
         try:
@@ -69,18 +71,21 @@ def print_guide(
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
         names = {motor: _called(motor, plan.motors) for motor in motors}
         weak = [motor for motor in motors if not lifts(motor, mass)] if strong is not motors else []
+        flight = plan.flight
+        saved = motors_with_open_forecast(plan.ledger, plan.motors, flight.rocket, flight.config)
+        order = motor_order(plan.rocket, flight.config, target, saved)
         if quick:
-            print_quick_guide(plan, wanted, target, strong, names, json=json)
+            print_quick_guide(plan, wanted, order, strong, names, json=json)
             return
         found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
     advice, approved = None, None
     if season is not None:
         approved = approved_motors(season, data_file("seasons"))
         found, advice = _in_season(plan, found, season, approved)
-        target = target or season_rule(season).target
-    choices = by_closeness(found, target)
+        order = replace(order, target=order.target or season_rule(season).target)
+    choices = order.sorted(found)
     if json:
-        _print_json(plan, wanted, target, choices, [motor.designation for motor in weak], advice)
+        _print_json(plan, wanted, order.target, choices, [motor.designation for motor in weak], advice)
         return
     motors_that_fit = [choice for choice in choices if choice.fits]
     shown = motors_that_fit or choices
@@ -115,9 +120,9 @@ def _in_season(
 
 def _box(plan: PlanContext) -> "Counter[Motor]":
     """How many of each motor are in the flyer's range box."""
-    from fieldkit.services.flyer_card import motors_in_box
+    from fieldkit.services.range_box import box_left, motors_in_box
 
-    return motors_in_box(read_settings().flyer, plan.motors)
+    return motors_in_box(box_left(read_settings().flyer.box, plan.ledger, plan.motors), plan.motors)
 
 
 def _in_stock(plan: PlanContext, file: Path) -> frozenset[str]:
@@ -341,22 +346,21 @@ def _table(choices: "list[MotorChoice]", names: MotorNames, most: int) -> None:
 def print_quick_guide(
     plan: PlanContext,
     wanted: "Wanted",
-    target: float | None,
+    order: "MotorOrder",
     motors: "list[Motor]",
     names: "dict[Motor, str]",
     *,
     json: bool,
 ) -> None:
     """Print quick forecasts. Raises NoFlights for a rocket that has not flown."""
-    from fieldkit.planning.motor_guide import by_closeness
-    from fieldkit.planning.quick_guide import quick_guide
+    from fieldkit.planning.quick_guide import quick_guide, sorted_quickly
     from fieldkit.presentation.quick_look import EVALUATION
 
     if not plan.rocket.history:
         raise NoFlights(f"{plan.flight.rocket}: found no flights, expected at least one for a quick forecast")
-    found = by_closeness(quick_guide(plan.rocket, plan.flight, motors), target)
+    found = sorted_quickly(quick_guide(plan.rocket, plan.flight, motors), order, plan.limits)
     if json:
-        document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
+        document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": order.target}
         print_json({**document, "evaluation": EVALUATION, "motors": [choice.json() for choice in found]})
         return
     shown = ShownUnits(system())

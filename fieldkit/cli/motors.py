@@ -70,7 +70,10 @@ def motors(
             autocompletion=rocket_names,
         ),
     ] = None,
-    target: Annotated[str | None, typer.Option(help="Target apogee: 250m, 800ft.", rich_help_panel=GUIDE)] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(help="Target apogee: 250m, 800ft. Default: that set in the app.", rich_help_panel=GUIDE),
+    ] = None,
     class_: Annotated[str, typer.Option("--class", help="Impulse class: D, or D-F.", rich_help_panel=GUIDE)] = "",
     mount: Annotated[str | None, typer.Option(help="Motor mount: 29mm.", rich_help_panel=GUIDE)] = None,
     adapter: Annotated[

@@ -14,7 +14,7 @@ INTACT = ("intact", "whole", "ok", "okay", "uncracked", "unbroken", "undamaged",
 CRACKED = ("cracked", "crack", "cracks", "broken", "broke", "damaged", "crushed", "smashed", "split", "leaking", "lost")
 """Words for eggs that are not."""
 _NUMBERS = {"one": 1, "both": 2, "two": 2, "three": 3}
-_NONE = ("no", "none", "not", "neither", "zero")
+_NEGATIONS = ("no", "none", "not", "neither", "zero")
 _UNKNOWN = ("", "-", "–", "—", "n/a", "na", "?", "unknown", "null")
 _FILLERS = ("egg", "eggs", "x", "all", "of", "the", "a", "any", "was", "were", "is", "are", "still", "each", "other")
 _CLAUSES = re.compile(r"[,;/+&]|\band\b|\bbut\b")
@@ -59,7 +59,7 @@ def read_eggs(text: str) -> Eggs | None:
     words = _WORD.findall(text.casefold())
     found = [clause for part in _CLAUSES.split(text.casefold()) if (clause := _clause(part)).intact is not None]
     intact = all(clause.intact for clause in found) if found else None
-    known = {*INTACT, *CRACKED, *_NUMBERS, *_NONE, *_FILLERS, "and", "but"}
+    known = {*INTACT, *CRACKED, *_NUMBERS, *_NEGATIONS, *_FILLERS, "and", "but"}
     unknown = [word for word in words if not word.isdecimal() and word not in known]
     if intact is not False and (unknown or not words):
         near = nearest(unknown[0], (*INTACT, *CRACKED)) if unknown else []
@@ -74,7 +74,7 @@ def _clause(text: str) -> Eggs:
     for word in _WORD.findall(text):
         if word.isdecimal() or word in _NUMBERS:
             count = (_NUMBERS.get(word) or int(word)) if count is None else count
-        elif word in _NONE:
+        elif word in _NEGATIONS:
             none = True
         elif word in INTACT:
             intact = not none

@@ -281,9 +281,10 @@ def each_row(
 
 
 def merged(reports: Sequence[Report]) -> tuple[Report, ...]:
-    """Reports of one time as one, with all their winds aloft."""
+    """Reports of one time as one, with all their winds aloft and the first wind near the ground."""
     found: dict[datetime, Report] = {}
     for one in reports:
-        known = found.get(one.time)
-        found[one.time] = one if known is None else replace(known, aloft=(*known.aloft, *one.aloft))
+        known = found.setdefault(one.time, replace(one, aloft=()))
+        ground = one if known.wind is None else known
+        found[one.time] = replace(known, aloft=(*known.aloft, *one.aloft), wind=ground.wind, direction=ground.direction)
     return tuple(found.values())

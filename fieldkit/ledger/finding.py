@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from datetime import date
 from itertools import count
 from typing import Any
 
@@ -79,9 +80,13 @@ def load(
     rocket: str | None = None,
     tag: str | None = None,
     entries: Sequence[int] | None = None,
+    since: date | None = None,
 ) -> list[StoredFlight]:
-    """Flights in the order flown: all, of one rocket, with a tag, or with these entry numbers."""
+    """Flights in the order flown: all, of one rocket, with a tag, with these entry numbers, or with a date on this day
+    or later."""
     query = _chosen(select(flights), rocket, tag).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
+    if since is not None:
+        query = query.where(flights.c.date_time >= since.isoformat())
     if entries is not None and len(entries) <= MAX_ROWS_BY_NAME:
         query = query.where(flights.c.entry.in_(entries))
     stored = _all_stored(connection, query)

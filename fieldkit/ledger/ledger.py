@@ -8,6 +8,7 @@ at all, even in a power failure. Each raises LedgerError if the ledger cannot be
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -228,16 +229,21 @@ class Ledger:
             return journal.history(connection)
 
     def flights(
-        self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
+        self,
+        rocket: str | None = None,
+        ids: Sequence[str] | None = None,
+        tag: str | None = None,
+        since: date | None = None,
     ) -> list[Flight]:
-        """Flights in the order flown; of one rocket, with these ids, with a tag.
+        """Flights in the order flown; of one rocket, with these ids, with a tag, flown since a day.
 
         They are sorted by date and then by entry; a flight without a date comes after the flights of its rocket that
         were entered earlier.
         """
         with self._reading() as connection:
             entries = None if ids is None else [stored.entry for stored in naming.resolve_all(connection, ids)]
-            return [stored.flight for stored in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
+            found = finding.load(connection, rocket=rocket, tag=tag, entries=entries, since=since)
+        return [stored.flight for stored in found]
 
     def pages(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[tuple[str, Flight]]]:
         """The same flights page by page, each with its id; all from one state of the ledger."""

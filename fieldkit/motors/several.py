@@ -121,26 +121,34 @@ def resolve_several(text: str, resolve: Callable[[str], Found], boosters: Sequen
 
 def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
     """One motor, or a cluster. Raises UnknownMotor, BadValue."""
-    parts: list[tuple[Motor, float]] = []
-    delays: list[float | None] = []
-    notes: list[str] = []
-    for group in map(str.strip, text.split("+")):
-        named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", count_first(group)))
-        if named is None:
-            raise UnknownMotor(f"{text}: found {group!r}, expected motors such as 3 x C6-5")
-        found = resolve(named[3])
-        notes += found.notes
-        count = int(named[1] or named[2] or 1)
-        if not 1 <= count <= MAX_MOTORS:
-            raise UnknownMotor(f"{text}: found {count} motors, expected 1 to {MAX_MOTORS}")
-        parts += [(found.motor, float(named[4] or 0.0))] * count
-        delays += [found.delay] * count
-        if len(parts) > MAX_MOTORS:
-            raise UnknownMotor(f"{text}: found more than {MAX_MOTORS} motors, expected 1 to {MAX_MOTORS}")
+    lit = _lit_motors(text, resolve)
+    parts = [(found.motor, start) for found, start in lit]
+    delays, notes = [found.delay for found, _ in lit], [note for found, _ in lit for note in found.notes]
     if len(parts) == 1 and parts[0][1] == 0:
         return Found(parts[0][0], delays[0], tuple(notes))
     motor = clustered(parts)
     return Found(motor, _first_charge(parts, delays, motor), (*dict.fromkeys(notes), CLUSTER_NOTE))
+
+
+def _lit_motors(text: str, resolve: Callable[[str], Found]) -> list[tuple[Found, float]]:
+    """Every motor of one motor or cluster, with its ignition time after the first [s]. Raises UnknownMotor."""
+    lit: list[tuple[Found, float]] = []
+    for group in map(str.strip, text.split("+")):
+        named = _GROUP.fullmatch(_MAKER_FIRST.sub(r"\2 \1 ", count_first(group)))
+        if named is None:
+            raise UnknownMotor(f"{text}: found {group!r}, expected motors such as 3 x C6-5")
+        count = int(named[1] or named[2] or 1)
+        if not 1 <= count <= MAX_MOTORS:
+            raise UnknownMotor(f"{text}: found {count} motors, expected 1 to {MAX_MOTORS}")
+        lit += [(resolve(named[3]), float(named[4] or 0.0))] * count
+        if len(lit) > MAX_MOTORS:
+            raise UnknownMotor(f"{text}: found more than {MAX_MOTORS} motors, expected 1 to {MAX_MOTORS}")
+    return lit
+
+
+def each_motor(text: str, resolve: Callable[[str], Found]) -> list[Found]:
+    """Every motor that a text names, one motor or those of a cluster or of stages. Raises UnknownMotor."""
+    return [found for stage in _stages(text) for found, _ in _lit_motors(stage, resolve)]
 
 
 def _first_charge(parts: Sequence[tuple[Motor, float]], delays: Sequence[float | None], cluster: Motor) -> float | None:

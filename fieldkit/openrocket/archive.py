@@ -1,4 +1,4 @@
-"""Extract the XML of an `.ork` file: a zip with `rocket.ork` in it, a gzip, or plain XML.
+"""Extract the XML of a design: for `.ork` a zip with `rocket.ork` in it, a gzip, or plain XML.
 
 Unpacking stops at `MAX_UNPACKED_SIZE`, and defusedxml rejects document types and entities, which can expand or access
 other files. Everything that is counted in a file has a limit: files in the archive, elements and their nesting depth,
@@ -26,6 +26,8 @@ MAX_DEPTH = 200
 """Largest nesting depth of elements; a part inside a part takes two. [1]"""
 MAX_TAG_LENGTH = 1 << 20
 """Largest distance between the ends of consecutive tags: attributes and the text before them. [bytes]"""
+DESIGNS = (".ork", ".rkt", ".cdx1")
+"""Endings of designs in an archive, in lower case."""
 ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252", "cp1252")
 """Encodings in which tags can be found without decoding."""
 
@@ -35,6 +37,9 @@ _DECLARED_ENCODING = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}
 def root_of(content: bytes, source: str) -> Element:
     """The root element of a file with a design. Raises DamagedLog that names the file, and the row of an XML error."""
     text = _unpacked(content, source)
+    if text and b"<" not in text[:400]:
+        found = "found no XML, as very old versions save it, expected a design; save it again with a newer version"
+        raise DamagedLog(found, source=source)
     _check_markup(text, source)
     parser = DefusedXMLParser(target=_builder(source), forbid_dtd=True)
     try:
@@ -108,9 +113,9 @@ def _unpacked(content: bytes, source: str) -> bytes:
 def _from_zip(content: bytes, source: str) -> bytes:
     try:
         with zips.opened(content) as archive:
-            names = [name for name in archive.namelist() if name.lower().endswith(".ork") and "__MACOSX" not in name]
+            names = [name for name in archive.namelist() if name.lower().endswith(DESIGNS) and "__MACOSX" not in name]
             if not names:
-                raise DamagedLog("found a zip without rocket.ork in it, expected an OpenRocket design", source=source)
+                raise DamagedLog("found a zip without a design in it, expected a .ork, .rkt or .CDX1", source=source)
             with archive.open("rocket.ork" if "rocket.ork" in names else names[0]) as file:
                 unpacked = file.read(MAX_UNPACKED_SIZE + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError) as error:

@@ -181,17 +181,32 @@ def _offset(part: "Element", parent: float, own: float) -> float:
 
 
 def _weights(part: "Element", size: Size, front: float) -> Iterator[tuple[float, float]]:
-    """Mass [kg] and place [m] of a part of the airframe and of everything in it; a mass that was entered for both
-    together is at the center of the computed ones."""
+    """Mass [kg] and place [m] of a part of the airframe and of everything in it. A mass that was entered for both
+    together is at the center of the computed ones, unless their center was entered as well."""
     entered, below = override(part)
+    center, of_all = _entered_center(part)
     shell = own_mass(part, size, []) if entered is None or below else entered
-    every = [(shell, front + _shell_center(part, size))]
-    every += [(_own(one), at + length / 2) for one, at, length in _inside(part, front, size.length)]
-    if entered is None or not below:
-        yield from every
-        return
+    every = [(shell, front + (_shell_center(part, size) if center is None else center))]
+    for one, at, length in _inside(part, front, size.length):
+        own, _ = _entered_center(one)
+        every.append((_own(one), at + (length / 2 if own is None else own)))
     total = sum(one for one, _ in every)
-    yield entered, sum(one * at for one, at in every) / total if total > 0 else front + size.length / 2
+    if center is not None and of_all:
+        yield (entered if entered is not None and below else total), front + center
+    elif entered is not None and below:
+        yield entered, sum(one * at for one, at in every) / total if total > 0 else front + size.length / 2
+    else:
+        yield from every
+
+
+def _entered_center(part: "Element") -> tuple[float | None, bool]:
+    """The center of gravity that the designer entered, behind the front of a part [m], and whether it is also that of
+    everything inside."""
+    entered = number(part, "overridecg", math.nan)
+    if math.isnan(entered):
+        return None, False
+    below = part.findtext("overridesubcomponentscg") or part.findtext("overridesubcomponents") or "false"
+    return entered, below.strip() == "true"
 
 
 def _own(part: "Element") -> float:

@@ -56,12 +56,36 @@ def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
 
 
 def _finite(text: str, otherwise: float = 0.0) -> float:
-    """The number in a text; `otherwise` if it is not a finite number."""
+    """The number in a text, which may have a decimal comma; `otherwise` if it is not a finite number."""
     try:
-        value = float(text)
+        value = float(text.replace(",", ".") if text.count(",") == 1 and "." not in text else text)
     except ValueError:
         return otherwise
     return value if math.isfinite(value) else otherwise
+
+
+SIZES = {
+    "nosecone": ("length", "aftradius"),
+    "bodytube": ("length", "radius"),
+    "transition": ("length", "foreradius", "aftradius"),
+    "trapezoidfinset": ("rootchord", "height"),
+    "ellipticalfinset": ("rootchord", "height"),
+}
+"""What a part needs for its drag and lift, by kind."""
+
+
+def without_size(document: "Element") -> list[str]:
+    """A note on the parts of another program's design whose sizes are missing or no numbers; none if all have them."""
+    missing = [
+        f"{name_of(part)} ({name})"
+        for part in document.iter()
+        for name in SIZES.get(part.tag, ())
+        if number(part, name) <= 0
+    ]
+    if not missing:
+        return []
+    more = f" and {len(missing) - 5} more" if len(missing) > 5 else ""
+    return [f"no size, taken as zero: {', '.join(missing[:5])}{more}; length, margin and drag are off"]
 
 
 def children(part: "Element") -> "list[Element]":

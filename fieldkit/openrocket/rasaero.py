@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from fieldkit.errors import FieldkitError
 from fieldkit.motors import Motor, catalogue
-from fieldkit.openrocket.parts import number
+from fieldkit.openrocket.parts import number, without_size
 from fieldkit.units import FOOT, INCH, POUND, UNITS
 
 SHAPES = {
@@ -65,7 +65,8 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
             _boat_tail(body, part)
         elif part.find("PartType") is not None:
             unread[part.tag] = None
-    notes = [f"not read: {', '.join(unread)}"] if unread else []
+    lift = "their lift is missing, and the margin is off"
+    notes = [f"not read: {', '.join(unread)}; {lift}"] if unread else []
     engines = [
         (one, text)
         for one in root.iterfind("SimulationList/Simulation")
@@ -83,7 +84,7 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
             SubElement(motor, "manufacturer").text = MAKERS.get(named["maker"] or "", named["maker"]) if named else ""
     length = sum(number(one, "length") for one in body)
     notes.append("not tried on a file of RASAero yet: compare mass, length and margin with what it shows")
-    return document, [*notes, *_weigh(stage, engines, length)]
+    return document, [*notes, *without_size(document), *_weigh(stage, engines, length)]
 
 
 def _simulation(one: Element, name: str, site: Element | None, motor: str) -> Element:

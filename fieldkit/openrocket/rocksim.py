@@ -1,14 +1,14 @@
 """RockSim designs (`.rkt`) in the terms of an OpenRocket design, so that the same code reads both.
 
 Lengths are in mm, masses in g. RockSim stores the mass that it computed for each part, which is used unless one was
-entered; the density is used only without both. A place from the base of the parent counts toward the nose. The
-names of the elements are from memory of RockSim 9 files: none was at hand to compare with.
+entered, as its center of gravity is; the density is used only without both. A place from the base of the parent counts
+toward the nose. The names of the elements are from memory of RockSim 9 files: none was at hand to compare with.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from xml.etree.ElementTree import Element, SubElement
 
-from fieldkit.openrocket.parts import PER_MASS, number
+from fieldkit.openrocket.parts import PER_MASS, number, without_size
 
 NOSES = ("conical", "ogive", "ellipsoid", "ellipsoid", "haack", "parabolic", "power", "haack")
 """Profiles by their number; RockSim's own parabola is nearest to an ellipsoid."""
@@ -47,15 +47,19 @@ def from_rocksim(root: Element) -> tuple[Element, list[str]]:
         _into(SubElement(stage, "subcomponents"), parts, unread)
     notes = ["the motors of a RockSim file are not read; state one with --motor"]
     notes.append("not tried on a file of RockSim yet: compare mass, length and margin with what it shows")
+    notes += without_size(document)
     if unread:
         missing = f"their mass and lift are missing: apogees are too high, {PER_MASS}, and the margin is off"
         notes.append(f"not read: {', '.join(unread)}; {missing}")
     return document, notes
 
 
-def _into(inside: Element, parts: Element, unread: dict[str, None]) -> None:
-    """Add the parts in a list of parts."""
+def _into(inside: Element, parts: Iterable[Element], unread: dict[str, None]) -> None:
+    """Add the parts in a list of parts; those of a subassembly are attached to what it is attached to."""
     for part in parts:
+        if part.tag == "SubAssembly":
+            _into(inside, part.findall("AttachedParts/*"), unread)
+            continue
         if (made := _part(part)) is None:
             unread[part.tag] = None
             continue
@@ -72,11 +76,12 @@ def _part(part: Element) -> Element | None:
         return None
     made = maker(part)
     SubElement(made, "name").text = part.findtext("Name") or part.tag
-    known = number(part, "KnownMass") * GRAM
-    stated = number(part, "UseKnownCG") == 1 or part.tag == "MassObject"
-    calculated = number(part, "CalcMass") * GRAM
-    if stated or calculated > 0:
-        _override(made, known if stated else calculated, None, below=False)
+    known, calculated = (number(part, name) * GRAM for name in ("KnownMass", "CalcMass"))
+    entered = number(part, "UseKnownCG") == 1
+    if entered or (known > 0 and part.tag == "MassObject"):
+        _override(made, known, number(part, "KnownCG") * MM if entered else None, below=False)
+    elif calculated > 0:
+        _override(made, calculated, None, below=False)
     elif number(part, "DensityType") == 0:
         SubElement(made, "material", density=str(number(part, "Density")))
     method = METHODS[int(number(part, "LocationMode")) % 3]

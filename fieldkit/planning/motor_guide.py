@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -289,16 +289,33 @@ def _ejections(motor: Motor, chosen: float | None, coast: float) -> tuple[tuple[
     return tuple((delay, delay - coast) for delay in delays if math.isfinite(coast))
 
 
-class _WithApogee(Protocol):
-    """A forecast with an apogee. [m]"""
+@dataclass(frozen=True, slots=True)
+class MotorOrder:
+    """The order of motors in every list, after those that fit: by distance from a `target` [m]; without one those
+    `preferred` first, then those whose thrust needs no caution, nearest to the last apogee of the rocket [m]."""
 
-    @property
-    def apogee(self) -> float: ...
+    target: float | None = None
+    preferred: Sequence[Motor] = ()
+    last_apogee: float = 0.0
+
+    def place(self, motor: Motor, apogee: float, *, weak: bool) -> tuple[float, bool, float]:
+        """The sort key of a motor with a forecast apogee [m], whose thrust for the weight may be `weak`."""
+        if self.target is not None:
+            return math.inf, False, abs(apogee - self.target)
+        names = [label(one) for one in self.preferred]
+        rank = names.index(label(motor)) if label(motor) in names else math.inf
+        return rank, weak, abs(apogee - self.last_apogee)
+
+    def sorted(self, found: Sequence[MotorChoice]) -> list[MotorChoice]:
+        """Those that fit first."""
+        return sorted(found, key=lambda one: (not one.fits, *self.place(one.motor, one.apogee, weak=one.weak)))
 
 
-T = TypeVar("T", bound=_WithApogee)
-
-
-def by_closeness(found: Sequence[T], target: float | None) -> list[T]:
-    """Sorted by distance from a target [m]; without one, highest first."""
-    return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)
+def motor_order(rocket: RocketData, config: str, target: float | None, saved: Sequence[Motor] = ()) -> MotorOrder:
+    """The order for a configuration of a rocket, with a `target` or without [m]: preferred are the motors `saved` in
+    open forecasts and those that it has flown on, the latest first. Without a flight of the configuration, the last
+    apogee is that of the rocket."""
+    preferred = tuple(dict.fromkeys([*saved, *(found.motor for found in reversed(rocket.motors))]))
+    clean = [flight for flight in rocket.flights if flight.clean and flight.apogee is not None]
+    own = [flight for flight in clean if flight.config == config]
+    return MotorOrder(target, preferred, next((flight.apogee or 0.0 for flight in reversed(own or clean)), 0.0))

@@ -1,7 +1,7 @@
 """The motor guide at once: quick forecasts of a plan on many motors from one linear pass, which no fit has checked."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,10 +10,12 @@ from fieldkit.forecast.at_once import forecasts_at_once
 from fieldkit.inference.history.quick_forecast import QuickAnswer
 from fieldkit.motors import Found
 from fieldkit.motors.motor import Motor
+from fieldkit.planning.check import Verdict
 from fieldkit.planning.forecasts import RocketData
-from fieldkit.planning.motor_guide import label, lifts
+from fieldkit.planning.limits import Limit
+from fieldkit.planning.motor_guide import MotorOrder, label, lifts
 from fieldkit.planning.quantiles import Three, named
-from fieldkit.planning.safety import thrust_to_weight
+from fieldkit.planning.safety import thrust_line, thrust_to_weight
 
 LEVELS = (0.05, 0.5, 0.95)
 
@@ -39,6 +41,10 @@ class QuickChoice:
         """Median of the altimeter's apogee reading. [m]"""
         return self.interval[1]
 
+    def thrust_verdict(self, limits: Mapping[str, Limit]) -> Verdict:
+        """The verdict on its thrust for the weight."""
+        return thrust_line({"at first": self.first_thrust, "on average": self.average_thrust}, limits).verdict
+
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
         return {
@@ -50,6 +56,16 @@ class QuickChoice:
             "thrust_to_weight": {"first_half_second": self.first_thrust, "average": self.average_thrust},
             "flown": self.flown,
         }
+
+
+def sorted_quickly(found: Sequence[QuickChoice], order: MotorOrder, limits: Mapping[str, Limit]) -> list[QuickChoice]:
+    """In the order of the guide; those too weak last."""
+
+    def place(one: QuickChoice) -> tuple[bool, float, bool, float]:
+        verdict = one.thrust_verdict(limits)
+        return verdict == "unsafe", *order.place(one.motor, one.apogee, weak=verdict == "caution")
+
+    return sorted(found, key=place)
 
 
 def quick_guide(rocket: RocketData, plan: Flight, motors: Sequence[Motor]) -> list[QuickChoice]:

@@ -110,7 +110,7 @@ def safety_lines(
         descent = [replace(line, verdict="unknown", finding=STAYS_ON_RAIL) for line in descent]
     lines = [
         rail_line(prediction.rail_speed, plan, limits),
-        _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(governed_by)),
+        _by_code_first(rule_lines.weight_line(governed_by), _thrust(motor, plan.dry_mass or math.nan, limits)),
         _stricter(rule_lines.wind_line(governed_by, plan.wind), _own("wind", plan.wind, limits)),
         _stricter(rule_lines.angle_line(governed_by, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
         rule_lines.stability_line(
@@ -138,6 +138,11 @@ def safety_lines(
 def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
     """The worse of two lines on the same item."""
     return one if other is None else worst([one, other])
+
+
+def _by_code_first(code: SafetyCheck | None, guidance: SafetyCheck) -> SafetyCheck:
+    """The line of a code if its limit is broken, so that its rule is cited; else that of the guidance, or the worse."""
+    return guidance if code is None else code if code.verdict == "unsafe" else worst([guidance, code])
 
 
 OWN_BOUNDS = {"wind": "ground wind", "angle": "launch angle"}

@@ -1,20 +1,12 @@
 """The flyer's card as texts to edit, and their values."""
 
 import re
-from collections import Counter, defaultdict
-from collections.abc import Collection
-from contextlib import suppress
-from typing import TYPE_CHECKING
 
 from fieldkit import units
-from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.motors.search import with_delays
+from fieldkit.errors import BadValue
 from fieldkit.planning.rules import governing, known_rules, read_authorities
 from fieldkit.quantities import ShownUnits
-from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, FlyerCard, Settings
-
-if TYPE_CHECKING:
-    from fieldkit.motors import Catalogue, Motor
+from fieldkit.settings import BIRTH, CERTIFICATIONS, BoxedMotors, Settings
 
 CARD = ("certification", "born", "rules", "rails", "box")
 """The entries of the card."""
@@ -27,13 +19,13 @@ _BOXED = re.compile(
 )
 
 
-def card_texts(settings: Settings, system: str) -> dict[str, str]:
-    """The card as text to edit, in the units of a system."""
+def card_texts(settings: Settings, system: str, box: tuple[BoxedMotors, ...]) -> dict[str, str]:
+    """The card as text to edit, in the units of a system, with what is left in its `box`."""
     card, shown = settings.flyer, ShownUnits(system)
     level = "" if card.certification is None else "none" if card.certification == 0 else str(card.certification)
-    box = ", ".join(f"{one.count} x {one.motor}{f' lot {one.lot}' if one.lot else ''}" for one in card.box)
+    boxed = ", ".join(f"{one.count} x {one.motor}{f' lot {one.lot}' if one.lot else ''}" for one in box if one.count)
     rails = ", ".join(f"{one / shown.length_factor:.4g} {shown.length_unit}" for one in card.rails)
-    return {"certification": level, "born": card.born or "", "rules": settings.rules, "rails": rails, "box": box}
+    return {"certification": level, "born": card.born or "", "rules": settings.rules, "rails": rails, "box": boxed}
 
 
 def read_card(name: str, text: str, unit: str = "m") -> object:
@@ -73,22 +65,3 @@ def _boxed(text: str) -> BoxedMotors:
     if found is None or not 0 < count <= MOST_IN_BOX:
         raise BadValue(f"found {text[:40]!r}, expected motors such as 3 x C6-5, 2 x D12-5 lot 0412")
     return BoxedMotors(found["motor"], count, found["lot"] or "")
-
-
-def motors_in_box(card: FlyerCard, motors: "Catalogue") -> "Counter[Motor]":
-    """How many of each motor are in the range box, each with only the delays that are there, if they are named; a name
-    that no motor has any more is left out."""
-    counts: Counter[Motor] = Counter()
-    delays: defaultdict[Motor, set[float | None]] = defaultdict(set)
-    for one in card.box:
-        with suppress(FieldkitError):
-            found = motors.resolve(one.motor)
-            counts[found.motor] += one.count
-            delays[found.motor].add(found.delay)
-    return Counter({_boxed_motor(motor, delays[motor]): count for motor, count in counts.items()})
-
-
-def _boxed_motor(motor: "Motor", delays: Collection[float | None]) -> "Motor":
-    """A motor with the delays in the box; with all of its own if one there has no known delay."""
-    known = sorted(delay for delay in delays if delay is not None)
-    return with_delays(motor, *known) if len(known) == len(delays) else motor

@@ -11,7 +11,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.paths import data_file
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, suitable_motors, widest_motor
+from fieldkit.planning.motor_guide import MotorOrder, Wanted, guide, suitable_motors, widest_motor
 from fieldkit.planning.quantiles import Three
 from fieldkit.services.after_flight import Outcome
 from fieldkit.services.forecasts import predict_plans, rocket_of
@@ -101,7 +101,7 @@ def _nearest_motor(
     wanted = Wanted(widest_motor(rocket, plan), adapter=True, dry_mass=plan.dry_mass)
     rules, site = limits(data_file("limits.toml")), site_of(ledger, plan.site)
     choices = guide(rocket, plan, suitable_motors(motors, wanted), rules, site, COMPARED_DRAWS)
-    nearest = next((one for one in by_closeness(choices, target) if one.fits), None)
+    nearest = next((one for one in MotorOrder(target).sorted(choices) if one.fits), None)
     if nearest is None:
         return None
     (made,) = predict_plans(ledger, motors, [nearest.plan], keep=False)

@@ -5,6 +5,7 @@ The forecast that a flight is compared with: the one made for it, or a recent on
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime, time, timedelta
 from functools import cache
@@ -13,7 +14,7 @@ from typing import Any, Literal
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, Past, StoredPrediction
-from fieldkit.motors import Catalogue, Found
+from fieldkit.motors import Catalogue, Found, Motor
 from fieldkit.quantities import ShownUnits
 from fieldkit.rocket import Rocket
 from fieldkit.services.forecasts import used_version
@@ -290,3 +291,14 @@ def standing(found: Sequence[SavedForecast]) -> str:
     stale = sum(one.stale for one in found if one.state == "flown")
     beside = f" ({stale} stale at launch)" if stale else ""
     return ", ".join(f"{count} {state}{beside if state == 'flown' else ''}" for state, count in counts.items())
+
+
+def motors_with_open_forecast(ledger: Ledger, motors: Catalogue, rocket: str, config: str) -> list[Motor]:
+    """The motors for which a flight of a configuration is forecast and not flown yet, the latest first; without those
+    of another catalog."""
+    found = []
+    for one in reversed(list_forecasts(ledger, motors, rocket)):
+        if one.waits and one.made.payload.get("config", "") == config:
+            with suppress(UnknownMotor):
+                found.append(motors.resolve(str(one.made.payload.get("motor", ""))).motor)
+    return found

@@ -34,7 +34,7 @@ SOURCE = "weather_source"
 """The column that names the file and the hour from which a flight has its weather."""
 USUAL_HEIGHT = 300.0
 """Height of the wind aloft for a flight without an apogee. [m]"""
-_OFFSET = re.compile(r"([+-])(\d{1,2})(?::?([0-5]\d))?")
+_OFFSET = re.compile(r"([+-]?)(\d{1,2})(?::?([0-5]\d))?")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,8 @@
 """Winds aloft: a table with a time, a height above the ground, a speed and a direction in each row, units in the
-header: `time,height_ft,wind_mph,wind_from_deg`. Several rows have the same time. Times are local."""
+header: `time,height_ft,wind_mph,wind_from_deg`.
+
+Several rows have the same time. Times are local. Height zero has the wind that is reported near the ground.
+"""
 
 from datetime import datetime
 
@@ -22,6 +25,8 @@ from fieldkit.importing.weather import (
 
 MAX_HEIGHT = 40_000.0
 """Height of the highest balloon. [m]"""
+MAX_SPEED = 150.0
+"""More than the fastest jet streams. [m/s]"""
 
 
 def recognizes(text: str) -> bool:
@@ -52,8 +57,11 @@ def read(text: str) -> SavedWeather:
         turned = cell_number(cells, direction, row, units.Unit(1.0)) if direction else None
         if above is None or blown is None:
             raise DamagedLog("found an empty cell, expected a height and a speed", row=row)
-        if not (0 < above < MAX_HEIGHT and 0 <= blown < 150):
-            raise DamagedLog(f"found {blown:.4g} m/s at {above:.4g} m, expected a wind", row=row)
+        if not (0 <= above < MAX_HEIGHT and 0 <= blown < MAX_SPEED):
+            found = f"found {blown:.4g} m/s at {above:.4g} m"
+            raise DamagedLog(f"{found}, expected up to {MAX_SPEED:g} m/s below {MAX_HEIGHT:g} m", row=row)
+        if above == 0:
+            return Report(at, wind=blown, direction=turned)
         return Report(at, aloft=(WindAloft(above, blown, turned),))
 
     reports, rejected = each_row(rows, report)

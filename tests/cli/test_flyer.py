@@ -1,6 +1,7 @@
 """The flyer's card: certification, age, rules, rails and the range box, from which planning starts."""
 
 import json
+from dataclasses import replace
 from datetime import date
 
 import pytest
@@ -52,12 +53,14 @@ def test_the_box_holds_motors_with_counts_and_lots_and_narrows_the_guide(run: Ru
     run("flyer", "--motor", "C6-5", "--count", "3", "--lot", "0412")
     run("flyer", "--motor", "B6-4", "--count", "2")
     run("flyer", "--motor", "B6-4", "--count", "1")
-    assert read_settings().flyer.box == (BoxedMotors("C6-5", 3, "0412"), BoxedMotors("B6-4", 1))
+    box = [replace(one, counted="") for one in read_settings().flyer.box]
+    assert box == [BoxedMotors("C6-5", 3, "0412"), BoxedMotors("B6-4", 1)]
     body = ("--dry-mass", "60g", "--diameter", "25mm", "--mount", "18mm")
     guide = json.loads(run("motors", "--fit", "Alpha", *body, "--box", "--json").out)
     assert {one["motor"] for one in guide["motors"]} == {"C6", "B6"}
     run("flyer", "--motor", "C6-5", "--count", "0", "--lot", "0412")
-    assert json.loads(run("flyer", "--json").out)["box"] == [{"motor": "B6-4", "count": 1, "lot": ""}]
+    (only,) = json.loads(run("flyer", "--json").out)["box"]
+    assert (only["motor"], only["count"], only["lot"]) == ("B6-4", 1, "")
 
 
 @pytest.mark.parametrize(
@@ -83,3 +86,15 @@ def test_the_guide_names_the_fitting_motors_that_are_in_the_box(run: Run) -> Non
     fit = ("motors", "--fit", "Small", "--dry-mass", "60g", "--diameter", "25mm", "--mount", "18mm", "--class", "B-C")
     assert "in your range box: C6 (3); --box" in " ".join(run(*fit).out.split())
     assert [one["motor"] for one in run(*fit, "--box", "--json").document["motors"]] == ["C6"]
+
+
+def test_a_flight_takes_its_motor_out_of_the_box_until_it_is_undone(run: Run) -> None:
+    run("flyer", "--motor", "C6-5", "--count", "3")
+    flight = ("--rocket", "Small", "--motor", "C6-5", "--dry-mass", "60g", "--diameter", "25mm", "--apogee", "150m")
+    assert "Taken from your range box: 1 x C6-5, 2 left." in run("add", *flight).err
+    assert "box            2 x C6-5 (3 counted on" in run("flyer").out
+    assert run("flyer", "--json").document["box"][0]["count"] == 2
+    assert "range box" not in run("add", *flight, "--again", "--date-time", "2020-05-01T10:00").err
+    run("undo")
+    run("undo")
+    assert run("flyer").out.splitlines()[-1] == "box            3 x C6-5"

@@ -152,6 +152,16 @@ def test_winds_on_pressure_levels_are_above_the_ground() -> None:
     assert winds == {120: pytest.approx(7.0), 350: pytest.approx(10.0)}
 
 
+def test_the_row_of_height_zero_among_winds_aloft_is_the_wind_near_the_ground() -> None:
+    rows = "time,height_ft,wind_mps,wind_from_deg\n2026-05-16T14:00,1000,8,250\n2026-05-16T14:00,0,3,240\n"
+    _, weather = read_weather(rows.encode(), "winds.csv")
+    (report,) = weather.reports
+    assert (report.wind, report.direction) == (3.0, 240.0)
+    assert [(round(one.height, 1), one.speed) for one in report.aloft] == [(304.8, 8.0)]
+    (error,) = read_weather((rows + "2026-05-16T14:00,-5,3,240\n").encode(), "winds.csv")[1].rejected
+    assert "found 3 m/s at -1.524 m, expected up to 150 m/s" in str(error)
+
+
 def test_both_kinds_of_source_have_a_standard_deviation_for_every_quantity() -> None:
     assert OF_A_STATION.keys() == OF_A_MODEL.keys() == QUANTITIES.keys()
 

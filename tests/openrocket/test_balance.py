@@ -143,3 +143,21 @@ def test_the_guide_judges_every_motor_by_its_own_margin(run: Run, tmp_path: Path
     every = run("motors", "--fit", "A", "--json").document["motors"]
     texts = [next(line["text"] for line in one["safety"] if line["check"] == "stability") for one in every]
     assert len(set(texts)) > 3
+
+
+def test_an_entered_center_of_gravity_of_a_part_counts() -> None:
+    """That of fins alone, and that of the tube with or without everything inside."""
+    plain = content()
+    weighed = "<overridemass>0.02</overridemass><overridesubcomponentsmass>false</overridesubcomponentsmass>"
+    fins = TRAPEZOID.format(3).replace("<fincount>", f"{weighed}<overridecg>{{}}</overridecg><fincount>")
+    ahead, behind = (read(fins.format(place)).balance for place in (0.01, 0.06))
+    assert ahead is not None
+    assert behind is not None
+    assert behind.dry_cg - ahead.dry_cg == pytest.approx(0.02 * 0.05 / ahead.dry_mass)
+    together = "<bodytube><overridecg>0.3</overridecg><overridesubcomponentscg>true</overridesubcomponentscg>"
+    found = read_design(plain.replace(b"<bodytube>", together.encode()), "a.ork").balance
+    nose = read_design(plain.replace(b"<bodytube>", b"<bodytube><overridecg>0.3</overridecg>"), "a.ork").balance
+    assert found is not None
+    assert nose is not None
+    assert found.dry_cg == pytest.approx(0.4, abs=0.05)
+    assert found.dry_cg != pytest.approx(nose.dry_cg, abs=1e-6)

@@ -188,7 +188,7 @@ DAMAGED = {
     "cut off": (design()[:900].encode(), "row"),
     "a cut zip": (packed(design(), "zip")[:300], "zip that cannot be unpacked"),
     "a cut gzip": (packed(design(), "gzip")[:200], "gzip that ends early"),
-    "an empty zip": (b"PK\x05\x06" + bytes(18), "without rocket.ork"),
+    "an empty zip": (b"PK\x05\x06" + bytes(18), "without a design"),
     "entities": (BOMB.encode(), "document type"),
     "another XML": (b"<svg/>", "expected a design of OpenRocket"),
     "no parts": (b"<openrocket><rocket><name>x</name></rocket></openrocket>", "no nose cone"),

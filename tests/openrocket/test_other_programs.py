@@ -1,7 +1,11 @@
 """One rocket as three programs save it: designs of RockSim and RASAero have the mass and balance of OpenRocket's."""
 
+import math
 from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
+from xml.etree import ElementTree
+from zipfile import ZipFile
 
 import pytest
 
@@ -180,3 +184,83 @@ def test_texts_in_place_of_numbers_do_not_crash() -> None:
             spoiled = spoiled.replace(b">" + number + b"<", b">nan<")
         with suppress(DamagedLog):
             read_design(spoiled, "a")
+
+
+def zipped(name: str, content: bytes) -> bytes:
+    with BytesIO() as buffer:
+        with ZipFile(buffer, "w") as archive:
+            archive.writestr(name, content)
+        return buffer.getvalue()
+
+
+def test_an_entered_center_of_gravity_is_used_with_its_mass() -> None:
+    """RockSim uses the known mass and the known center of a part together."""
+    entered = rocksim().replace(
+        b"<KnownMass>99</KnownMass><CalcMass>44.0</CalcMass><UseKnownCG>0",
+        b"<KnownMass>44</KnownMass><KnownCG>100.</KnownCG><CalcMass>9.0</CalcMass><UseKnownCG>1",
+    )
+    plain, moved = read_design(rocksim(), "a.rkt").balance, read_design(entered, "a.rkt").balance
+    assert plain is not None
+    assert moved is not None
+    assert moved.dry_cg == pytest.approx((plain.dry_cg or 0.0) - 0.044 * (0.2 - 0.1) / 0.113)
+
+
+def test_parts_of_a_subassembly_and_a_cord_with_a_computed_mass_are_read() -> None:
+    cord = (
+        "<MassObject><Name>Cord</Name><KnownMass>0</KnownMass><CalcMass>7</CalcMass><TypeCode>1</TypeCode></MassObject>"
+    )
+    grouped = rocksim(more=f"<SubAssembly><Name>Bay</Name><AttachedParts>{cord}</AttachedParts></SubAssembly>")
+    design = read_design(grouped, "a.rkt")
+    assert design.dry_mass == pytest.approx(0.113 + 0.007)
+    assert not any(note.startswith("not read") for note in design.notes)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"FileVersion>4", b"FileVersion>2"),
+        (b"<FileVersion>4</FileVersion>", b""),
+        (b"50.<", b"50,<"),
+        (b"80.<", b"8.0E1<"),
+    ],
+    ids=["an older version", "no version", "decimal commas", "exponents"],
+)
+def test_other_ways_to_write_the_same_design_are_read_the_same(old: bytes, new: bytes) -> None:
+    plain, other = read_design(rocksim(), "a.rkt"), read_design(rocksim().replace(old, new), "a.rkt")
+    assert (other.dry_mass, other.diameter, other.length) == (plain.dry_mass, plain.diameter, plain.length)
+    assert other.balance == plain.balance
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_design_may_be_zipped_and_in_another_encoding(encoding: str) -> None:
+    text = rocksim().decode().replace('encoding="utf-8"', "" if encoding == "utf-8-sig" else 'encoding="utf-16"')
+    assert read_design(text.encode(encoding), "a.rkt").dry_mass == pytest.approx(0.113)
+    assert read_design(zipped("Lark.RKT", rocksim()), "mail.zip").dry_mass == pytest.approx(0.113)
+
+
+def test_a_missing_size_is_named() -> None:
+    notes = read_design(rocksim().replace(b"<Len>400.</Len>", b"<Len>long</Len>"), "a.rkt").notes
+    assert any("no size, taken as zero: Body (length)" in note for note in notes)
+    notes = read_design(
+        rasaero(0.2, 0.3).replace(b"<Span>", b"<Width>").replace(b"</Span>", b"</Width>"), "a.CDX1"
+    ).notes
+    assert any("no size, taken as zero" in note and "(height)" in note for note in notes)
+
+
+def test_a_design_of_a_version_without_xml_is_refused_in_a_line() -> None:
+    for content in (b"[RockSim]\r\nVersion=4\r\n", b"\x00\x01\x02\x03" * 200):
+        with pytest.raises(DamagedLog, match="save it again with a newer version"):
+            read_design(content, "old.rkt")
+
+
+@pytest.mark.parametrize("content", [rocksim(), rasaero(0.2, 0.3, apogee=150.0)], ids=["RockSim", "RASAero"])
+def test_no_element_of_a_design_is_needed_for_an_answer_or_a_clear_line(content: bytes) -> None:
+    """Without any one of its elements a design is read or refused in a line, and its figures are finite."""
+    for place in range(1, sum(1 for _ in ElementTree.fromstring(content).iter())):
+        root = ElementTree.fromstring(content)
+        gone = list(root.iter())[place]
+        next(parent for parent in root.iter() if gone in list(parent)).remove(gone)
+        with suppress(DamagedLog):
+            design = read_design(ElementTree.tostring(root), "a")
+            figures = (design.dry_mass, design.diameter, design.length, design.cd)
+            assert all(one is None or (math.isfinite(one) and one > 0) for one in figures), gone.tag

@@ -27,7 +27,7 @@ from fieldkit.planning.delay import delays, drill_of, offered
 from fieldkit.planning.descent_rate import Fall
 from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors
+from fieldkit.planning.motor_guide import MotorOrder, Wanted, guide, mount_of, suitable_motors
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.safety import first_thrust, safety_lines
 from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
@@ -131,8 +131,8 @@ def test_plans_agree_with_predictions(path: str, rocket: RocketData, plan: Fligh
 
 def test_the_guide_shows_every_check_of_every_motor(rocket: RocketData, plan: Flight, motors: Catalogue) -> None:
     wanted = Wanted(mount=mount_of(rocket, "A"), classes=("E", "F"), impulse=40.0)
-    choices = by_closeness(guide(rocket, plan, suitable_motors(motors, wanted), limits(), Site(), draws=40), 250.0)
-    misses = [abs(choice.apogee - 250.0) for choice in choices]
+    choices = MotorOrder(250.0).sorted(guide(rocket, plan, suitable_motors(motors, wanted), limits(), Site(), draws=40))
+    misses = [(not choice.fits, abs(choice.apogee - 250.0)) for choice in choices]
     assert misses == sorted(misses)
     assert all(choice.motor.total_impulse <= 40.0 and choice.motor.available for choice in choices)
     assert all([line.name for line in choice.lines] == NAMES for choice in choices)

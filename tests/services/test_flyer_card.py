@@ -16,7 +16,7 @@ CARDS = [
 @pytest.mark.parametrize("system", ["SI", "US"])
 @pytest.mark.parametrize("card", CARDS)
 def test_the_texts_of_a_card_read_back_as_the_same_card(card: FlyerCard, system: str) -> None:
-    texts = card_texts(Settings(flyer=card, rules="NAR,FAA"), system)
+    texts = card_texts(Settings(flyer=card, rules="NAR,FAA"), system, card.box)
     found = {name: read_card(name, texts[name]) for name in CARD}
     assert found.pop("rules") == "NAR,FAA"
     rails = found.pop("rails")

@@ -1,6 +1,7 @@
 """The weather of flights filled in from saved files: by date, hour and site, with its uncertainty, and undone."""
 
 import csv
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -101,6 +102,12 @@ def test_the_weather_moves_the_forecast_of_a_flight_as_its_density_does(
     run("weather", SAVED / "open_meteo.json", "--replace")
     after = run("predict", "--rocket", "Astra", "--motor", "F24-4W", "--json").document["predictions"][0]
     assert before["apogee_m"]["p50"] != after["apogee_m"]["p50"]
+
+
+def test_a_zone_is_a_name_or_hours_ahead_of_utc() -> None:
+    when = datetime(2026, 1, 1)
+    for text, hours in {"0": 0.0, "UTC": 0.0, "-5": -5.0, "+5:30": 5.5, "America/Chicago": -6.0}.items():
+        assert read_zone(text).utcoffset(when) == timedelta(hours=hours)
 
 
 @pytest.mark.parametrize("text", ["Moon/Base", "+99", "", "../x"])

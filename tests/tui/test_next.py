@@ -20,7 +20,8 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.paths import data_file
 from fieldkit.physics.effect import effects
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import guide
+from fieldkit.planning.motor_guide import MotorOrder, guide
+from fieldkit.planning.quick_guide import QuickChoice
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.flights.flight_screen import FlightScreen
@@ -740,7 +741,7 @@ def test_forecasts_of_a_replaced_plan_are_not_shown_for_the_next_plan() -> None:
 def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them() -> None:
     """In a wind in which none fits, the flown one was replaced at the cursor by one that was still to be forecast."""
     flown, other = Mock(), Mock()
-    plan = Mock(preferred=[flown], last_apogee=200.0)
+    plan = Mock(order=lambda target: MotorOrder(target, [flown], 200.0))
     motors = MotorList(plan, found=[other, flown])
     assert motors.ordered(None)[0] is flown
     motors.put(plan, [Mock(motor=flown, fits=False, weak=False, apogee=200.0)])
@@ -751,7 +752,7 @@ def test_motors_without_a_forecast_are_last_so_that_no_key_acts_on_one_of_them()
 
 def test_without_a_target_motors_are_sorted_by_distance_from_the_last_apogee_and_weak_ones_are_marked_at_once() -> None:
     """A motor that would lift the rocket 3 m was listed like any other until the fit judged it."""
-    plan = Mock(preferred=[], last_apogee=198.0, limits=limits(data_file("limits.toml")))
+    plan = Mock(order=lambda target: MotorOrder(target, [], 198.0), limits=limits(data_file("limits.toml")))
     heights = {"too weak": 3.0, "high": 431.0, "near": 189.0, "nearest": 203.0}
     names = {name: Mock(name=name) for name in heights}
     motors = MotorList(plan, found=list(names.values()))
@@ -759,7 +760,7 @@ def test_without_a_target_motors_are_sorted_by_distance_from_the_last_apogee_and
     motors.put_quick(
         plan,
         [
-            Mock(motor=names[name], apogee=apogee, first_thrust=ratio.get(name, 8.0), average_thrust=8.0)
+            QuickChoice(names[name], (apogee, apogee, apogee), None, False, ratio.get(name, 8.0), 8.0)
             for name, apogee in heights.items()
         ],
     )

@@ -38,6 +38,7 @@ from fieldkit.services.manual_entry import (
 )
 from fieldkit.services.pickers import Names
 from fieldkit.services.plausible_flights import excluded_readouts, implausible_flights
+from fieldkit.services.range_box import taken_in_words
 from fieldkit.tui.resources import Resources
 
 SETUP = ("rocket", "config", "motor", "site")
@@ -101,9 +102,9 @@ class FormStart:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The result of saving: the id of the flight (empty for a duplicate), what it lacks to constrain Cd, and the
-    `trouble` that excludes it from every fit; or the name of a `wrong` answer, and the `trouble` with it; or a
-    question to `confirm` before the flight is added."""
+    """The result of saving: the id of the flight (empty for a duplicate), what it lacks to constrain Cd, what it took
+    from the range box, and the `trouble` that excludes it from every fit; or the name of a `wrong` answer, and the
+    `trouble` with it; or a question to `confirm` before the flight is added."""
 
     id: str = ""
     flight: Flight | None = None
@@ -111,6 +112,7 @@ class Saved:
     lacks: str = ""
     wrong: str = ""
     trouble: str = ""
+    taken: str = ""
 
 
 def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
@@ -281,6 +283,7 @@ class Draft:
             added.new[0] if added.new else "",
             flight,
             lacks=lacks(typed),
+            taken=taken_in_words(self._resources.settings.flyer.box, flight, self._resources.ledger, motors),
             trouble=in_system(message("; ".join(map(marked, excluded))), self._resources.settings.units),
         )
 

@@ -108,7 +108,8 @@ class Saving:
             self._page.field_app.withdraw(objection)
         self._objections = []
         silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
-        self._page.show_notice(f"Saved {flight_label(saved.id)}. u to undo.{silent}" if saved.id else DUPLICATE)
+        taken = f" {saved.taken}" if saved.taken else ""
+        self._page.show_notice(f"Saved {flight_label(saved.id)}. u to undo.{taken}{silent}" if saved.id else DUPLICATE)
         if saved.trouble:
             self._page.complain(saved.trouble)
         self._sheet.clear()

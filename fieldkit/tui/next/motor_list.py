@@ -7,9 +7,8 @@ from math import inf
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Catalogue, Motor
 from fieldkit.planning.check import Verdict
-from fieldkit.planning.motor_guide import MotorChoice
+from fieldkit.planning.motor_guide import MotorChoice, MotorOrder
 from fieldkit.planning.quick_guide import QuickChoice
-from fieldkit.planning.safety import thrust_line
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.tui.next.next_plan import Plan
 from fieldkit.tui.widgets import cards
@@ -60,7 +59,7 @@ class MotorList:
 
     def _wanted(self, current: Motor | None) -> list[Motor]:
         """The motors to forecast, in order."""
-        preferred = [motor for motor in (self.plan.preferred if self.plan else ()) if motor in self.found]
+        preferred = [motor for motor in (self.plan.order(None).preferred if self.plan else ()) if motor in self.found]
         return list(dict.fromkeys([*([current] if current else []), *preferred, *self.found[:MAX_FORECAST_MOTORS]]))
 
     def shown(self, motor: Motor | None) -> MotorChoice | QuickChoice | None:
@@ -112,23 +111,18 @@ class MotorList:
         one = self.quick.get(motor)
         if one is None or self.plan is None:
             return "unknown"
-        return thrust_line({"at first": one.first_thrust, "on average": one.average_thrust}, self.plan.limits).verdict
+        return one.thrust_verdict(self.plan.limits)
 
     def ordered(self, target: float | None) -> list[Motor]:
-        """Those that fit first, then those that only their forecast excludes, by distance from the target [m]; those
-        without a forecast are last, so that no key acts on one of them. Without a target those with an open forecast
-        and those flown are first, then those whose thrust needs no caution, nearest to the last apogee of the rocket.
-        """
-        preferred = self.plan.preferred if self.plan and target is None else ()
-        places = {motor: place for place, motor in enumerate(preferred)}
-        around = target if target is not None else self.plan.last_apogee if self.plan else 0.0
+        """Those that fit first, then those that only their forecast excludes, as in `MotorOrder`; those without a
+        forecast are last, so that no key acts on one of them."""
+        places = self.plan.order(target) if self.plan else MotorOrder(target)
 
         def order(motor: Motor) -> tuple[bool, bool, bool, float, bool, float]:
             one = self.shown(motor)
-            weak = target is None and self.weak(motor)
-            distance = inf if one is None else abs(one.apogee - around)
             wide = self.plan is not None and not self.plan.wanted.fits(motor)
-            return one is None, not self.fits(motor), wide, places.get(motor, inf), weak, distance
+            apogee = inf if one is None else one.apogee
+            return one is None, not self.fits(motor), wide, *places.place(motor, apogee, weak=self.weak(motor))
 
         return sorted(self.found, key=order)
 

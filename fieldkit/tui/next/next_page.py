@@ -6,7 +6,7 @@ The help of the Fly page: what its columns, figures and signs mean.
 """
 
 import asyncio
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import ClassVar
 
@@ -26,8 +26,8 @@ from fieldkit.planning.motor_guide import MotorChoice, guide, label
 from fieldkit.planning.quick_guide import QuickChoice, quick_guide
 from fieldkit.quantities import shown_unit
 from fieldkit.safe_text import printable
-from fieldkit.services.flyer_card import motors_in_box
 from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.range_box import box_left, motors_in_box
 from fieldkit.settings import Settings
 from fieldkit.tui.asking import WAIT, or_why
 from fieldkit.tui.help import NO_FLIGHTS, Help
@@ -264,7 +264,9 @@ class NextScreen(PageScreen):
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
-        """Read the plan, and forecast every motor again."""
+        """Read the plan, and forecast every motor again; a flight may have taken motors from the range box."""
+        if self._motors.box is not None:
+            self.ask(self._read_box, self._have_box, "box")
         self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
 
     def redraw(self) -> None:
@@ -395,11 +397,23 @@ class NextScreen(PageScreen):
 
     def action_toggle_box(self) -> None:
         """Show only the motors in the range box, or all."""
-        box = motors_in_box(self.resources.settings.flyer, self.resources.motors)
+        if self._motors.box is None:
+            self.ask(self._read_box, self._have_box, "box")
+            return
+        self._motors.box = None
+        self._search_again()
+
+    def _read_box(self) -> Mapping[Motor, int]:
+        resources = self.resources
+        return motors_in_box(
+            box_left(resources.settings.flyer.box, resources.ledger, resources.motors), resources.motors
+        )
+
+    def _have_box(self, box: Mapping[Motor, int]) -> None:
+        """List the motors in the range box, or all if none is left."""
+        self._motors.box = box or None
         if not box:
             self.complain("Your range box is empty. Ctrl+P, then Your card, to enter its motors")
-            return
-        self._motors.box = None if self._motors.box is not None else box
         self._search_again()
 
     def action_unfold(self) -> None:

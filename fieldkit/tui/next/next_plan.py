@@ -1,10 +1,8 @@
 """The plan of the next flight: its questions, its form in the ledger, and the inputs of its forecasts."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fieldkit.errors import UnknownMotor
 from fieldkit.flight import BY_NAME, CONDITIONS, SETUP, Flight
 from fieldkit.flight.further import motor_temperature
 from fieldkit.flight.recovery import (
@@ -22,13 +20,13 @@ from fieldkit.motors import Motor
 from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit, limits
-from fieldkit.planning.motor_guide import Wanted, lifts, widest_motor
+from fieldkit.planning.motor_guide import MotorOrder, Wanted, lifts, motor_order, widest_motor
 from fieldkit.quantities import counted, measure
 from fieldkit.safe_text import printable
 from fieldkit.services import launch_day
 from fieldkit.services.forecasts import rocket_of
 from fieldkit.services.plans import completed_plan
-from fieldkit.services.saved_forecasts import list_forecasts
+from fieldkit.services.saved_forecasts import motors_with_open_forecast
 from fieldkit.services.sites import site_of
 from fieldkit.settings import Settings
 from fieldkit.tui.resources import Resources
@@ -101,18 +99,9 @@ class Plan:
         same = (self.full, self.site, self.limits) == (other.full, other.site, other.limits)
         return same and self.rocket.same_as(other.rocket)
 
-    @property
-    def preferred(self) -> list[Motor]:
-        """The motors with an open forecast and those that the rocket has flown on, the latest first, without
-        duplicates."""
-        return list(dict.fromkeys([*self.saved, *(found.motor for found in reversed(self.rocket.motors))]))
-
-    @property
-    def last_apogee(self) -> float:
-        """The apogee of the last clean flight of the configuration, else of the rocket; zero if none has one. [m]"""
-        clean = [flight for flight in self.rocket.flights if flight.clean and flight.apogee is not None]
-        own = [flight for flight in clean if flight.config == self.full.config]
-        return next((flight.apogee or 0.0 for flight in reversed(own or clean)), 0.0)
+    def order(self, target: float | None) -> MotorOrder:
+        """The order in which motors are listed, with or without a target [m]."""
+        return motor_order(self.rocket, self.full.config, target, self.saved)
 
     def misfit(self, motor: Motor) -> str:
         """Why the rocket cannot fly on a motor, empty if it can."""
@@ -190,15 +179,8 @@ def read_plan(resources: Resources) -> Plan | PlanWithoutMass | None:
         tuple(builds.values()),
         Wanted(widest_motor(rocket, full), adapter=True, dry_mass=full.dry_mass),
         rests_on(ledger, plan.rocket, rocket.flights),
-        tuple(_saved(resources, plan)),
+        tuple(motors_with_open_forecast(ledger, resources.motors, plan.rocket, plan.config)),
     )
-
-
-def _saved(resources: Resources, plan: Flight) -> Iterator[Motor]:
-    for one in reversed(list_forecasts(resources.ledger, resources.motors, plan.rocket)):
-        if one.waits and one.made.payload.get("config", "") == plan.config:
-            with suppress(UnknownMotor):  # it was in another catalog
-                yield resources.motors.resolve(str(one.made.payload.get("motor", ""))).motor
 
 
 def rests_on(ledger: Ledger, rocket: str, flights: Sequence[Flight]) -> str:

@@ -35,7 +35,7 @@ class PadTimer:
     def text(self, now: datetime) -> str:
         """What is left, `42:10`; `over by 0:30` after the end."""
         if self.ends is None:
-            return f"timer {CONTEST_MINUTES}:00, t starts it"
+            return f"timer {CONTEST_MINUTES}:00, t starts it; the length is unverified, ask at the event"
         left = round((self.ends - now).total_seconds())
         minutes, seconds = divmod(abs(left), 60)
         return f"{minutes}:{seconds:02d} left" if left >= 0 else f"over by {minutes}:{seconds:02d}"

@@ -1,12 +1,14 @@
 """The flyer's card in the app: certification, age, rules, rods and rails, and the motors in the range box."""
 
 from dataclasses import replace
+from functools import partial
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.importing.manual_entry import Question
 from fieldkit.quantities import ShownUnits
 from fieldkit.services.flyer_card import card_texts, read_card
-from fieldkit.settings import FlyerCard
+from fieldkit.services.range_box import box_left, recounted
+from fieldkit.settings import BoxedMotors, FlyerCard
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 
@@ -18,15 +20,24 @@ QUESTIONS = (
     Question("rules", "Rules", "Rules of sites without their own: NAR,FAA or UKRA. Empty: NAR, FAA."),
     Question("rails", "Rods and rails", "Lengths that you own: 3ft, 1.8m. Plans without a rail have the longest."),
     Question(
-        "box", "Range box", "Motors that you have: 3 x C6-5, 2 x D12-5 lot 0412. B on the Fly page lists only these."
+        "box",
+        "Range box",
+        "Motors that you have: 3 x C6-5, 2 x D12-5 lot 0412. A flight takes its motors out, undo puts them back. "
+        "B on the Fly page lists only these.",
     ),
 )
 
 
 def ask_card(page: PageScreen) -> None:
-    """Ask for the flyer's card, and save it."""
+    """Ask for the flyer's card with what is left in its range box, and save it."""
+    resources = page.resources
+    box = resources.settings.flyer.box
+    page.ask(lambda: box_left(box, resources.ledger, resources.motors), partial(_ask, page), "range box")
+
+
+def _ask(page: PageScreen, left: tuple[BoxedMotors, ...]) -> None:
     settings, motors = page.resources.settings, page.resources.motors
-    texts = card_texts(settings, settings.units)
+    texts = card_texts(settings, settings.units, left)
 
     def read(name: str, text: str, unit: str) -> object:
         value = read_card(name, text, unit)
@@ -42,6 +53,7 @@ def ask_card(page: PageScreen) -> None:
             return
         known = dict(values)
         rules = known.pop("rules")
+        known["box"] = recounted(known["box"], left, settings.flyer.box)  # type: ignore[arg-type]
         page.field_app.choose("Saved your card", flyer=replace(FlyerCard(), **known), rules=rules)  # type: ignore[arg-type]
 
     unit = {"rails": ShownUnits(settings.units).length_unit}

@@ -11,7 +11,7 @@ from fieldkit.paths import motor_folder, settings_file
 from fieldkit.planning.kits import Kit
 from fieldkit.quantities import SYSTEMS, measure, unit_of, written
 from fieldkit.services.flyer_card import card_texts
-from fieldkit.settings import Settings
+from fieldkit.settings import BoxedMotors, Settings
 from fieldkit.tui.setup.kit_form import kit_text
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.groups import Group, LaunchSite, LedgerNames
@@ -94,8 +94,8 @@ def kits_listed(kits: Sequence[Kit], system: str) -> ListContents:
     return ListContents(heads, kits, cells, lambda kit: kit.name)
 
 
-def settings_listed(settings: Settings, ledger: str) -> ListContents:
-    """The settings, and the paths of files."""
+def settings_listed(settings: Settings, ledger: str, box: tuple[BoxedMotors, ...]) -> ListContents:
+    """The settings, with what is left in the range box, and the paths of files."""
 
     target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
     ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]
@@ -104,7 +104,7 @@ def settings_listed(settings: Settings, ledger: str) -> ListContents:
         "theme": settings.theme,
         "target": target,
         "rail": ", ".join(end for end in ends if end) or "none",
-        "card": ", ".join(f"{name} {text}" for name, text in card_texts(settings, settings.units).items() if text)
+        "card": ", ".join(f"{name} {text}" for name, text in card_texts(settings, settings.units, box).items() if text)
         or "empty",
         "ledger": ledger,
         "your motors": str(motor_folder()),

@@ -16,8 +16,9 @@ from textual.widgets import Input, Static
 from fieldkit.motors import Motor
 from fieldkit.planning.kits import Kit
 from fieldkit.services.kits import kits
+from fieldkit.services.range_box import box_left
 from fieldkit.services.sites import sites
-from fieldkit.settings import THEMES, UNITS
+from fieldkit.settings import THEMES, UNITS, BoxedMotors
 from fieldkit.tui.help import Help
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
@@ -127,6 +128,7 @@ class SetupScreen(PageScreen):
         self._names = LedgerNames((), ())
         self._found: Sequence[Motor] = ()
         self._kits: Sequence[Kit] = ()
+        self._box: tuple[BoxedMotors, ...] = ()
         self._shown_facts: Facts
 
     def body(self) -> Iterable[Widget]:
@@ -148,6 +150,7 @@ class SetupScreen(PageScreen):
         self._show()
         self.ask(self._read, self._have)
         self.ask(kits, self._have_kits, "kits")
+        self.ask(self._read_box, self._have_box, "box")
         self._search_now()
 
     def redraw(self) -> None:
@@ -167,6 +170,14 @@ class SetupScreen(PageScreen):
 
     def _have_kits(self, kits: Sequence[Kit]) -> None:
         self._kits = kits
+        self._show()
+
+    def _read_box(self) -> tuple[BoxedMotors, ...]:
+        resources = self.resources
+        return box_left(resources.settings.flyer.box, resources.ledger, resources.motors)
+
+    def _have_box(self, box: tuple[BoxedMotors, ...]) -> None:
+        self._box = box
         self._show()
 
     @on(Input.Changed)
@@ -246,7 +257,7 @@ class SetupScreen(PageScreen):
             case "Kits":
                 return kits_listed(self._kits, resources.settings.units)
             case _:
-                return settings_listed(resources.settings, resources.name)
+                return settings_listed(resources.settings, resources.name, self._box)
 
     def action_kind(self, kind: int) -> None:
         """Show another list."""
