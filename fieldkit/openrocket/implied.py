@@ -77,7 +77,8 @@ def flown_again(root: "Element", dry_mass: float, diameter: float, cd: float) ->
     for name, plan, motor, apogee in _flown(root, dry_mass, diameter):
         with suppress(FieldkitError, ValueError):
             level = field_flight(plan, motor, cd, 1.0)["true_apogee_m"]
-            growing = field_flight(plan.with_changes(extra={}), motor, cd, 1.0)["true_apogee_m"]
+            rod = {name: text for name, text in plan.extra.items() if name == "rail_direction"}
+            growing = field_flight(plan.with_changes(extra=rod), motor, cd, 1.0)["true_apogee_m"]
             named = f"{motor.motor.maker} {motor.motor.designation}"
             found.append(FlownAgain(name, named, apogee, level, growing, plan.wind or 0.0))
     return found
@@ -121,20 +122,36 @@ def _motor(rocket: "Element", configuration: str) -> Found | None:
 
 
 def _plan(simulation: "Element", dry_mass: float, diameter: float) -> Flight:
-    """The flight of a simulation: its rod, angle, wind and site."""
+    """The flight of a simulation: its rod, angle, wind, site, and temperature and pressure if they are not standard."""
     conditions = simulation.find("conditions")
     assert conditions is not None
     wind = next(_winds(conditions), 0.0)
     aloft = {"wind_aloft_mps": f"{wind:g}", "wind_aloft_height_m": f"{SAME_AT_ALL_HEIGHTS:g}"} if wind else {}
+    air = conditions.find("atmosphere")
+    stated = air is not None and air.get("model") != "isa"
     return Flight(
         dry_mass=dry_mass,
         diameter=diameter,
         rail_length=number(conditions, "launchrodlength") or None,
         rail_angle=number(conditions, "launchrodangle") * DEGREE or None,
         site_elevation=number(conditions, "launchaltitude") or None,
+        temperature=(number(air, "basetemperature") or None) if air is not None and stated else None,
+        pressure=(number(air, "basepressure") or None) if air is not None and stated else None,
         wind=wind,
-        extra=aloft,
+        extra=aloft | _rod_direction(conditions),
     )
+
+
+def _rod_direction(conditions: "Element") -> dict[str, str]:
+    """Where a rod leans that OpenRocket did not turn into the wind, in degrees from upwind; directions of the wind are
+    in radians in the file, that of the rod in degrees."""
+    if (conditions.findtext("launchintowind") or "true").strip() != "false" or not number(conditions, "launchrodangle"):
+        return {}
+    average = next((one for one in conditions.iterfind("wind") if one.get("model") == "average"), None)
+    blows_from = number(conditions, "winddirection", math.pi / 2)
+    if average is not None:
+        blows_from = number(average, "direction", blows_from)
+    return {"rail_direction": f"{(number(conditions, 'launchroddirection') - blows_from / DEGREE) % 360:.4g}"}
 
 
 def _winds(conditions: "Element") -> Iterator[float]:

@@ -1,5 +1,6 @@
 """The Cd that stored apogees imply, for files that store no drag coefficient."""
 
+import math
 from collections.abc import Sequence
 
 import pytest
@@ -16,9 +17,16 @@ Row = tuple[str, str, float]
 
 
 def read(
-    rows: Sequence[Row], dry_mass: float, wind: float = 2.0, status: str = "uptodate", *, levels: bool = False
+    rows: Sequence[Row],
+    dry_mass: float,
+    wind: float = 2.0,
+    status: str = "uptodate",
+    more: str = "",
+    *,
+    levels: bool = False,
 ) -> Design:
-    """A design of 25 mm without drag columns, with one configuration and one stored summary for each motor."""
+    """A design of 25 mm without drag columns, with one configuration and one stored summary for each motor; `more` are
+    further conditions."""
     motors = "".join(
         f'<motor configid="{n}"><manufacturer>Estes</manufacturer><designation>{name}</designation>'
         f"<delay>{delay}</delay></motor>"
@@ -27,7 +35,7 @@ def read(
     model = "<windmodeltype>MultiLevel</windmodeltype>" if levels else ""
     simulations = "".join(
         f'<simulation status="{status}"><name>{n}</name><conditions><configid>{n}</configid><launchrodlength>1.0'
-        f"</launchrodlength><windaverage>{wind}</windaverage>{model}</conditions>"
+        f"</launchrodlength><windaverage>{wind}</windaverage>{model}{more}</conditions>"
         f'<flightdata maxaltitude="{apogee}" maxvelocity="90"/></simulation>'
         for n, (_, _, apogee) in enumerate(rows)
     )
@@ -88,3 +96,42 @@ def test_a_simulation_in_winds_of_several_heights_gives_a_note_and_no_cd() -> No
     found = read(rows, 0.071 - motor.loaded_mass, levels=True)
     assert (found.cd, found.flown_again) == (None, ())
     assert "1 simulation in winds stated for several heights: not flown again here" in found.notes
+
+
+def cd_in(more: str, **weather: float | str) -> float:
+    """The Cd from the apogee of our own flight with a Cd of 0.82 in these conditions, stored with `more`."""
+    extra = {"wind_aloft_mps": "2", "wind_aloft_height_m": "1000"}
+    extra |= {name: value for name, value in weather.items() if isinstance(value, str)}
+    numbers = {name: value for name, value in weather.items() if not isinstance(value, str)}
+    plan = Flight(dry_mass=0.047, diameter=0.025, rail_length=1.0, wind=2.0, extra=extra).with_changes(**numbers)
+    apogee = field_flight(plan, Found(catalogue().resolve("Estes C6").motor, 7.0), 0.82, 1.0)["true_apogee_m"]
+    found = read([("C6", "7", apogee)], 0.047, more=more).cd
+    assert found is not None
+    return found
+
+
+def test_the_air_of_a_simulation_counts() -> None:
+    air = "<basetemperature>308.15</basetemperature><basepressure>84000</basepressure>"
+    site = "<launchaltitude>1500</launchaltitude>"
+    hot = {"temperature": 308.15, "pressure": 84000.0, "site_elevation": 1500.0}
+    assert cd_in(f'{site}<atmosphere model="extendedisa">{air}</atmosphere>', **hot) == pytest.approx(0.82, rel=0.005)
+    standard = cd_in(f'{site}<atmosphere model="isa">{air}</atmosphere>', **hot)
+    assert standard < 0.78, "the figures of another model are not used"
+
+
+@pytest.mark.parametrize(
+    ("into", "rod", "wind", "degrees"),
+    [
+        ("true", 0.0, 0.0, "0"),
+        ("false", 0.0, 3.14159265, "180"),
+        ("false", 90.0, 1.57079633, "0"),
+        ("false", 0.0, 4.71238898, "90"),
+    ],
+)
+def test_a_rod_leans_where_the_simulation_says(into: str, rod: float, wind: float, degrees: str) -> None:
+    """OpenRocket stores the direction of the rod in degrees and that from which the wind blows in radians."""
+    more = f"<launchrodangle>10</launchrodangle><launchintowind>{into}</launchintowind>"
+    more += f"<launchroddirection>{rod}</launchroddirection>"
+    more += f'<wind model="average"><speed>2</speed><direction>{wind}</direction></wind>'
+    assert cd_in(more, rail_angle=math.radians(10), rail_direction=degrees) == pytest.approx(0.82, rel=0.005)
+    assert cd_in(more, rail_angle=math.radians(10), rail_direction="45") != pytest.approx(0.82, rel=0.005)

@@ -85,6 +85,9 @@ async def test_a_kit_that_never_flew(empty: Path) -> None:
         await fill(pilot, apogee="420ft", duration="30s")
         await press(pilot, "ctrl+s", "_", "_")
         assert "Big Bertha" in words(pilot)
+        assert "Taken from your range box: 1 x C6-5, 2 left." in words(pilot)
+        await press(pilot, "4", "_", "_")
+        assert "2 × C6" in words(pilot)
     with Ledger.open(empty) as ledger:
         (flight,) = ledger.flights("Big Bertha")
         states = [one.state for one in list_forecasts(ledger, catalogue(), "Big Bertha")]
