@@ -59,13 +59,13 @@ class SafetyCheck:
         """The value found and the limit, in SI."""
         return str(message(self.finding))
 
-    def words(self, system: str = "SI", *, source: bool = True) -> str:
-        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with the rule unless it is ok, and with `source`
-        if it failed."""
-        rule = f". The rule: {self.rule}" if self.rule and self.verdict != "ok" else ""
+    def words(self, system: str = "SI", *, source: bool = True, rule: bool = True) -> str:
+        """The check in a line: `⊘ ground wind: unsafe: 10.0 m/s ...`, with the `rule` unless it is ok, and with
+        `source` if it failed."""
+        stated = f". The rule: {self.rule}" if rule and self.rule and self.verdict != "ok" else ""
         origin = f" [{self.source}]" if source and self.failed and self.source else ""
         found = in_system(message(self.finding), system)
-        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{self.suffix}{rule}{origin}"
+        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {found}{self.suffix}{stated}{origin}"
 
     def json(self) -> dict[str, str]:
         """Ready for JSON."""

@@ -62,11 +62,12 @@ def ejection_in_words(prediction: Prediction) -> str:
     if prediction.stays_on_rail:
         return "none: the rocket does not leave the rail"
     if recovery_of(prediction.plan).dual:
-        charge = "" if eject is None else f"; the motor's charge {_when(eject)}"
+        charge = "" if eject is None else f"; the motor's charge {when_it_fires(eject)}"
         return f"by an altimeter at apogee{charge}"
     if eject is not None:
-        grounded = prediction.grounded
-        return _when(eject) + (f"; {percent(grounded)} chance of hitting the ground first" if grounded >= 0.01 else "")
+        first = prediction.grounded
+        grounded = f"; {percent(first)} chance of hitting the ground first" if first >= 0.01 else ""
+        return when_it_fires(eject) + grounded
     plan, found = prediction.plan, prediction.found
     delay = plan.delay if plan.delay is not None else found.delay
     if delay is None:
@@ -76,8 +77,10 @@ def ejection_in_words(prediction: Prediction) -> str:
     return "none: the rocket hits the ground first"
 
 
-def _when(eject: float) -> str:
-    """A time after apogee [s] in words."""
+def when_it_fires(eject: float) -> str:
+    """A time after apogee [s] in words: `0.5 s BEFORE apogee`, or `at apogee` to a tenth of a second."""
+    if not round(eject, 1):
+        return "at apogee"
     return f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee"
 
 

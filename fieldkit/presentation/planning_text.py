@@ -214,7 +214,7 @@ def _delay(one: Delay, shown: ShownUnits) -> str:
     name = f"{one.delay:g} s" + ("" if one.on_sale else "*")
     if one.after_apogee is None or one.speed is None:
         return f"{name:<7}  the rocket hits the ground first"
-    low, middle, high = one.after_apogee
+    low, middle, high = (round(seconds, 1) + 0.0 for seconds in one.after_apogee)  # zero is never negative
     grounded = f"  {one.lands_first:.0%} hit the ground" if one.lands_first >= LEAST_LISTED else ""
     return (
         f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"

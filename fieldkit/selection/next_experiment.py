@@ -61,19 +61,25 @@ class Advice:
 
     def words(self, system: str = "SI") -> str:
         """The advice in one line, in the units of a system."""
-        shown, what = ShownUnits(system), in_system(self.what, system)
-        odds = f"expected odds {_odds(self.expected)}"
+        shown, what, evidence = ShownUnits(system), in_system(self.what, system), _evidence_in_words(self.expected)
         if not self.readouts:
-            return f"{what}: {odds}"
+            return f"{what}: {evidence}"
         names = " and ".join(BY_NAME[name].title.lower() for name in self.readouts)
         first, second = shown.length(self.first), shown.length(self.second)
         apogees = f" (apogee {first.split()[0]} or {second})" if first != second else ""
-        return f"{what} and record {names}: {odds}{apogees}"
+        return f"{what} and record {names}{apogees}: {evidence}"
+
+    @property
+    def odds(self) -> str:
+        """The odds that it is expected to give the right explanation: `2.6 to 1`."""
+        odds = np.exp(min(self.expected, np.log(1000.0)))
+        return "more than 999 to 1" if odds > 999 else f"{odds:.1f} to 1" if odds < 3 else f"{odds:.0f} to 1"
 
 
-def _odds(nats: float) -> str:
-    odds = np.exp(min(nats, np.log(1000.0)))
-    return "more than 999 to 1" if odds > 999 else f"{odds:.1f} to 1" if odds < 3 else f"{odds:.0f} to 1"
+def _evidence_in_words(nats: float) -> str:
+    """What one such flight or measurement is worth; the limits are those of Kass & Raftery, Bayes Factors, 1995: odds
+    of 3 and of 20."""
+    return "gives a hint" if nats < np.log(3) else "shows which is likelier" if nats < np.log(20) else "all but decides"
 
 
 @dataclass(frozen=True, slots=True)

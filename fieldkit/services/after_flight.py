@@ -24,7 +24,8 @@ SURPRISING_PROBABILITY = 0.001
 class Outcome:
     """Forecast of a flight, forecast of the next flight like it, and Cd before and after the flight. [m, 1]
 
-    `kept` states whether the forecast was saved before the flight; otherwise it is computed from the other flights.
+    `kept` states whether the forecast was saved before the flight; otherwise it is computed from the other flights, as
+    in `beside`, which all pages show.
     `before` is the forecast from the other flights, `after` that of the next flight like it, `beside` the flight
     compared with the others of its rocket.
     """
@@ -80,15 +81,16 @@ def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None
     if before is None or not plausible([flight], motors):
         return None
     (after,) = predict_plans(ledger, motors, [before.plan.with_changes(flight_id="", date_time=None)], keep=False)
-    kept = of_flight(ledger, motors, flight)
+    kept, beside = of_flight(ledger, motors, flight), flight_beside_others(ledger, motors, flight)
+    expected = beside.interval if beside is not None else None
     return Outcome(
         flight=flight,
-        forecast=before.apogee_quantiles() if kept is None else kept.interval,
+        forecast=kept.interval if kept is not None else expected or before.apogee_quantiles(),
         kept=kept is not None,
         before=before,
         after=after,
         cd=(float(before.cd.mean()), float(after.cd.mean())),
-        beside=flight_beside_others(ledger, motors, flight),
+        beside=beside,
     )
 
 

@@ -7,6 +7,8 @@ import json
 import os
 import random
 import sys
+import traceback
+from collections import deque
 from pathlib import Path
 
 from textual.events import Key
@@ -44,6 +46,8 @@ OTHER = (
 )
 KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"0123456" * 2)
 """The keys; those that change the page are more frequent, and none leaves the app."""
+REPORTED = 1000
+"""Number of keys between two reports."""
 
 
 def resident() -> float:
@@ -57,18 +61,38 @@ async def ready(app: FieldkitApp) -> None:
         await asyncio.sleep(0.05)
 
 
+async def handled(app: FieldkitApp) -> None:
+    """Wait until the app has handled its keys, however long a busy machine takes."""
+    await asyncio.sleep(0)
+    while not app._message_queue.empty() or app.turn.locked():
+        await asyncio.sleep(0.001)
+
+
+def report(done: int, errors: list[Exception], last: "deque[str]") -> None:
+    """Write how many keys were pressed, and the new errors with the last keys before them, to the error output."""
+    for error in errors:
+        sys.stderr.writelines(traceback.format_exception(error))
+        sys.stderr.write(f"after {done:,} keys, the last of them {' '.join(last)}\n")
+    if done % REPORTED == 0:
+        sys.stderr.write(f"{done:,} keys, {resident():.0f} MB\n")
+    sys.stderr.flush()
+
+
 async def pressed(seed: int, keys: int, pause: float, ledger: Path, size: tuple[int, int]) -> dict[str, object]:
     """The result of this number of keys."""
     rng, app = random.Random(seed), FieldkitApp(ledger, ledger.with_name("settings.json"), stays=True)
-    async with app.run_test(size=size) as pilot:
+    last = deque[str](maxlen=40)
+    async with app.run_test(size=size):
         await ready(app)
         await asyncio.sleep(pause)
         start = most = resident()
-        for _ in range(keys):
-            key = rng.choice(KEYS)
+        for done in range(1, keys + 1):
+            key, before = rng.choice(KEYS), len(app.errors)
+            last.append(key)
             app.post_message(Key(key, key if len(key) == 1 else None))
-            await pilot.pause(0.001)
+            await handled(app)
             most = max(most, resident())
+            report(done, app.errors[before:], last)
         for worker in app.workers:
             worker.cancel()
         await asyncio.sleep(pause)

@@ -15,6 +15,7 @@ from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.add.add_page import AddScreen
 from fieldkit.tui.add.add_sheet import SaveButton
+from fieldkit.tui.add.fields import brief
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.next_plan import Plan
 from tests.pressing import frozen, opened, press, season, shown, text_of, typed, words
@@ -375,6 +376,21 @@ async def test_a_unit_typed_in_one_field_does_not_change_numbers_typed_earlier(f
     with Ledger.open(file) as ledger:
         flight = ledger.flight("13")
     assert (flight.apogee, flight.eject_altitude) == (281.0, pytest.approx(274.32))
+
+
+def test_a_note_without_room_says_only_what_its_field_does_not_show() -> None:
+    assert brief("! duration 45 s is 2 times the usual 22.5 s", 36) == "! 2 times the usual 22.5 s"
+    assert brief("! duration 45 s is 2 times the usual 22.5 s", 60) == "! duration 45 s is 2 times the usual 22.5 s"
+    assert brief("✗ found the unit 'O', expected mph, such as 180 mph", 36) == "✗ unit 'O'"
+
+
+async def test_the_unit_beside_a_default_is_the_one_it_is_shown_in(file: Path) -> None:
+    async with opened(file, (120, 36), page="add") as pilot:
+        await press(pilot, "escape", "N")
+        seen = words(pilot)
+        assert "Dry mass 15.80 oz oz Diameter 2.60 in in" in seen, seen
+        await press(pilot, "N", "N")
+        assert "Dry mass 448 g g Diameter 66 mm mm" in words(pilot)
 
 
 @pytest.mark.parametrize("rocket", ["Astra", "Zephyr"])

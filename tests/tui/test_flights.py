@@ -424,7 +424,7 @@ async def test_an_empty_ledger_shows_how_to_begin(tmp_path: Path) -> None:
         await press(pilot, "S", "A", "escape", "4")
         await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
-        assert "Comet · 80 g without motor" in words(pilot)
+        assert "Comet · 80 g dry" in words(pilot)
         assert "no flights of it, only other rockets" in text_of(pilot, "#more")
 
 

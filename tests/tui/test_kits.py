@@ -45,11 +45,11 @@ async def test_a_plan_and_a_flight_use_the_figures_of_the_picked_kit(file: Path)
     own.write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n')
     async with opened(file, page="next_flight") as pilot:
         await press(pilot, "p", "down", "down", *typed("400g"), "ctrl+s")
-        assert "400 g without motor" in words(pilot)
+        assert "400 g dry" in words(pilot)
         await press(pilot, "p", "ctrl+u", *typed("big"), "_")
         assert "Big Bertha kit" in words(pilot)
         await press(pilot, "down", "enter", "ctrl+s")
-        assert "80 g without motor" in words(pilot)
+        assert "80 g dry" in words(pilot)
         await press(pilot, "slash", *typed("f39t"), "enter", "_")
         assert "and the mount of the kit has 18 mm" in text_of(pilot, "#more")
 

@@ -312,10 +312,10 @@ async def test_a_plan_is_changed_and_saved_and_a_typo_in_it_is_refused(file: Pat
         await press(pilot, "p", "down", "down", *typed("4oo"), "ctrl+s")
         assert "✗ found" in shown(pilot)
         await press(pilot, "ctrl+u", *typed("400g"), *["down"] * 6, *typed("20mph"), "ctrl+s")
-        assert "Astra B · 400 g without motor" in words(pilot)
+        assert "Astra B · 400 g dry" in words(pilot)
         assert "wind 8.9 m/s" in words(pilot)
     async with opened(file, page="next_flight") as pilot:
-        assert "400 g without motor" in words(pilot)
+        assert "400 g dry" in words(pilot)
         assert "wind 8.9 m/s" in words(pilot)
 
 

@@ -153,7 +153,7 @@ async def test_a_rocket_can_be_entered_as_weighed_with_its_motor(file: Path) -> 
         await press(pilot, "exclamation_mark")
         assert "contest mass: ok: 520 g" in screen_text(pilot)
         await press(pilot, "escape", "escape", "_")
-        assert "459 g without motor" in words(pilot)
+        assert "459 g dry" in words(pilot)
         await press(pilot, "u", "_", "d", "_")
         await front(pilot, "Contest")
         await press(pilot, "exclamation_mark")

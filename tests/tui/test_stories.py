@@ -155,7 +155,7 @@ async def test_the_plan_shows_the_mass_that_it_saves_when_its_configuration_chan
         await press(pilot, "ctrl+u", *typed("A"), "_")
         assert form.query_one("#in-dry_mass", Input).value == "322 g"
         await press(pilot, "ctrl+s", "_", "4", "_")
-        assert "322 g without motor" in shown(pilot)
+        assert "322 g dry" in shown(pilot)
 
 
 async def test_a_date_in_the_future_is_asked_about(file: Path) -> None:

@@ -1,5 +1,6 @@
 """Numbers on the app's pages are in the units that the user chose."""
 
+import re
 from pathlib import Path
 from unittest.mock import patch
 
@@ -44,7 +45,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.thorough
-async def test_pages_show_no_metric_figures_to_a_user_of_us_units(file: Path) -> None:
+async def test_pages_show_no_metric_figures_and_no_options_to_a_user_of_us_units(file: Path) -> None:
     found = []
     with patch("fieldkit.tui.loop.loop_page.look", lambda resources, rocket, on_progress: looked_at()):
         async with opened(file, (140, 60), page="home") as pilot:
@@ -52,8 +53,21 @@ async def test_pages_show_no_metric_figures_to_a_user_of_us_units(file: Path) ->
             for page, keys in part([*PAGES.items()], 2):
                 await press(pilot, *keys)
                 found += [f"{page}: {line}" for line in foreign_figures(shown(pilot), "US")]
+                if page in ("next", "contest", "landing"):
+                    await press(pilot, "exclamation_mark", "_")
+                found += [f"{page}: {line}" for line in shown(pilot).splitlines() if re.search(r"(^|[\s(])--\w", line)]
                 await press(pilot, "escape", "escape", "escape")
     assert not found, "\n".join(found)
+
+
+async def test_the_further_figures_of_a_plan_and_a_contest_day_are_typed_in_the_users_units(file: Path) -> None:
+    async with opened(file, (80, 40), page="next_flight") as pilot:
+        await press(pilot, "N", "p", *["up"], *["down"] * 15)
+        assert "Parachute in Descent speed mph Drogue speed mph" in words(pilot)
+        await press(pilot, *typed("18"), "down", *typed("5m/s"), "ctrl+s", "_", "p", *["down"] * 15)
+        assert "Parachute 18in in Descent speed 5m/s m/s Drogue speed mph" in words(pilot)
+        await press(pilot, "escape", "d", "_", "e", *["down"] * 4, *typed("26"), "ctrl+s", "_", "e")
+        assert "Rocket length 26.00 in in" in words(pilot)
 
 
 async def test_the_add_page_names_the_key_that_switches_units_once_no_field_takes_it(file: Path) -> None:

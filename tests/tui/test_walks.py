@@ -70,7 +70,7 @@ async def test_a_kit_that_never_flew(empty: Path) -> None:
         await press(pilot, "0", "_")
         await first_rocket(pilot, "Big Bertha", "C6-5")
         await press(pilot, "f", "_", "B", "_")
-        assert "80 g without motor" in words(pilot)
+        assert "80 g dry" in words(pilot)
         assert "your box" in text_of(pilot, "#count")
         assert "not flown: check it before flight" in await checks(pilot)
         await press(pilot, "escape", "_", "p")

@@ -318,9 +318,9 @@ class AddScreen(PageScreen):
         self.query_one(EstimateLine).follow(self._answered.flight, self._answered.lift_off)
 
     def _unit_of_answer(self, question: Question) -> str:
-        """The unit that was typed with an answer, else that of a number without one."""
+        """The unit that is shown with an answer, else that of a number without one."""
         known = question.column is not None and self._answered.number(question) is not None
-        return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
+        return (typed_unit(self.field(question.name).line.value) if known else "") or self.unit(question)
 
     def _read(self) -> Answered:
         units = {name: self.unit(question) for name, question in BY_NAME.items()}

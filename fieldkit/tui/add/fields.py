@@ -84,9 +84,13 @@ class Field(Horizontal):
 
 
 def brief(note: str, width: int) -> str:
-    """A note in a width [cell]; of an error that is longer, only what is wrong, since its field shows the rest:
-    `✗ unit 'x'`."""
-    if cell_len(note) <= width or not note.startswith("✗ found "):
+    """A note in a width [cell]; of one that is longer, only what its field does not show: `✗ unit 'x'`, `! 2 times the
+    usual 22 s`."""
+    if cell_len(note) <= width:
+        return note
+    if note.startswith("! "):
+        return f"! {note.partition(' is ')[2] or note[2:]}"
+    if not note.startswith("✗ found "):
         return note
     return f"✗ {note.removeprefix('✗ found ').removeprefix('the ').partition(', expected')[0]}"
 

@@ -58,7 +58,7 @@ def _sections(found: Findings, system: str) -> Iterable[tuple[str, list[str]]]:
         yield "Why: misses, flight by flight", _bars(found, system)
     also = [f"these flights cannot distinguish it from: {', '.join(diagnosis.also)}"] if diagnosis.also else []
     yield "How sure", [how_sure(found), *also, *climbs(found)]
-    yield "What would decide", [test.words(system) for test in found.tests]
+    yield "What would decide", [f"{test.words(system)} (odds {test.odds})" for test in found.tests]
     yield "What accepting changes", [what_forecasts_become(found)]
 
 

@@ -18,7 +18,7 @@ DAY = (
     Question("window", "Announced window", "Seconds announced that day, such as 37-40. Empty: the season's own."),
     Question("cut", "Cut", "Points that qualify, such as 60: the contest view shows the chance. Empty: none."),
     Question("declared", "Declared flights", "The flights whose best are summed, by their ids: 4,5,6."),
-    Question("length", "Rocket length", "From nose to fins, in mm or with its unit: for the season's limit."),
+    Question("length", "Rocket length", "From nose to fins: for the season's limit."),
 )
 """Questions about a contest day."""
 
@@ -51,7 +51,7 @@ def texts(day: Day, site: Site, system: str) -> dict[str, str]:
         "window": "-".join(f"{end:g}" for end in day.window or ()),
         "cut": "" if day.cut is None else f"{day.cut:g}",
         "declared": ",".join(day.declared),
-        "length": "" if day.length is None else f"{day.length * 1e3:g} mm",
+        "length": measure(cards.DIAMETER, day.length, system),
     }
 
 
@@ -59,7 +59,7 @@ def units(system: str) -> dict[str, str]:
     """The units of numbers typed without one."""
     own = {
         "target": unit_of(cards.APOGEE, system),
-        "length": "mm",
+        "length": unit_of(cards.DIAMETER, system),
         WEIGHED_QUESTION.name: unit_of(cards.DRY_MASS, system),
     }
     return site_form.units(system) | own

@@ -25,7 +25,7 @@ from fieldkit.motors import Catalogue, Found, Motor
 from fieldkit.motors.several import CLUSTER_NOTE
 from fieldkit.paths import data_file
 from fieldkit.planning.ballast import Goal, ballast
-from fieldkit.planning.check import SafetyCheck, safety_text
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import Season, declared_score, score, season
 from fieldkit.planning.contest_day import Day
 from fieldkit.planning.contest_flight import judged_duration, why_no_score
@@ -50,7 +50,7 @@ from fieldkit.tui.next import large_figures
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.intervals import IntervalBar, Intervals
 from fieldkit.tui.next.motor_rows import TARGET_BAND
-from fieldkit.tui.next.next_words import folded, worst_first
+from fieldkit.tui.next.next_words import by_keys, folded, unfolded
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.plots import Marked, draw_density
 
@@ -189,8 +189,6 @@ def _height(height: float, system: str) -> str:
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
 """The goals for ballast, as in the command: the band, the mean miss, the points of a season."""
-NO_WIND_OPTION = "not given: use --wind for the pad, --wind-aloft for higher up"
-"""The command's message about an unknown wind."""
 SEASON_KEYS = SeasonWays(
     add="a to add it, with its duration",
     parachute="enter its diameter with p on the Fly page",
@@ -270,9 +268,8 @@ class Decision:
             season_steps(self.plan, found, one, day.declared, day.cut, SEASON_KEYS, self.system), start=1
         ):
             words += ["", f"{step}. {name}" + (f": {state}" if state else ""), *(f"   {text}" for text in texts)]
-        lines = [*worst_first(one.lines)]
         return Answer(
-            tuple(words), tuple(safety_text(lines, self.system)), folded=tuple(folded(one.lines, self.system))
+            tuple(words), tuple(unfolded(one.lines, self.system)), folded=tuple(folded(one.lines, self.system))
         )
 
     def contest_checks(self, rule: Season, day: Day) -> Callable[[Prediction, float], list[SafetyCheck]]:
@@ -287,12 +284,11 @@ class Decision:
     def landing(self) -> Answer:
         """The landing of the plan in its wind, relative to the field, and the rail angle that brings it nearest."""
         one = planned_flight(self.rocket, self.plan, Found(self.motor, None), self.site, self.limits)
-        lines = landing_in_words(one, self.site, self.system)
-        words = tuple(line.replace(NO_WIND_OPTION, "not given: press p on the Fly page to enter it") for line in lines)
+        words = tuple(map(by_keys, landing_in_words(one, self.site, self.system)))
         words += ("", "w to write the range safety sheet, R the range card")
         answer = Answer(
             words,
-            tuple(safety_text(worst_first(one.lines), self.system)),
+            tuple(unfolded(one.lines, self.system)),
             folded=tuple(folded(one.lines, self.system)),
         )
         return of_landing(answer, one, self.site.size, self.system) if one.down.wind is not None else answer
@@ -357,7 +353,7 @@ class Decision:
         conditions = (*conditions_in_words(prediction.plan, self.rocket.known, self.system), "")
         return Answer(
             words,
-            (*conditions, *safety_text(worst_first(lines), self.system)),
+            (*conditions, *unfolded(lines, self.system)),
             folded=(*conditions, *folded(lines, self.system)),
         )
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from fieldkit.planning.ballast import Ballast
 from fieldkit.planning.delay import Delays
 from fieldkit.planning.quantiles import three_of_all
+from fieldkit.presentation.forecast_text import when_it_fires
 from fieldkit.quantities import ShownUnits
 from fieldkit.shapes import Array, Float
 from fieldkit.tui.next.answer import Answer
@@ -15,11 +16,9 @@ def of_delay(answer: Answer, judged: Delays) -> Answer:
     best = judged.delays[0] if judged.delays else None
     if best is None or best.after_apogee is None:
         return answer
-    after = best.after_apogee[1]
-    fires = f"fires {abs(after):.1f} s {'after' if after >= 0 else 'before'} apogee"
     about = (
         "s, the best delay" + ", drilled: plan it (p)" * (not best.on_sale),
-        fires,
+        f"fires {when_it_fires(best.after_apogee[1])}",
         f"too fast in {best.too_fast:.0%} of cases",
     )
     return replace(answer, large=f"{best.delay:g}", about=about)

@@ -3,28 +3,30 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fieldkit.flight import BY_NAME, CONDITIONS, SETUP, Flight
+from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
 from fieldkit.flight.further import motor_temperature
 from fieldkit.flight.recovery import (
     RECOVERY_COLUMNS,
     RECOVERY_TEXTS,
     STABILITY,
     check_recovery,
+    recovery_header,
     recovery_of,
     stability,
 )
 from fieldkit.flight.site import Site
-from fieldkit.importing.manual_entry import Question, answer_text
+from fieldkit.importing.manual_entry import Question, answer_text, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Motor
 from fieldkit.paths import data_file
 from fieldkit.planning.forecasts import RocketData
 from fieldkit.planning.limits import Limit, limits
 from fieldkit.planning.motor_guide import MotorOrder, Wanted, lifts, motor_order, widest_motor
-from fieldkit.quantities import counted, measure
+from fieldkit.quantities import SYSTEMS, counted, measure, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services import launch_day
 from fieldkit.services.forecasts import rocket_of
+from fieldkit.services.manual_entry import with_unit
 from fieldkit.services.plans import completed_plan
 from fieldkit.services.saved_forecasts import motors_with_open_forecast
 from fieldkit.services.sites import site_of
@@ -64,18 +66,40 @@ QUESTIONS = (
         for name, (title, about) in zip(
             launch_day.FURTHER,
             (
-                ("Motor temperature", "In °C, or with a unit: 60F. Used only for its safety check."),
+                ("Motor temperature", "Such as 15C or 60F. Used only for its safety check."),
                 ("Stability", RECOVERY_TEXTS[STABILITY]),
-                ("Parachute", f"{RECOVERY_COLUMNS['parachute_diameter'][2]} In mm without a unit."),
-                ("Descent speed", f"{RECOVERY_COLUMNS['main_speed'][2]} In m/s without a unit."),
-                ("Drogue speed", f"{RECOVERY_COLUMNS['drogue_speed'][2]} In m/s without a unit."),
-                ("Main opens at", f"{RECOVERY_COLUMNS['main_altitude'][2]} In m without a unit."),
+                ("Parachute", RECOVERY_COLUMNS["parachute_diameter"][2]),
+                ("Descent speed", RECOVERY_COLUMNS["main_speed"][2]),
+                ("Drogue speed", RECOVERY_COLUMNS["drogue_speed"][2]),
+                ("Main opens at", RECOVERY_COLUMNS["main_altitude"][2]),
                 ("Wind aloft", "10m/s, 20mph; the same as the wind for one that does not grow with height."),
             ),
             strict=True,
         )
     ),
 )
+
+
+FURTHER_UNITS = {MOTOR_TEMPERATURE: "c"} | {
+    recovery_header(name): {"mps": "m/s"}.get(unit, unit) for name, (_, unit, _) in RECOVERY_COLUMNS.items()
+}
+"""The units of numbers that the ledger has without one in further columns of a plan."""
+
+
+def plan_units(system: str) -> dict[str, str]:
+    """The units of numbers typed without one, by question."""
+    own = {name: SYSTEMS[system].get(unit, unit) for name, unit in FURTHER_UNITS.items() if name in launch_day.FURTHER}
+    return own | {name: unit_of(BY_NAME[name], system) for name in PLAN}
+
+
+def further_text(plan: Flight, name: str) -> str:
+    """A further column of a plan as a form shows it: with its unit."""
+    return with_unit(plan.extra.get(name, ""), FURTHER_UNITS.get(name, ""))
+
+
+def read_planned(name: str, text: str, unit: str) -> object:
+    """The answer to a question about a plan; a further column is a text with its unit. Raises BadValue."""
+    return with_unit(text, unit) if name in launch_day.FURTHER else read_answer(name, text, unit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,12 +140,12 @@ class Plan:
         return f"{motor.diameter * 1e3:g} mm, and {widest} {(self.wanted.mount or 0.0) * 1e3:g} mm"
 
     def line(self, settings: Settings) -> str:
-        """The plan in a line: `Astra B · 448 g without motor · wind 2.1 m/s · target 244 m`."""
+        """The plan in a line: `Astra B · 448 g dry · wind 2.1 m/s · target 244 m`."""
         system, target = settings.units, settings.target
         numbers = [(c.title, measure(c, self.full.number(c.name), system)) for c in CONDITIONS]
         parts = [
             f"{self.flight.rocket} {self.flight.config}".strip(),
-            f"{measure(BY_NAME['dry_mass'], self.full.dry_mass, system)} without motor",
+            f"{measure(BY_NAME['dry_mass'], self.full.dry_mass, system)} dry",
             *([] if self.full.delay is None else [f"delay {self.full.delay:g} s"]),
             *([f"{name.lower()} {value}" for name, value in numbers if value] or ["standard air, wind not given"]),
             f"target {measure(cards.APOGEE, target, system)}" if target else "no target",
@@ -210,6 +234,7 @@ def plan_texts(plan: Flight, system: str | None = None) -> dict[str, str]:
     texts = {q.name: plan.extra.get(q.name, "") or _answer(plan, q.name) for q in QUESTIONS}
     if system is None:
         return {name: text for name, text in texts.items() if text}
+    texts |= {name: further_text(plan, name) for name in launch_day.FURTHER}
     return texts | {name: measure(BY_NAME[name], plan.number(name), system) for name in PLAN}
 
 

@@ -6,11 +6,11 @@ from fieldkit.flight import BY_NAME
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.messages import marked, message
 from fieldkit.planning.air import air_of
-from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict
+from fieldkit.planning.check import ADVICE_NOTE, MARKS, SafetyCheck, Verdict, safety_text
 from fieldkit.planning.motor_guide import MotorChoice
 from fieldkit.planning.quantiles import Three
 from fieldkit.planning.quick_guide import QuickChoice
-from fieldkit.presentation.forecast_text import narrows
+from fieldkit.presentation.forecast_text import narrows, when_it_fires
 from fieldkit.quantities import in_system, measure, number, spelled, unit_of, with_sd
 from fieldkit.tui.next import motor_rows
 from fieldkit.tui.next.next_plan import Plan
@@ -20,6 +20,13 @@ QUICK = "provisional, not yet checked by the fit"
 """What the card of a quick answer says instead of safety checks."""
 UNFOLD = "Press ! for every check"
 """How to see the checks that are folded."""
+KEYS_OF_COMMANDS = {
+    "fieldkit flyer --certification 1": "Ctrl+P, Your card",
+    "fieldkit flyer --born": "Ctrl+P, Your card",
+    "--stability-cal, or its design": "p Plan, or its design",
+    "not given: use --wind for the pad, --wind-aloft for higher up": "not given: press p on the Fly page to enter it",
+}
+"""What messages of commands name, and the keys that do the same."""
 EYE = "to check yourself"
 """What checks are that only the flyer can make."""
 WORST_FIRST: "tuple[Verdict, ...]" = ("unsafe", "caution", "unknown", "ok")
@@ -78,7 +85,7 @@ def quick_figures(plan: Plan, one: QuickChoice, system: str) -> list[tuple[str, 
 def checks(one: MotorChoice, system: str) -> list[tuple[str, str]]:
     """The safety checks, each with its figures and its limit, in the units of a system."""
     lines = [
-        (f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {in_system(message(line.finding), system)}")
+        (f"{MARKS[line.verdict]} {line.name}", by_keys(f"{line.verdict}: {in_system(message(line.finding), system)}"))
         for line in worst_first(one.lines)
     ]
     return [*lines, ("", ADVICE_NOTE)]
@@ -115,12 +122,24 @@ def _others(lines: Sequence[SafetyCheck]) -> Iterator[str]:
 
 
 def folded(lines: Iterable[SafetyCheck], system: str) -> Iterator[str]:
-    """The failed checks in full, the numbers of the others, and the key that shows all."""
+    """What the failed checks found, the numbers of the others, and the key that shows all with rules and sources."""
     every = worst_first(lines)
-    yield from (line.words(system) for line in every if line.failed)
+    yield from (by_keys(line.words(system, source=False, rule=False)) for line in every if line.failed)
     yield from _others(every)
     yield UNFOLD
     yield ADVICE_NOTE
+
+
+def unfolded(lines: Iterable[SafetyCheck], system: str) -> Iterator[str]:
+    """Every check in full, those that failed first, with rules and sources."""
+    yield from map(by_keys, safety_text(worst_first(lines), system))
+
+
+def by_keys(text: str) -> str:
+    """A text with the keys of the app instead of the commands that it names."""
+    for command, keys in KEYS_OF_COMMANDS.items():
+        text = text.replace(command, keys)
+    return text
 
 
 def worst_first(lines: "Iterable[SafetyCheck]") -> "list[SafetyCheck]":
@@ -131,4 +150,4 @@ def worst_first(lines: "Iterable[SafetyCheck]") -> "list[SafetyCheck]":
 def _ejection(eject: float | None) -> str:
     if eject is None:
         return "no delay known for this motor"
-    return f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee"
+    return when_it_fires(eject)

@@ -9,12 +9,13 @@ from textual.widgets import Input
 from textual.worker import Worker
 
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.flight import BY_NAME, Flight
-from fieldkit.quantities import unit_of
-from fieldkit.services.launch_day import OF_THE_ROCKET, save_plan
+from fieldkit.flight import Flight
+from fieldkit.quantities import spelled
+from fieldkit.services.launch_day import FURTHER, OF_THE_ROCKET, save_plan
+from fieldkit.services.manual_entry import typed_unit
 from fieldkit.services.plans import completed_plan
 from fieldkit.tui.add.fields import Field, Form
-from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
+from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, further_text, plan_texts, plan_units, planned, read_planned
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.setup.setup_lists import same
@@ -46,6 +47,11 @@ class PlanForm(Form):
             if not fields[name].typed:
                 fields[name].fill(texts[name])
 
+    def _beside(self, field: Field, value: object, unit: str) -> str:
+        """The unit of an answer; of a further column, which is a text, the one that it was typed in."""
+        typed = typed_unit(field.answer) if field.question.name in FURTHER else ""
+        return spelled(typed) if typed else super()._beside(field, value, unit)
+
     async def action_take(self) -> None:
         """Submit the answers when they have followed the rocket."""
         if self._following is not None:
@@ -57,7 +63,6 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
     """Ask for changes of a plan, which shows the mass and diameter that its forecasts use, and save them."""
     system = page.resources.settings.units
     shown = await asyncio.to_thread(partial(_with_body, page.resources, plan))
-    units = {name: unit_of(BY_NAME[name], system) for name in PLAN}
 
     def answered(values: dict[str, object] | None) -> None:
         if values is None:
@@ -65,14 +70,15 @@ async def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None
         as_shown = {name for name in PLAN if not_retyped(form.shown, name, values[name], system)}
         values = {**values, **{name: plan.number(name) for name in as_shown}}  # the form shows rounded numbers
         if (values["rocket"], values["config"]) != (plan.rocket, plan.config):  # its figures follow its last flight
-            same = {name for name in OF_THE_ROCKET if values[name] == plan.extra.get(name, "")}
+            same = {name for name in OF_THE_ROCKET if values[name] == further_text(plan, name)}
             values = {**values, **dict.fromkeys(as_shown.intersection(BODY) | same)}
         try:
             keep(planned(values))
         except BadValue as error:
             page.complain(str(error))
 
-    form = PlanForm("The plan", QUESTIONS, plan_texts(shown, system), units, names=page.resources.names)
+    texts, units = plan_texts(shown, system), plan_units(system)
+    form = PlanForm("The plan", QUESTIONS, texts, units, read_planned, page.resources.names)
     form.known, form.shown, form.system = partial(_with_body, page.resources), shown, system
     page.app.push_screen(form, answered)
 

@@ -18,7 +18,6 @@ from textual.widgets import Static
 from fieldkit.flight.site import Site
 from fieldkit.motors import Found
 from fieldkit.paths import data_file
-from fieldkit.planning.check import safety_text
 from fieldkit.planning.contest import season_of, seasons
 from fieldkit.planning.contest_day import Day
 from fieldkit.presentation.finals_text import (
@@ -41,7 +40,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.next import contest_form
 from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.next.decisions import AIMS, Decision, rule_of
-from fieldkit.tui.next.next_words import folded, worst_first
+from fieldkit.tui.next.next_words import folded, unfolded
 from fieldkit.tui.next.plan_pages import PAGES, ask_page, finals_of
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.big import Big
@@ -67,8 +66,11 @@ def finals_answer(decision: Decision, year: int, day: Day) -> Answer:
         *FINALS_NOTES,
         *finals_notes(one, rule),
     )
-    lines = worst_first(one.lines)
-    return Answer(words, (ENDS_NOTE, "", *safety_text(lines, system)), folded=(ENDS_NOTE, "", *folded(lines, system)))
+    return Answer(
+        words,
+        (ENDS_NOTE, "", *unfolded(one.lines, system)),
+        folded=(ENDS_NOTE, "", *folded(one.lines, system)),
+    )
 
 
 VIEWS = ("Delay", "Ballast", "Contest", "Landing", "Saved", "Score", "Season", "Finals")

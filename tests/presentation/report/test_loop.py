@@ -285,6 +285,15 @@ def test_only_tests_that_may_decide_are_suggested() -> None:
     assert distinct([strong, weak]) == (strong,)
 
 
+@pytest.mark.parametrize(
+    ("nats", "evidence"), [(1.0, "gives a hint"), (2.0, "shows which is likelier"), (3.5, "all but decides")]
+)
+def test_a_proposed_flight_states_its_evidence_in_words(nats: float, evidence: str) -> None:
+    test = Advice("fly the F24", "F24", ("apogee",), nats, 210.0, 240.0)
+    assert test.words() == f"fly the F24 and record apogee (apogee 210 or 240 m): {evidence}"
+    assert test.odds == {1.0: "2.7 to 1", 2.0: "7 to 1", 3.5: "33 to 1"}[nats]
+
+
 def test_a_model_version_keeps_its_average(
     diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
