@@ -117,7 +117,10 @@ def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Parsed]:
         table[-1] = last_row(*table[-1], len(headings))
     mark = decimal_mark(_numbers(headings, table), separator)
     columns = _columns(headings)
-    found: list[Parsed] = [_row(row, cells, headings, columns, mark, separator) for row, cells in table]
+    found: list[Parsed] = []
+    table.reverse()
+    while table:  # a row is released once it is read: the cells of a long table take more memory than its flights
+        found.append(_row(*table.pop(), headings, columns, mark, separator))
     found = [*unread_cells(headings, found), *found] or [Note("found a header and no flights", header_row)]
     if choice is None:
         return found

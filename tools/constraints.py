@@ -36,13 +36,19 @@ def installed(requirements: Iterable[str]) -> dict[str, str]:
         if key in done:
             continue
         done.add(key)
-        own = distribution(one.name)
-        found[canonicalize_name(one.name)] = Version(own.version).public  # without the build, as in 2.13.0+cpu
-        for text in own.requires or ():
-            other = Requirement(text)
-            if other.marker is None or any(other.marker.evaluate({"extra": extra}) for extra in ("", *one.extras)):
-                waiting.append(other)
+        found[canonicalize_name(one.name)] = Version(distribution(one.name).version).public  # without a build: +cpu
+        waiting += required(one.name, one.extras)
     return found
+
+
+def required(name: str, extras: Iterable[str] = ()) -> list[Requirement]:
+    """What an installed package with these extras requires here. Raises PackageNotFoundError."""
+    every = map(Requirement, distribution(name).requires or ())
+    return [
+        one
+        for one in every
+        if one.marker is None or any(one.marker.evaluate({"extra": extra}) for extra in ("", *extras))
+    ]
 
 
 if __name__ == "__main__":

@@ -3,10 +3,14 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
+from typing import Any
 
 from fieldkit.flight.columns import MEASURED
 from fieldkit.flight.readout import Readout
 from fieldkit.flight.tags import TAGS
+
+_NONE_RECORDED: Mapping[str, Any] = {}
+"""What most flights have in `sd`, `source` and `extra`: the same for all, as a table may have 100,000 flights."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +54,9 @@ class Flight:
     duration: float | None = None
     coast_drag: float | None = None
     burn_impulse: float | None = None
-    sd: Mapping[str, float] = field(default_factory=dict)
-    source: Mapping[str, str] = field(default_factory=dict)
-    extra: Mapping[str, str] = field(default_factory=dict)
+    sd: Mapping[str, float] = field(default_factory=lambda: _NONE_RECORDED)
+    source: Mapping[str, str] = field(default_factory=lambda: _NONE_RECORDED)
+    extra: Mapping[str, str] = field(default_factory=lambda: _NONE_RECORDED)
 
     @property
     def clean(self) -> bool:

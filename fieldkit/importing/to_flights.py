@@ -147,7 +147,7 @@ def _flight(reading: Reading) -> Flight:
                 check(BY_NAME[name], value)
         except BadValue as error:
             raise DamagedLog(message(marked(error)), row=reading.row, column=reading.columns.get(name, name)) from error
-    return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
+    return (Flight(extra=dict(reading.extra)) if reading.extra else Flight()).with_changes(**reading.stated)
 
 
 def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> None:

@@ -85,10 +85,8 @@ def add(recorder: ChangeRecorder, incoming_flights: Sequence[IncomingFlight]) ->
             originals |= {one.digest: one for one in (incoming.log, *incoming.others) if one}
             digest = incoming.log.digest if incoming.log else None
             entry += 1
-            rows.append(
-                without_empty_numbers(row_of(flight))
-                | {"entry": entry, "log_digest": digest, "source": incoming.source}
-            )
+            beside = {"entry": entry, "log_digest": digest, "source": incoming.source}
+            rows.append(without_empty_numbers(row_of(flight) | beside))
     for original in originals.values():
         keep_log(recorder.connection, original)
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]

@@ -5,7 +5,8 @@ schema leave it unchanged. It is updated in the transaction that changes the row
 """
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 from zlib import crc32
 
@@ -29,8 +30,39 @@ def checksum(row: Mapping[str, Any]) -> int:
 
 
 def checksum_of(document: Any) -> int:
-    """CRC-32 of a document as JSON. [1]"""
-    return crc32(_AS_JSON(document).encode())
+    """CRC-32 of a document as JSON; a list, which may be that of a long import, is written element by element. [1]"""
+    if not isinstance(document, list):
+        return crc32(_AS_JSON(document).encode())
+    found = crc32(b"[")
+    for number, element in enumerate(document):
+        found = _with_element(found, number, element)
+    return crc32(b"]", found)
+
+
+def _with_element(found: int, number: int, element: Any) -> int:
+    """The checksum of a list so far, with one more element."""
+    return crc32((", " * (number > 0) + _AS_JSON(element)).encode(), found)
+
+
+@dataclass(frozen=True, slots=True)
+class JsonText:
+    """A document that is written as JSON already; the database stores its text."""
+
+    text: str
+
+
+def as_json(document: Any) -> str:
+    """What the database stores of a document."""
+    return document.text if isinstance(document, JsonText) else json.dumps(document)
+
+
+def as_json_list(documents: Iterable[Any]) -> tuple[JsonText, int]:
+    """The list of some documents as JSON, and its checksum; each document is used once and not kept."""
+    found, texts = crc32(b"["), ["["]
+    for number, one in enumerate(documents):
+        found = _with_element(found, number, one)
+        texts.append(", " * (number > 0) + json.dumps(one))
+    return JsonText("".join([*texts, "]"])), crc32(b"]", found)
 
 
 def checked(row: Row) -> Row:
@@ -49,11 +81,12 @@ def checked(row: Row) -> Row:
 
 def seal(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> None:
     """Update the checksums of the existing rows with these primary keys."""
-    found = _rows_at(connection, table, keys)
-    sums = [{f"at_{one.name}": row[one.name] for one in table.primary_key} | {"sum": checksum(row)} for row in found]
-    if sums:
-        at = [column == bindparam(f"at_{column.name}") for column in table.primary_key]
-        connection.execute(update(table).where(*at).values({CHECKSUM: bindparam("sum")}), sums)
+    at = [column == bindparam(f"at_{column.name}") for column in table.primary_key]
+    change = update(table).where(*at).values({CHECKSUM: bindparam("sum")})
+    for rows in _rows_at(connection, table, keys):
+        places = ({f"at_{one.name}": row[one.name] for one in table.primary_key} for row in rows)
+        if sums := [place | {"sum": checksum(row)} for place, row in zip(places, rows, strict=True)]:
+            connection.execute(change, sums)
 
 
 def check(
@@ -66,8 +99,9 @@ def check(
 
     `columns` are the columns that the table has, which are fewer in an older schema.
     """
-    for row in _rows_at(connection, table, keys, columns):
-        checked(row)
+    for rows in _rows_at(connection, table, keys, columns):
+        for row in rows:
+            checked(row)
 
 
 def sound_rows(connection: Connection, query: Select[Any]) -> list[Row]:
@@ -85,11 +119,12 @@ def _rows_at(
     table: Table,
     keys: Collection[tuple[Any, ...]],
     columns: Sequence[Column[Any]] | None = None,
-) -> Iterator[Row]:
+) -> Iterator[list[Row]]:
+    """The rows with these primary keys, some at a time."""
     read = _with_tags if table is flights else _rows
     some, query = list(keys), select(*(columns or table.columns))
     for start in range(0, len(some), MAX_ROWS_BY_NAME):
-        yield from read(connection, query.where(_among(table, some[start : start + MAX_ROWS_BY_NAME])))
+        yield read(connection, query.where(_among(table, some[start : start + MAX_ROWS_BY_NAME])))
 
 
 def _among(table: Table, keys: Collection[tuple[Any, ...]]) -> ColumnElement[bool]:

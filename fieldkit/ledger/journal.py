@@ -4,7 +4,7 @@ Undo and redo are journal entries too; which changes are in effect follows from 
 Entries are never modified.
 """
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -13,7 +13,7 @@ from sqlalchemy import ColumnElement, Connection, Table, and_, delete, func, ins
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import checksums
-from fieldkit.ledger.checksums import CHECKSUM, SEPARATE_COLUMN
+from fieldkit.ledger.checksums import CHECKSUM
 from fieldkit.ledger.rows import Row
 from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, drafts, flights, journal, metadata, predictions, tags
 
@@ -85,8 +85,16 @@ class ChangeRecorder:
         """Update the checksums of the rows changed so far, and enter the changes in the journal as one command."""
         for table, keys in _keys_by_table(self.images).items():
             checksums.seal(self.connection, table, keys)
-        images = [[image.table, image.before, image.after] for image in self.images]
-        self.number = _enter(self.connection, command=command, what=what, images=images)
+        images, total = checksums.as_json_list(_released(self.images))
+        self.number = _enter(self.connection, command=command, what=what, images=images, images_checksum=total)
+
+
+def _released(images: list[Image]) -> Iterator[list[Any]]:
+    """The images as documents, oldest first; each leaves the list, as those of a long import fill the memory."""
+    images.reverse()
+    while images:
+        image = images.pop()
+        yield [image.table, image.before, image.after]
 
 
 def undo_step(connection: Connection) -> UndoStep:
@@ -179,8 +187,6 @@ def _named(change: Change) -> str:
 def _enter(connection: Connection, **values: Any) -> int:
     """Add an entry; returns its number."""
     row = {"number": length(connection) + 1, "at": now(), **values}
-    if SEPARATE_COLUMN in row:
-        row[f"{SEPARATE_COLUMN}_checksum"] = checksums.checksum_of(row[SEPARATE_COLUMN])
     connection.execute(insert(journal).values(row | {CHECKSUM: checksums.checksum(row)}))
     return int(row["number"])
 

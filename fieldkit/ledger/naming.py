@@ -1,6 +1,6 @@
 """The id of a flight: its flight_id if unique, else rocket/flight_id."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from sqlalchemy import Connection, or_, select, tuple_
 
@@ -20,14 +20,15 @@ def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, 
 
     A flight that another program has removed in the meantime gets the id it would have by itself.
     """
+    short = {flight_id for _, flight_id in wanted}
     counts: dict[str, int] = {}
-    for rocket, flight_id in _identities_meant(connection, {flight_id for _, flight_id in wanted}):
-        for name in {flight_id, f"{rocket}/{flight_id}"}:
+    for rocket, flight_id in _identities_meant(connection, short):
+        for name in {flight_id, f"{rocket}/{flight_id}"} & short:
             counts[name] = counts.get(name, 0) + 1
     return {(r, f): f if counts.get(f, 1) == 1 else f"{r}/{f}" for r, f in wanted}
 
 
-def _identities_meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
+def _identities_meant(connection: Connection, texts: Collection[str]) -> Iterator[Identity]:
     """The flights that these texts may refer to, as `flight_id` or `rocket/flight_id`; for many texts, or many slashes
     in them, all flights.
 
@@ -38,10 +39,10 @@ def _identities_meant(connection: Connection, texts: Collection[str]) -> list[Id
         halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
         pair = tuple_(flights.c.rocket, flights.c.flight_id)
         query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
-    found = [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
-    if unnamed := [one for one in found if not all(isinstance(part, str) for part in one)]:
-        raise DamagedRow(f"flight {unnamed[0][1]!r} of {unnamed[0][0]!r} has no name")
-    return found
+    for rocket, flight_id in connection.execute(query):
+        if not (isinstance(rocket, str) and isinstance(flight_id, str)):
+            raise DamagedRow(f"flight {flight_id!r} of {rocket!r} has no name")
+        yield rocket, flight_id
 
 
 def resolve(connection: Connection, id: str) -> StoredFlight:
@@ -51,7 +52,7 @@ def resolve(connection: Connection, id: str) -> StoredFlight:
 
 def resolve_all(connection: Connection, texts: Sequence[str]) -> list[StoredFlight]:
     """The flights that ids refer to, in order. Raises LedgerError that suggests similar ids, or lists the matches."""
-    known = ids(connection, _identities_meant(connection, set(texts)))
+    known = ids(connection, list(_identities_meant(connection, set(texts))))
     by_name: dict[str, list[Identity]] = {}
     for identity in known:
         for name in {identity[1], "/".join(identity)}:

@@ -16,6 +16,7 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError, UnusableLedger
 from fieldkit.ledger import backups
+from fieldkit.ledger.checksums import as_json
 from fieldkit.ledger.schema import STEPS, check_objects, upgrade, version
 from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.tables import journal
@@ -35,7 +36,7 @@ def connect(url: URL) -> Engine:
     """An engine whose connections write durably; does not open the file yet. Raises LedgerError."""
     sqlite = url.get_backend_name() == "sqlite"
     try:
-        engine = create_engine(url, connect_args={"timeout": PATIENCE} if sqlite else {})
+        engine = create_engine(url, connect_args={"timeout": PATIENCE} if sqlite else {}, json_serializer=as_json)
     except ModuleNotFoundError as error:
         raise LedgerError(f"{name_of(url)}: needs {error.name}; install fieldkit[postgres]") from error
     except (ArgumentError, NoSuchModuleError) as error:

@@ -31,7 +31,7 @@ def row_of(flight: Flight) -> Row:
     row: Row = {name: getattr(flight, name) for name in DIRECT_FIELDS}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else None
     row["tags"] = list(flight.tags)
-    row["extra"] = dict(flight.extra)
+    row["extra"] = flight.extra if isinstance(flight.extra, dict) else dict(flight.extra)
     for column in COLUMNS + LOGGED:
         row[column.name] = _finite(column.header, flight.number(column.name))
     _check_beside(flight)

@@ -122,7 +122,7 @@ def in_a_line(one: FileView, system: str = "SI") -> str:
 
 def _apogees(one: FileView, shown: ShownUnits) -> str:
     """The apogee of a file's flight; for several flights, the lowest and the highest."""
-    found, count = tuple(f.readouts["apogee"].value for f in one.shown if "apogee" in f.readouts), len(one.shown)
+    found, count = [f.flight.apogee for f in one.shown if f.flight.apogee is not None], len(one.shown)
     flights = (
         ", simulation"
         if one.simulations and not one.flights

@@ -20,19 +20,20 @@ MAX_FITTED_FLIGHTS = 60
 by which three altimeters in one flight differ. The work grows with the square of the number. [1]"""
 MAX_NAMED_FLIGHTS = 5
 """Number of flights that a note names; it counts the others. [1]"""
+JudgedFlight = tuple[Flight, Found, str | None]
+"""A flight, its motor, and the reason why it is implausible, or None."""
 
 
 def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
     """The latest flights of each rocket that can be simulated, each with its motor, in the given order; at most
     `MAX_FITTED_FLIGHTS` of a rocket."""
-    every = simulable(flights, motors)
-    older = Counter(flight.rocket for flight, _ in every)
+    later: Counter[str] = Counter()
     kept = []
-    for flight, found in every:
-        older[flight.rocket] -= 1
-        if older[flight.rocket] < MAX_FITTED_FLIGHTS:
+    for flight, found in reversed(list(_with_motors(flights, motors))):
+        if found and later[flight.rocket] < MAX_FITTED_FLIGHTS and not implausible(flight, found.motor):
+            later[flight.rocket] += 1
             kept.append((flight, found))
-    return kept
+    return kept[::-1]
 
 
 def simulable(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
@@ -58,11 +59,19 @@ def credible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
 
 def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
     """A line for each clean flight that is implausible and therefore not used in a fit."""
+    return _implausible_flights(_judged(flights, motors))
+
+
+def _judged(flights: Sequence[Flight], motors: Catalogue) -> list[JudgedFlight]:
+    """The flights with a dry mass and a known motor, each with the reason why it is implausible, or None."""
     known = ((flight, found) for flight, found in _with_motors(flights, motors) if found)
-    found = [(flight, implausible(flight, found.motor)) for flight, found in known]
+    return [(flight, found, implausible(flight, found.motor)) for flight, found in known]
+
+
+def _implausible_flights(judged: Sequence[JudgedFlight]) -> list[str]:
     return [
         message(f"{flight_label(flight.flight_id)} of {flight.rocket} is excluded from every fit: {marked(reason)}")
-        for flight, reason in found
+        for flight, _, reason in judged
         if reason and flight.clean
     ]
 
@@ -71,19 +80,18 @@ def exclusions(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
     """Notes on what is excluded from every fit: a line for each implausible flight, one for each figure that flights of
     a rocket lack, one for each readout that cannot be a measurement, and one for a rocket with too many flights. Only
     clean flights are considered."""
+    judged = _judged(flights, motors)
     return [
-        *older_flights(flights, motors),
-        *implausible_flights(flights, motors),
+        *_older_flights(judged),
+        *_implausible_flights(judged),
         *incomplete_flights(flights, motors),
-        *excluded_readouts(flights, motors),
+        *_excluded_readouts(judged),
     ]
 
 
-def older_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
+def _older_flights(judged: Sequence[JudgedFlight]) -> list[str]:
     """A line for each rocket with more flights than fits use."""
-    known = Counter(flight.rocket for flight in flights)
-    crowded = [flight for flight in flights if known[flight.rocket] > MAX_FITTED_FLIGHTS]
-    known = Counter(flight.rocket for flight, _ in simulable(crowded, motors))
+    known = Counter(flight.rocket for flight, _, reason in judged if not reason)
     return [
         f"{rocket}: its {MAX_FITTED_FLIGHTS} latest flights are used in fits; those before them are excluded: "
         f"{count - MAX_FITTED_FLIGHTS} of {count}"
@@ -95,10 +103,14 @@ def older_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
 def excluded_readouts(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
     """Lines on the readouts of clean flights that cannot be measurements and are therefore not used in a fit; none on
     flights that are tagged `checked`."""
+    return _excluded_readouts(_judged(flights, motors))
+
+
+def _excluded_readouts(judged: Sequence[JudgedFlight]) -> list[str]:
     return [
         message(f"{flight_label(flight.flight_id)} of {flight.rocket}: {marked(line)}")
-        for flight, found in _with_motors(flights, motors)
-        if found and flight.clean and CHECKED_TAG not in flight.tags and not implausible(flight, found.motor)
+        for flight, found, reason in judged
+        if flight.clean and CHECKED_TAG not in flight.tags and not reason
         for line in readout_exclusions(flight, found)
     ]
 

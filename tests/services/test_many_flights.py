@@ -10,7 +10,7 @@ from fieldkit.cli.session import known_motors
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.forecasts import flown
-from fieldkit.services.plausible_flights import MAX_FITTED_FLIGHTS, followed, older_flights, simulable
+from fieldkit.services.plausible_flights import MAX_FITTED_FLIGHTS, exclusions, followed, simulable
 
 START = datetime(2020, 1, 1, 10)
 
@@ -38,10 +38,10 @@ def test_the_latest_flights_of_each_rocket_are_fitted() -> None:
     assert [flight.flight_id for flight in kept if flight.rocket == "Comet"] == ["0", "1", "2"]
     assert [int(flight.flight_id) for flight in kept if flight.rocket == "Astra"] == [*range(7, MAX_FITTED_FLIGHTS + 7)]
     assert len(simulable(many, motors)) == len(many)
-    (line,) = older_flights(many, motors)
+    (line,) = exclusions(many, motors)
     assert line.startswith(f"Astra: its {MAX_FITTED_FLIGHTS} latest flights are used")
     assert line.endswith(f"excluded: 7 of {MAX_FITTED_FLIGHTS + 7}")
-    assert not older_flights(kept, motors)
+    assert not exclusions(kept, motors)
 
 
 @pytest.mark.parametrize("command", [["predict", "--motor", "F24-4W"], ["loop", "--quick", "--dry-run"]], ids=str)

@@ -130,10 +130,17 @@ def _drawn(
     z = rng.normal(size=(draws, fit.mean.shape[1]))
     terms = fit.mean[scales][which] + np.einsum("dtu,du->dt", roots[which], z)
     off = terms[:, None] - fit.mean[scales]
-    precision = np.linalg.inv(fit.covariance[scales]) / INFLATION
-    square = np.einsum("dst,stu,dsu->ds", off, precision, off, optimize=True)
+    precision = np.asarray(np.linalg.inv(fit.covariance[scales]), float) / INFLATION
+    square = _squared(np.swapaxes(off, 0, 1), precision)
     log_det = 2 * np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
     return terms, np.asarray(np.logaddexp.reduce(np.log(weights) - 0.5 * (square + log_det), axis=1))
+
+
+def _squared(
+    off: Float[Array, "#scale draw term"] | Float[Array, "draw term"], precision: Float[Array, "scale term term"]
+) -> Float[Array, "draw scale"]:
+    """Squared Mahalanobis distance of each draw from a mean. [1]"""
+    return np.asarray(((off @ precision) * off).sum(axis=-1).T)
 
 
 def log_prior(
@@ -143,7 +150,7 @@ def log_prior(
     low, high, mean = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high", "mean"))
     precision, log_det = (part[scales] for part in prior_precision(model))
     off = terms - mean
-    square = np.einsum("dt,stu,du->ds", off, precision, off, optimize=True)
+    square = _squared(off, precision)
     inside = ((terms >= low) & (terms <= high)).all(axis=1)
     density = model.hyperprior.scales()[2][scales] + 0.5 * (log_det - square) - bounds_log_mass(model)
     return np.where(inside.reshape(-1, 1), density, -np.inf)

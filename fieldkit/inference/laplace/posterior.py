@@ -63,9 +63,12 @@ def prior_precision(
     return precision, log_det[:, alone].sum(axis=1) + np.linalg.slogdet(block)[1]
 
 
-def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight readout"]:
-    """Residual variance of each readout after terms and scatter, before outliers are weighted. [1] or [s^2]"""
-    scatter, reading, _ = model.hyperprior.scales()
+def residual_variance(
+    model: Model, data: Data, which: Int[Integers, "scale"] | slice = slice(None)
+) -> Float[Array, "scale flight readout"]:
+    """Residual variance of each readout after terms and scatter, before outliers are weighted, for all pairs of scales
+    or `which` of them. [1] or [s^2]"""
+    scatter, reading = (part[which] for part in model.hyperprior.scales()[:2])
     variance = reading[:, None, None] ** 2 * data.sd**2
     variance[..., 0] = data.sd[:, 0] ** 2 + (scatter[:, None] * apogee_scatter(model)) ** 2
     return np.asarray(variance)
@@ -252,7 +255,7 @@ def _noise(
     products = spread[..., :, None, :] * spread[..., None, :, :]
     noise = np.tensordot(model.scatter_scales()[rows] ** 2, products, axes=(1, 3))
     diagonal = np.arange(len(readouts))
-    variance = residual_variance(model, data)[rows][..., readouts]
+    variance = residual_variance(model, data, rows)[..., readouts]
     noise[..., diagonal, diagonal] += np.where(usable, variance / data.trust[:, readouts], UNOBSERVED_SD**2)
     return np.asarray(noise)
 
@@ -284,21 +287,36 @@ class Growing:
 
 
 def growing(whole: Fit) -> Growing:
-    """The posteriors before each flight. Their sums accumulate flight by flight, so all posteriors cost little more
-    than one."""
+    """The posteriors before each flight: each flight updates that of the earlier ones (Woodbury's identity, as in a
+    Kalman filter), so all posteriors cost little more than one."""
     model, evidence = whole.model, whole.evidence
-    weighed = evidence.sharpness @ evidence.slope
     missed = (evidence.sharpness @ evidence.miss[..., None])[..., 0]
-    information = _before(np.swapaxes(evidence.slope, 1, 2) @ weighed)
-    gain = _before(np.einsum("fo,sfot->sft", evidence.miss, weighed))
+    score = _before(np.einsum("fot,sfo->sft", evidence.slope, missed))
     own = (evidence.miss * missed).sum(axis=-1) + evidence.log_det
     if whole.flight_weight is not None:
         own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole.data, whole.tangent), model.hyperprior.tail)
-    prior, log_det_prior = prior_precision(model)
-    offset, covariance, log_bayes = normal_posterior(information, gain, prior[:, None], log_det_prior[:, None])
+    covariance, log_det = _updated(np.asarray(np.linalg.inv(prior_precision(model)[0]), float), evidence)
+    offset = (covariance @ score[..., None])[..., 0]
     mean = np.array([term.mean for term in model.terms]) + offset
-    log_weight = log_bayes - 0.5 * _before(own) + model.hyperprior.scales()[2][:, None]
+    log_weight = 0.5 * ((score * offset).sum(axis=-1) - log_det - _before(own)) + model.hyperprior.scales()[2][:, None]
     return Growing(mean, covariance, log_weight + log_inside(model, mean, covariance))
+
+
+def _updated(
+    prior: Float[Array, "scale term term"], evidence: FlightEvidence
+) -> tuple[Float[Array, "scale flight term term"], Float[Array, "scale flight"]]:
+    """The covariance of the terms before each flight, and the log ratio of the determinant of their precision to that
+    of the prior."""
+    covariance = np.empty((len(prior), len(evidence.slope), *prior.shape[1:]))
+    log_det = np.empty(covariance.shape[:2])
+    now, total = prior, np.zeros(len(prior))
+    for flight, slope in enumerate(evidence.slope):
+        covariance[:, flight], log_det[:, flight] = now, total
+        sharpness, along = evidence.sharpness[:, flight], now @ slope.T
+        wider = np.eye(len(slope)) + sharpness @ (slope @ along)
+        now = now - along @ np.linalg.solve(wider, sharpness) @ np.swapaxes(along, 1, 2)
+        total = total + np.linalg.slogdet(wider)[1]
+    return covariance, log_det
 
 
 def _before(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale flight *rest"]:

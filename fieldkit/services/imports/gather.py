@@ -22,6 +22,7 @@ from fieldkit.services.imports.within_motor import within_motor
 
 READOUT_FIELDS = ("sd", "source")
 """Fields of a flight that describe its readouts."""
+_NOTHING_GIVEN: Mapping[str, object] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,12 +81,9 @@ def gather(
     if len(found) == 1 and refused:
         raise refused[0].error
     read = [one for one in found if isinstance(one, _OneRead)]
-    opened, originals, folders = (
-        [one.opened for one in read],
-        [one.original for one in read],
-        [one.folder for one in read],
-    )
-    read_files = imported_files(opened, check_motor)
+    read_files = imported_files([one.opened for one in read], check_motor)
+    originals, folders = [one.original for one in read], [one.folder for one in read]
+    del found, read  # the rows of a large table take more memory than its flights
     by_digest = {original.digest: original for original in originals}
     incoming_flights: list[IncomingFlight] = []
     rejected = [Rejected(one.name, None, None, _without_name(one)) for one in refused]
@@ -97,16 +95,17 @@ def gather(
         first, first_note = len(incoming_flights), len(notes)
         notes += imported.notes
         for flight, row in zip(imported.flights, imported.rows, strict=True):
-            given = _left_open(flight, defaults or {})
+            given = _left_open(flight, defaults) if defaults else _NOTHING_GIVEN
             others = tuple(by_digest[one] for one in flight.extra.get(OTHER_LOGS, "").split() if one in by_digest)
-            incoming = IncomingFlight(flight.with_changes(**given), original, name, row, given, others)
+            complete = flight.with_changes(**given) if given else flight
+            incoming = IncomingFlight(complete, original, name, row, given, others)
             try:
                 incoming, remarks = _with_log(incoming, folder, check_motor)
             except BadValue as error:
                 rejected.append(Rejected(name, row, "log", message(marked(error))))
             else:
                 kept, beyond = within_motor(incoming.flight)
-                incoming_flights.append(replace(incoming, flight=kept))
+                incoming_flights.append(incoming if kept is incoming.flight else replace(incoming, flight=kept))
                 remarks = [*remarks, *beyond]
                 damage = [DamagedLog(text, row=row, column="log", source=name) for text in remarks]
                 notes += [message(marked(one)) for one in damage]

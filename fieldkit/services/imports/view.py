@@ -4,7 +4,7 @@ Numbers are in the units of their columns, as in the flight table.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit import units
@@ -43,14 +43,25 @@ class EventView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightView:
-    """One flight of a file; `recorded` has the measurements in its samples, None if it has none."""
+    """One flight of a file; `recorded` has the measurements in its samples, None if it has none.
+
+    Readouts and events are computed when they are shown: a table may have 100,000 flights, which are counted.
+    """
 
     flight: Flight
-    readouts: Mapping[str, ReadoutView]
-    events: tuple[EventView, ...]
     recorded: "Recorded | None"
     simulated: bool = False
     """Whether it is a simulation, which is shown but not stored."""
+
+    @property
+    def readouts(self) -> Mapping[str, ReadoutView]:
+        """Its readouts by name, with those that a log shows of a descent on two devices."""
+        return _readouts(self.flight, self.recorded)
+
+    @property
+    def events(self) -> tuple[EventView, ...]:
+        """Its events in order of time."""
+        return _events(self.recorded)
 
     @property
     def curve(self) -> "FlightCurve | None":
@@ -83,7 +94,7 @@ class FileView:
     @property
     def apogees(self) -> tuple[float, ...]:
         """The apogees of the flights that have one. [m]"""
-        return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
+        return tuple(one.flight.apogee for one in self.flights if one.flight.apogee is not None)
 
 
 def file_view(imported: ImportedFile, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
@@ -98,7 +109,7 @@ def file_view(imported: ImportedFile, flights: Sequence[Flight], notes: Sequence
         how.columns,
         how.rows,
         how.dropped,
-        tuple(flight_view(flight, by_id.get(flight.flight_id)) for flight in flights),
+        tuple(FlightView(flight, by_id.get(flight.flight_id)) for flight in flights),
         tuple(notes),
         len(imported.rejected),
         tuple(_simulation_view(one, number) for number, one in enumerate(imported.simulated, start=1)),
@@ -109,18 +120,17 @@ def _simulation_view(recorded: "Recorded", number: int) -> FlightView:
     """The values that a simulation states for its flight, as if they were stored."""
     fields, _ = columns(recorded, {})
     flight = Flight().with_changes(**fields, flight_id=f"simulation {number}")
-    return replace(flight_view(flight, recorded), simulated=True)
+    return FlightView(flight, recorded, simulated=True)
 
 
-def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
-    """A flight as it would be stored, with the measurements in its samples."""
+def _readouts(flight: Flight, recorded: "Recorded | None") -> dict[str, ReadoutView]:
+    """The readouts of a flight by name, with those that a log shows of a descent on two devices."""
     readouts = {c.name: _readout(c, v, flight, recorded) for c in MEASURED if (v := flight.number(c.name)) is not None}
-    readouts |= {
+    return readouts | {
         c.name: _readout(c, one.value, flight, recorded)
         for c in TWO_DEVICES
         if recorded and (one := recorded.figures.get(c.name))
     }
-    return FlightView(flight, readouts, _events(recorded), recorded)
 
 
 def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded | None") -> ReadoutView:

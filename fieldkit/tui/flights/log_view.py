@@ -19,7 +19,6 @@ from fieldkit.ledger import Ledger
 from fieldkit.quantities import counted, in_system, measure, rounded, spelled, unit_of, with_sd
 from fieldkit.safe_text import printable
 from fieldkit.services.imports import FileView, FlightView
-from fieldkit.services.imports.view import flight_view
 from fieldkit.services.replay import recording_of
 from fieldkit.tui.flights.flights_help import LOG_HELP
 from fieldkit.tui.flights.log_plot import ChannelTrace, draw_trace
@@ -66,7 +65,7 @@ def look_at_flight(ledger: Ledger, id: str, system: str) -> LogLook | str:
     found = recording_of(ledger, id)
     if found is None or found.reading is None:
         return "this flight has no log with samples"
-    one = flight_view(ledger.flight(id), found.recorded)
+    one = FlightView(ledger.flight(id), found.recorded)
     return LogLook(id, stacked([_readouts(one, system), _events(one, system)]), one.curve)
 
 
