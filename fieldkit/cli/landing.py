@@ -27,7 +27,13 @@ USUAL_WIND_FROM = 270.0
 def landing(
     context: typer.Context,
     kml: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the landing ellipse as KML; needs --pad.")
+        Path | None,
+        typer.Option(
+            "--kml",
+            "--gpx",
+            metavar="FILE",
+            help="Write the landing ellipse as KML, or as GPX to a name in .gpx; needs --pad.",
+        ),
     ] = None,
     pad: Annotated[str | None, typer.Option(help="Latitude and longitude of the pad: 47.5,8.7.")] = None,
     card: Annotated[
@@ -48,7 +54,7 @@ def landing(
     """Forecast where a plan lands, its duration, and the rail angle that lands it nearest the pad."""
     from fieldkit.planning.planned_flight import planned_flight
     from fieldkit.presentation.forecast_text import motor_in_words
-    from fieldkit.presentation.kml import landing_kml, read_place
+    from fieldkit.presentation.kml import landing_gpx, landing_kml, read_place
     from fieldkit.presentation.landing_text import landing_in_words
 
     if (kml is None) != (pad is None):
@@ -69,7 +75,11 @@ def landing(
         name = f"{prediction.plan.rocket} on {motor_in_words(prediction.plan, found)}"
         if wind_from is None:
             complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
-        content = landing_kml(name, down, place, USUAL_WIND_FROM if wind_from is None else wind_from, system())
+        blows_from = USUAL_WIND_FROM if wind_from is None else wind_from
+        gpx = kml.suffix.lower() == ".gpx"
+        content = (
+            landing_gpx(name, down, place, blows_from) if gpx else landing_kml(name, down, place, blows_from, system())
+        )
         files.write(kml, content, force=replaces[kml])
         complain(f"Wrote the landing ellipse to {kml}")
     if card is not None:

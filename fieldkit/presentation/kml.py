@@ -1,6 +1,7 @@
-"""KML of a predicted landing and of a flown track, for maps.
+"""KML and GPX of a predicted landing and of a flown track, for maps and hand-held receivers.
 
-Source: OGC KML 2.3 (12-007r2): coordinates are longitude, latitude and altitude, in degrees and meters.
+Source: OGC KML 2.3 (12-007r2): coordinates are longitude, latitude and altitude, in degrees and meters. GPX 1.1: the
+schema of Topografix, http://www.topografix.com/GPX/1/1.
 """
 
 from collections.abc import Sequence
@@ -84,6 +85,18 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
     return _document(name, parts)
 
 
+def landing_gpx(name: str, found: Landing, pad: tuple[float, float], wind_from: float) -> bytes:
+    """The pad and the most likely landing as waypoints, and the ellipse around it as a track; arguments are those of
+    `landing_kml`."""
+    ellipse = found.ellipse()
+    outline = placed(pad, wind_from, ellipse.outline())
+    ((longitude, latitude),) = placed(pad, wind_from, np.array([[ellipse.along, ellipse.across]]))
+    marks = (("pad", pad[0], pad[1]), ("center of the landings", latitude, longitude))
+    waypoints = "".join(f'<wpt lat="{lat:.7f}" lon="{lon:.7f}"><name>{mark}</name></wpt>' for mark, lat, lon in marks)
+    title = f"{name}: {ellipse.level:.0%} of landings"
+    return _gpx(waypoints, title, [f'<trkpt lat="{lat:.7f}" lon="{lon:.7f}"/>' for lon, lat in outline])
+
+
 def check_track(file: Path) -> None:
     """Raise BadValue for a file name that is neither KML nor GPX."""
     if file.suffix.lower() not in TRACK_SUFFIXES:
@@ -118,20 +131,23 @@ def track_kml(
 def track_gpx(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
-    """The same track as GPX 1.1, which map programs and hand-held receivers read. Raises BadValue as `track_kml`.
-
-    Source: the schema of Topografix, http://www.topografix.com/GPX/1/1. [degrees, m]
-    """
+    """The same track as GPX, which map programs and hand-held receivers read. Raises BadValue as `track_kml`. [degrees,
+    m]"""
     rows = _positions(name, latitude, longitude, altitude)
     heights = [""] * len(rows) if altitude is None else [f"<ele>{altitude[row]:.1f}</ele>" for row in rows]
-    points = "".join(
+    points = [
         f'<trkpt lat="{latitude[row]:.7f}" lon="{longitude[row]:.7f}">{height}</trkpt>'
         for row, height in zip(rows, heights, strict=True)
-    )
+    ]
+    return _gpx("", name, points)
+
+
+def _gpx(waypoints: str, name: str, points: Sequence[str]) -> bytes:
+    """A document with waypoints and a track of points."""
     title = f"<name>{escape(printable(name))}</name>"
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n<gpx version="1.1" creator="fieldkit" '
-        f'xmlns="http://www.topografix.com/GPX/1/1"><trk>{title}<trkseg>{points}</trkseg></trk></gpx>\n'
+        f'xmlns="http://www.topografix.com/GPX/1/1">{waypoints}<trk>{title}<trkseg>{"".join(points)}</trkseg></trk></gpx>\n'
     ).encode()
 
 

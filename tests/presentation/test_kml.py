@@ -10,7 +10,7 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.physics.descent import DescentResult
 from fieldkit.planning.landing import Landing
-from fieldkit.presentation.kml import EARTH_RADIUS, landing_kml, placed, read_place, track_gpx, track_kml
+from fieldkit.presentation.kml import EARTH_RADIUS, landing_gpx, landing_kml, placed, read_place, track_gpx, track_kml
 
 pytestmark = pytest.mark.fast
 
@@ -47,6 +47,21 @@ def test_a_landing_has_a_pad_a_center_an_ellipse_and_some_draws() -> None:
     assert found[2][0] == pytest.approx(found[2][-1])
     assert len(found) == 3 + 100
     assert b"\x1b" not in content
+
+
+def test_a_landing_as_gpx_has_the_places_of_the_kml() -> None:
+    down = DescentResult(*[np.ones(20)] * 7)
+    along = 300 + np.linspace(-9, 9, 20)
+    found = Landing(along, np.cos(along), np.ones(20), down, lambda _: down, 4.0)
+    landed = coordinates(landing_kml("Comet", found, (47.5, 8.7), 250.0))
+    root = ElementTree.fromstring(landing_gpx("<Comet>", found, (47.5, 8.7), 250.0))
+    space = "{http://www.topografix.com/GPX/1/1}"
+    marks = {one.findtext(f"{space}name"): (one.get("lon"), one.get("lat")) for one in root.iter(f"{space}wpt")}
+    assert marks.keys() == {"pad", "center of the landings"}
+    assert tuple(map(float, marks["center of the landings"])) == pytest.approx(landed[1][0], abs=1e-6)  # type: ignore[arg-type]
+    points = [(float(one.get("lon", "")), float(one.get("lat", ""))) for one in root.iter(f"{space}trkpt")]
+    assert points == pytest.approx(landed[2], abs=1e-6)
+    assert root.findtext(f"{space}trk/{space}name") == "<Comet>: 90% of landings"
 
 
 def test_the_map_shows_below_the_ellipse_and_each_style_is_defined() -> None:
