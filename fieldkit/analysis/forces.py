@@ -133,7 +133,8 @@ def boost_event(
     Heights that are off by a fraction k of v²/2g shift a speed v that decreases with a by k·v·a/g. An uncertain time of
     top speed also makes the deceleration until then uncertain. From heights alone both errors nearly cancel
     (`fieldkit.analysis.burnout`), except those of shocks, which the coast after them does not have. If an accelerometer
-    shows between which of its samples thrust ended, that is the only error of the time.
+    shows between which of its samples thrust ended, that is the only error of the time. If the most probable burnout
+    contradicts the curve, as where air brakes open at burnout, the difference is an error of the time.
     """
     inside = (ascent.time >= begin) & (ascent.time <= apogee)
     time = ascent.time[inside]
@@ -167,19 +168,21 @@ def boost_event(
         later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
         brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
         climbs = float(np.interp(apogee, ascent.time, ascent.height)) - float(ascent.height[inside][place])
+        contradicted = 0.0
         if ascent.burnout is not None and ascent.burnout.is_of(float(time[place]), ascent.resolution, climbs):
             expected, static = ascent.burnout.speed - value, ascent.burnout.speed_sd
             shocks = np.sqrt(_TRANSONIC_PRESSURE_ERROR**2 - STATIC_SD**2) * brakes / GRAVITY if disturbed else 0.0
             static = float(np.hypot(static, min(shocks, _MAX_SPEED_ERROR) * value))
             spread = float(np.linalg.norm([spread, brakes * shape, brakes * ascent.burnout.lift_sd]))
         else:
+            contradicted = moment - ascent.burnout.marks.burnout if ascent.burnout is not None else 0.0
             expected, error = 0.0, (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * is_barometric
             static = min(error * brakes / GRAVITY, _MAX_SPEED_ERROR) * value
             spread = float(np.hypot(spread, brakes * late))
         off, static, weight = sighted_speed(ascent.sighted, ascent, float(time[place]), float(static), expected)
         value, source = value + off - faded, source + (f" and {SATELLITES}" if weight > _MAIN_FRACTION else "")
         spread = float(np.linalg.norm([spread, _SPEED_ERROR * value, static, faded * FADE_SD / FADE]))
-        late = float(np.hypot(late, blurred))
+        late = float(np.linalg.norm([late, blurred, contradicted]))
     if ascent.ended is not None:
         return ascent.ended, Figure(value, float(spread), source)
     return Event(moment, late, source), Figure(value, float(spread), source)

@@ -8,9 +8,12 @@ import pytest
 from fieldkit.analysis import measure
 from fieldkit.analysis.apogee import apogee_of
 from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.burnout import Burnout
 from fieldkit.analysis.channels import Heights, heights
 from fieldkit.analysis.disturbed_heights import undisturbed
+from fieldkit.analysis.forces import boost_event
 from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.samples import Marks
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, standard_density
 
@@ -116,3 +119,18 @@ def test_coarse_heights_are_not_taken_for_held_ones() -> None:
     track = heights((Series(time, pressure=pressure),))
     assert track is not None
     assert track.time.size > 0.95 * time.size
+
+
+@pytest.mark.parametrize(("moment", "sd"), [(3.0, 0.2), (4.4, 1.4)])
+def test_a_burnout_that_contradicts_the_curve_is_uncertain_by_the_difference(moment: float, sd: float) -> None:
+    """Air brakes that open at burnout change the pressure in the bay, which looks like more thrust."""
+    time, rng = np.arange(0, 12, 0.02), np.random.default_rng(8)
+    speed = np.where(time < 3, 35 * time, 105 - 15 * (time - 3))
+    height = np.cumsum(speed) * 0.02
+    drawn = [one + rng.normal(0, 0.1, (50, 1)) for one in (height, speed, np.gradient(speed, time))]
+    burnout = Burnout(Marks(0.0, moment, 10.0, np.inf), 0.1, 0.0, 0.0, 105.0, 2.0, 0.0)
+    ascent = Ascent(time, height, speed, np.gradient(speed, time), *drawn, 0.2, 0.1, False, 0.2, burnout=burnout)
+    found = boost_event(ascent, None, 0.0, 10.0, "barometric altitude")
+    assert found is not None
+    assert found[0].time == pytest.approx(3.0, abs=0.05)
+    assert sd - 0.1 < found[0].sd < sd + 0.2
