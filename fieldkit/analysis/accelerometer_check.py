@@ -25,6 +25,8 @@ flight tilted by 30 degrees stay inside. [1]"""
 _FILLED_SCALE, _MISSED = 0.03, 300.0
 """Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must
 be known well, because a missed peak and a scale error produce nearly the same climb."""
+_FILL_ROUNDS = 3
+"""Rounds in which what was missed and the dynamic pressure of the speed with it are found in turn. [1]"""
 _MAX_MISFIT = 3.0
 """Largest misfit of a climb with its saturated samples filled in, or of one with another scale, in standard deviations
 of the heights. [1]"""
@@ -152,11 +154,15 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     when, height = when[quiet], height[quiet]
     if when.size < _MIN_SAMPLES or np.ptp(height) < max(_MIN_CLIMB, 10 * track.noise):
         return None
-    beyond = None if full is None else running_integral(running_integral(full[felt].astype(float), time), time)
+    gained = None if full is None else running_integral(full[felt].astype(float), time)
+    beyond = None if gained is None else running_integral(gained, time)
     shifts = np.arange(-_MAX_SHIFT, _MAX_SHIFT + _STEP / 2, _STEP)
-    found = [_fit(when + shift, height, time, climb, speed, beyond, track.noise) for shift in shifts]
-    cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
-    scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
+    missed, flown = 0.0, speed
+    for _ in range(1 if gained is None else _FILL_ROUNDS):  # what was missed is also missing in the dynamic pressure
+        flown = speed if gained is None else speed + max(missed, 0.0) * gained
+        found = [_fit(when + shift, height, time, climb, flown, beyond, track.noise) for shift in shifts]
+        cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
+        scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
     misfit = float(np.sqrt(cost / when.size))
     step = median_step(track.time[inside])
     inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)

@@ -43,6 +43,9 @@ _STEP_REACH = 0.5
 """How long after the top speed of a curve a step of the heights may be that causes that speed. [s]"""
 _BLIND_PART = 0.75
 """Largest spacing of samples that still show a boost, as a fraction of its duration. [1]"""
+_RECEIVER_LAG, _FROM_BOOST = 0.5, ("time_to_apogee", "coast_to_apogee", "duration")
+"""How late the heights of a satellite receiver follow a boost by its own filter, more than those later [s], and the
+times that it lengthens or shortens."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +109,9 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     down = _down(log, apogee[0], lift, burnout, gap[1] if unseen and gap else None) if apogee else _FlightPart()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
+    if log.track.source == CHANNEL_TITLES["gps_altitude_msl"] and not log.ascent.fused:
+        late = {name: figures[name] for name in _FROM_BOOST if name in figures}
+        figures |= {name: replace(one, sd=float(np.hypot(one.sd, _RECEIVER_LAG))) for name, one in late.items()}
     coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
     known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
     if not is_flight(known, coasts_from, float(log.ascent.height.max()), log.seen.climbs):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
+from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.hard_boost import checked_by_climb
 from fieldkit.analysis.phases import LEAST_GAIN, LONGEST_CLIMB, Outline
 from fieldkit.analysis.records import Event
@@ -19,9 +19,6 @@ _THRUST = 2 * GRAVITY
 
 _IGNITION = 0.02
 """Longest time in which thrust rises to a fifth of its mean: lift-off is earlier by anything up to that. [s]"""
-
-_RECEIVER_LAG = 0.5
-"""How late the heights of a satellite receiver follow a boost, by the filter in it. [s]"""
 
 _SPEED_AT_BOOST_START = 0.05
 """Fraction of the speed at burnout that a rocket has at the start of its boost. [1]"""
@@ -171,8 +168,7 @@ def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, spacing: float = _
     early = max(0.0, float(track.time[0]) - mean) / 2
     near_times = track.time[(track.time >= about) & (track.time <= until)]
     blind = max(step, hole_at(track.time, mean), np.diff(near_times).max(initial=0.0)) / 4
-    lags = _RECEIVER_LAG if track.source == CHANNEL_TITLES["gps_altitude_msl"] else 0.0
-    return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + blind**2 + early**2 + lags**2)), track.source)
+    return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + blind**2 + early**2)), track.source)
 
 
 def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:

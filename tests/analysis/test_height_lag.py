@@ -57,6 +57,20 @@ def test_a_slow_filter_biases_no_readout_of_a_barometer_alone_beyond_its_standar
     assert figures["time_to_apogee"].sd > 3 * measure(recording(truth)).figures["time_to_apogee"].sd
 
 
+def test_a_satellite_receiver_that_follows_the_boost_late_biases_no_time_beyond_its_standard_deviation() -> None:
+    """Its filter has half a second under thrust and hardly any later."""
+    truth = fly(SMALL)
+    fine = np.arange(-20.0, truth.time[-1] + 10, 0.02)
+    height = np.interp(fine, truth.time, truth.height)
+    late = 0.5 * np.exp(-np.maximum(fine - truth.burnout - 0.5, 0) / 1.0) * (fine > 0)
+    seen = np.interp(fine - late, fine, height)[::10] + np.random.default_rng(4).normal(0, 0.3, fine[::10].size)
+    figures = measure([Series(fine[::10], gps_altitude_msl=seen + 300.0)]).figures
+    right = truth.readouts()
+    for name in ("time_to_apogee", "duration"):
+        assert abs(figures[name].value - right[name]) < 3 * figures[name].sd
+    assert figures["duration"].sd > 0.5
+
+
 @pytest.mark.parametrize(("lag", "counts"), [(0.0, (0.9, 1.0)), (0.5, (0.0, 0.3))])
 def test_noise_at_rest_shows_a_filter(lag: float, counts: tuple[float, float]) -> None:
     """Steps of a height held for two rows, as by a barometer that is read less often, are of the same noise."""

@@ -1,5 +1,6 @@
 """Pressure that is off for seconds: ports behind a shock in a fast climb, and a sensor or radio that holds a value."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -134,3 +135,15 @@ def test_a_burnout_that_contradicts_the_curve_is_uncertain_by_the_difference(mom
     assert found is not None
     assert found[0].time == pytest.approx(3.0, abs=0.05)
     assert sd - 0.1 < found[0].sd < sd + 0.2
+
+
+@pytest.mark.parametrize("static", [0.03, -0.03])
+def test_ports_that_are_off_do_not_hide_what_a_saturated_accelerometer_missed(static: float) -> None:
+    """Their error is of the dynamic pressure of the whole speed, of which the accelerometer shows a third."""
+    flight = fast_flight(140.0, 1.4, 0.004)
+    barometer, accelerometer = recorded(*flight, static=static, rate=20.0, end=20.0)
+    assert accelerometer.felt is not None
+    clipped = replace(accelerometer, felt=np.clip(accelerometer.felt, -4 * GRAVITY, 4 * GRAVITY))
+    speed = measure([barometer, clipped]).figures["top_speed"]
+    assert speed.sd < 5.0
+    assert abs(speed.value - flight[2].max()) < 2.5 * speed.sd
