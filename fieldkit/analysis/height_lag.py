@@ -44,8 +44,9 @@ _REST_MARGIN, _REST_SEEN, _AT_REST = 0.3, 2.0, (8.0, 1.0)
 heights are from there, in their noise [1] or, if more, in m."""
 _MIN_STEPS, _MAX_STEP_TIME = 30, 0.2
 """Fewest steps at rest that show noise [1], and the largest time between samples for which motion does not. [s]"""
-_FILTER_PROBABILITY = 0.5
-"""Probability that a lag is of a filter, rather than of small vents, which leave the noise of the sensor. [1]"""
+_FILTER_PROBABILITY = 1 / 3
+"""Probability that a lag is of a filter in the logger, of any order of magnitude, rather than of small vents, which
+leave the noise of the sensor. [1]"""
 _NOISE_PARTS = np.linspace(0.02, 1.0, 50)
 """Parts of the sensor's noise in the variance of the steps without a filter; their probability is proportional to them:
 the rest is from gusts. [1]"""
@@ -88,12 +89,13 @@ def _by_noise(track: Heights, lift: float, prior: Float[Array, "lag"]) -> tuple[
     if steps.size < _MIN_STEPS or step_time > _MAX_STEP_TIME or spread == 0:
         return prior, 1.0
     steps, sd = np.clip(steps, -5 * spread, 5 * spread), float(1 / np.sqrt(steps.size))
-    correlation = min(float(np.mean(steps[1:] * steps[:-1]) / np.mean(steps**2)), 0.0)
+    correlation = float(np.clip(np.mean(steps[1:] * steps[:-1]) / np.mean(steps**2), -0.5, 0.0))
     by_sensor = np.exp(-(((correlation + _NOISE_PARTS / 2) / sd) ** 2) / 2) @ _NOISE_PARTS / _NOISE_PARTS.sum()
     expected = -(1 - np.exp(-step_time / np.maximum(_LAGS, 1e-3))) / 2
     by_filter = np.exp(-(((correlation - expected) / sd) ** 2) / 2)
-    filters = np.where(np.array(_LAGS) > 0, _FILTER_PROBABILITY, 0.0)
-    found = prior * (filters * by_filter + (1 - filters) * by_sensor)
+    filters = np.append(0.0, np.gradient(np.log(_LAGS[1:])))
+    filters *= _FILTER_PROBABILITY / filters.sum()
+    found = filters * by_filter + (1 - _FILTER_PROBABILITY) * prior * by_sensor
     part = min(2 * (sd - correlation), 1.0)
     return found / found.sum(), part / (2 - part)
 

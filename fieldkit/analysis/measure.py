@@ -33,6 +33,7 @@ from fieldkit.analysis.notes import (
     OTHER_SENSOR_NOTE,
     REJECTED_NOTE,
     SLANTED_NOTE,
+    SMOOTH_NOTE,
     UNCHECKED_NOTE,
 )
 from fieldkit.analysis.phases import Outline, is_similar, next_flight, outline, rest_in_climb
@@ -61,6 +62,8 @@ _BETWEEN_EVENTS = {
 """Readouts that are times between two events."""
 _NEXT_MARGIN = 1.0
 """How long before the lift-off of the next flight a log is cut. [s]"""
+_MIN_COUNTS = 0.2
+"""Least number of independent samples that one height is worth without a filter in the logger. [1]"""
 _MIN_LAG = 0.08
 """Smallest delay of heights relative to an accelerometer that is corrected. [s]"""
 
@@ -170,6 +173,10 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     if trust.filtered and log.ascent.fused:
         found = widened_by_filter(found, trust.filtered)
         others += (FILTERED_NOTE.format(trust.filtered),)
+    if lags[0].counts < _MIN_COUNTS and not log.ascent.fused:
+        seen_peak = {name: one for name, one in found.figures.items() if name != "peak_accel"}
+        found = replace(found, figures=seen_peak)
+        others += (SMOOTH_NOTE,)
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     others += () if later is None else (OTHER_FLIGHT.format(later - float(every[0])),)
     return replace(found, notes=(*found.notes, *trust.notes, *others), track=above)

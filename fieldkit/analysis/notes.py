@@ -36,4 +36,8 @@ UNCHECKED_NOTE = (
 SLANTED_NOTE = "it climbed about {:.0f} degrees from vertical, the angle at which accelerometer and heights agree"
 ENERGY_NOTE = "the climb after burnout needs at least {:.0f} m/s: the top speed is the measured one, bounded by that"
 FILTERED_NOTE = "the heights are behind a filter of about {:.1f} s: events after the boost are late by about that"
+SMOOTH_NOTE = (
+    "the heights lack the noise of a sensor, so they are behind a filter of unknown delay: events may be up to about a "
+    "second late, and no peak acceleration is seen"
+)
 NO_LANDING = "the log ends before landing: no duration"
