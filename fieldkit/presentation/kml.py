@@ -86,8 +86,8 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
 
 
 def landing_gpx(name: str, found: Landing, pad: tuple[float, float], wind_from: float) -> bytes:
-    """The pad and the most likely landing as waypoints, and the ellipse around it as a track; arguments are those of
-    `landing_kml`."""
+    """The pad and the most likely landing as waypoints, and the ellipse around it as a track; `pad` and `wind_from` are
+    as in `landing_kml` [deg]."""
     ellipse = found.ellipse()
     outline = placed(pad, wind_from, ellipse.outline())
     ((longitude, latitude),) = placed(pad, wind_from, np.array([[ellipse.along, ellipse.across]]))
