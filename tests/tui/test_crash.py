@@ -10,10 +10,12 @@ from textual.geometry import Size
 from textual.pilot import Pilot
 
 from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
 from fieldkit.tui import app as module
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.crash import MAX_CRASH_FILES, record
 from fieldkit.tui.flights.flights_page import FlightsScreen
+from fieldkit.tui.next.plan_form import PlanForm
 from fieldkit.tui.widgets.table import Table
 from tests.pressing import at_home, calm, hurry, opened, press, shown, typed, words
 
@@ -171,3 +173,20 @@ async def test_an_app_whose_terminal_is_gone_leaves_no_crash_file(file: Path) ->
         pilot.app.survive(BrokenPipeError())  # type: ignore[attr-defined]
         assert pilot.app._exit
     assert not crash_files(file)
+
+
+async def test_a_form_that_closes_while_it_looks_up_a_rocket_does_not_end_the_app(file: Path) -> None:
+    async with opened(file, page="next_flight") as pilot:
+        await press(pilot, "p")
+        form = pilot.app.screen
+        assert isinstance(form, PlanForm)
+
+        def close(plan: Flight) -> Flight:
+            pilot.app.call_from_thread(form.query_one("#field-dry_mass Input").remove)
+            return plan
+
+        form.known = close
+        await press(pilot, *typed("x"), "_")
+        assert not form.open_fields()
+        await press(pilot, "escape")
+        assert not isinstance(pilot.app.screen, PlanForm)

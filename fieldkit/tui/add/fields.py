@@ -160,6 +160,11 @@ class Form(HelpedModal[dict[str, object] | None]):
         """What is shown above the questions."""
         return ()
 
+    def open_fields(self) -> dict[str, Field]:
+        """The fields by question; none once the form closes, which removes its widgets before its workers end."""
+        fields = {field.question.name: field for field in self.query(Field)}
+        return fields if all(field.query(Input) for field in fields.values()) else {}
+
     def on_mount(self) -> None:
         """Read the answers to offer."""
         if self._find_names is not None:

@@ -14,7 +14,7 @@ from fieldkit.importing.manual_entry import Question, date_order, read_answer
 from fieldkit.quantities import unit_of
 from fieldkit.services.manual_entry import with_unit
 from fieldkit.tui.add.add_form import Draft
-from fieldkit.tui.add.fields import Field, Form
+from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 
 TEXTS = {"rocket": "Rocket", "config": "Configuration", "motor": "Motor", "site": "Site", "date_time": "Date"}
@@ -43,7 +43,8 @@ class SetupForm(Form):
 
     async def _follow(self) -> None:
         """Fill in the setup of the rocket that is named now."""
-        fields = {field.question.name: field for field in self.query(Field)}
+        if not (fields := self.open_fields()):
+            return
         rocket = fields["rocket"].answer
         named = {name: fields[name].answer for name in ("rocket", "config") if name == "rocket" or fields[name].typed}
         found = self._texts
@@ -53,7 +54,7 @@ class SetupForm(Form):
                 offered = await asyncio.to_thread(self.offers, named) if rocket else {}
             same = rocket == self._texts["rocket"]
             found = {name: offered.get(name, "") for name in BUILD} | {"motor": self._texts["motor"] if same else ""}
-        for name in (*BUILD, "motor"):
+        for name in (*BUILD, "motor") if self.open_fields() else ():
             if not fields[name].typed:
                 fields[name].fill(found.get(name, ""))
 

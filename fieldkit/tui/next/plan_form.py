@@ -38,12 +38,13 @@ class PlanForm(Form):
         self._following = self.run_worker(self._follow, group="follow", exclusive=True)
 
     async def _follow(self) -> None:
-        fields = {field.question.name: field for field in self.query(Field)}
+        if not (fields := self.open_fields()):
+            return
         build = {name: fields[name].answer for name in ("rocket", "config")}
         named = self.shown.with_changes(**build, **dict.fromkeys(BODY))
         self.shown = await asyncio.to_thread(self.known, named) if build["rocket"] else named
         texts = plan_texts(self.shown, self.system)
-        for name in BODY:
+        for name in BODY if self.open_fields() else ():
             if not fields[name].typed:
                 fields[name].fill(texts[name])
 
