@@ -79,7 +79,7 @@ def test_a_day_at_the_field_using_only_keys(terminal: Terminal, tmp_path: Path) 
     terminal.until("Save this flight")
     for text in ("650ft", "120mph", "2.1", "7.5", "2.6", "4.9", "0.3", "640ft", "14mph", "41"):
         terminal.press(text, "Enter")
-    terminal.until("top speed matches")
+    terminal.until("burn time agree")
     terminal.press("Enter")
     terminal.until("Saved flight 13")
     terminal.press("Escape", "Escape", "1")

@@ -149,7 +149,7 @@ def together(flight: Flight, system: str) -> Iterable[str]:
     if ratio is not None:
         fits = IDENTITY[0] <= ratio <= IDENTITY[1]
         mismatch = in_system(inconsistent_speed(flight, ratio), system)
-        yield "top speed matches acceleration and burn time ✓" if fits else f"! {mismatch}"
+        yield "top speed and burn time agree ✓" if fits else f"! {mismatch}"
     apogee, eject = flight.apogee, flight.eject_altitude
     if apogee is not None and eject is not None:
         below = measure(READOUTS[0], abs(apogee - eject), system)

@@ -25,6 +25,7 @@ FORM_CSS = """
     AddScreen #current { height: auto; }
     AddScreen.-wide #current { layout: horizontal; }
     AddScreen.-wide Hand { width: 1fr; }
+    AddScreen.-wide #big { width: 24; }
     AddScreen.-wide EstimateLine { width: 1fr; height: 5; padding: 0 1; color: $foreground;
         border: round $border-blurred; border-title-color: $foreground; }
     AddScreen.-wide.-lofty #current { margin: 1 0; }
