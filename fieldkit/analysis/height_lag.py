@@ -44,6 +44,8 @@ _REST_MARGIN, _REST_SEEN, _AT_REST = 0.3, 2.0, (8.0, 1.0)
 heights are from there, in their noise [1] or, if more, in m."""
 _MIN_STEPS, _MAX_STEP_TIME = 30, 0.2
 """Fewest steps at rest that show noise [1], and the largest time between samples for which motion does not. [s]"""
+_MIN_SIZES = 6
+"""Fewest different sizes of steps that show noise: with fewer, the resolution of the heights hides it. [1]"""
 _FILTER_PROBABILITY = 1 / 3
 """Probability that a lag is of a filter in the logger, of any order of magnitude, rather than of small vents, which
 leave the noise of the sensor. [1]"""
@@ -87,6 +89,8 @@ def _by_noise(track: Heights, lift: float, prior: Float[Array, "lag"]) -> tuple[
     steps, step_time = _steps_at_rest(track, lift)
     spread = mad_sd(steps)
     if steps.size < _MIN_STEPS or step_time > _MAX_STEP_TIME or spread == 0:
+        return prior, 1.0
+    if np.unique(np.round(np.abs(steps) / spread, 1)).size < _MIN_SIZES:
         return prior, 1.0
     steps, sd = np.clip(steps, -5 * spread, 5 * spread), float(1 / np.sqrt(steps.size))
     correlation = float(np.clip(np.mean(steps[1:] * steps[:-1]) / np.mean(steps**2), -0.5, 0.0))

@@ -15,6 +15,7 @@ from fieldkit.analysis.phases import outline
 from fieldkit.analysis.smooth import Grid, design, fit
 from fieldkit.flight import Series
 from fieldkit.motors import catalogue
+from fieldkit.units import FOOT
 from tests.analysis.recordings import FAST, LARGE, SMALL, Logger, Rocket, Truth, fly, log
 
 LIFT = Event(0.0, 0.1, "pressure")
@@ -56,6 +57,16 @@ def test_a_slow_filter_biases_no_readout_of_a_barometer_alone_beyond_its_standar
     assert {name for name in known if abs(figures[name].value - right[name]) > 3 * figures[name].sd} == set()
     assert "peak_accel" not in figures
     assert figures["time_to_apogee"].sd > 3 * measure(recording(truth)).figures["time_to_apogee"].sd
+
+
+def test_a_coarse_resolution_hides_the_noise_that_shows_a_filter() -> None:
+    series = behind(recording(fly(SMALL))[0], 1.0)
+    assert series.altitude is not None
+    track = heights([replace(series, altitude=np.round(series.altitude / FOOT) * FOOT)])
+    assert track is not None
+    seen = outline(track)
+    assert seen is not None
+    assert {one.counts for one in possible_lags(track, seen, liftoff(track, None, seen))} == {1.0}
 
 
 def test_a_satellite_receiver_that_follows_the_boost_late_biases_no_time_beyond_its_standard_deviation() -> None:
