@@ -18,6 +18,7 @@ from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights, tags
 CHECKSUM = "checksum"
 """Name of the checksum column."""
 _AS_JSON = json.JSONEncoder(sort_keys=True).encode
+_WITHOUT_SPACES = json.JSONEncoder(separators=(",", ":")).encode
 SEPARATE_COLUMN = "images"
 """A long column that is usually not read, with its own checksum in `images_checksum`."""
 
@@ -61,7 +62,7 @@ def as_json_list(documents: Iterable[Any]) -> tuple[JsonText, int]:
     found, texts = crc32(b"["), ["["]
     for number, one in enumerate(documents):
         found = _with_element(found, number, one)
-        texts.append(", " * (number > 0) + json.dumps(one))
+        texts.append("," * (number > 0) + _WITHOUT_SPACES(one))
     return JsonText("".join([*texts, "]"])), crc32(b"]", found)
 
 
