@@ -106,6 +106,8 @@ _ROUNDS, _TOLERANCE = 12, 1e-3
 """Most rounds of linearization, and the largest relative change of b that ends them. [1]"""
 _MIN_WEIGHT, _MOST_KEPT = 0.05, 4
 """Smallest weight, and number, of the noise settings that are kept. [1]"""
+_MOST_PUSH = 3.0
+"""Standard deviations by which the drag of a coast may be below none. [1]"""
 _VAGUE_SD = 1.0
 """Standard deviation of the level of b relative to the reference while the noise settings are weighed. [1]"""
 SWITCH_TIMES = (0.1, 0.5, 1.5)
@@ -200,13 +202,18 @@ class DragProfile:
 
 
 def drag_profile(clocks: Sequence[Series], recorded: Recorded) -> DragProfile | None:
-    """Drag along the coast of a log that was measured as `recorded`; None if the log does not show it."""
+    """Drag along the coast of a log that was measured as `recorded`; None if the log does not show it, or shows a push:
+    no coast has that, so its sensors are wrong."""
     window = _window(clocks, recorded)
     if window is None:
         return None
     begin, end, lift, push = window
     coast = _binned(recorded.track, push, begin, end, lift)
-    return None if coast is None else _profile(coast, lift)
+    found = None if coast is None else _profile(coast, lift)
+    if found is None:
+        return None
+    drag, sd = found.level
+    return found if drag > -_MOST_PUSH * sd else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -76,3 +76,9 @@ def test_the_sums_over_steps_are_the_products_with_steps() -> None:
 def test_a_log_without_a_coast_shows_no_drag() -> None:
     clocks, recorded = coast_log(lambda time: OWN, 0, speed=12.0)
     assert drag_profile(clocks, recorded) is None
+
+
+def test_a_coast_that_gains_speed_shows_no_drag() -> None:
+    """Heights that jumped in the boost have a start from which only a push leads to the apogee."""
+    clocks, recorded = coast_log(lambda time: -OWN, 0, felt=False)
+    assert drag_profile(clocks, recorded) is None
