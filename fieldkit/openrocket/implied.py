@@ -143,8 +143,8 @@ def _plan(simulation: "Element", dry_mass: float, diameter: float) -> Flight:
 
 
 def _rod_direction(conditions: "Element") -> dict[str, str]:
-    """Where a rod leans that OpenRocket did not turn into the wind, in degrees from upwind; directions of the wind are
-    in radians in the file, that of the rod in degrees."""
+    """The direction of a slanted rod that OpenRocket did not turn into the wind, in degrees from upwind; directions of
+    the wind are in radians in the file, that of the rod in degrees."""
     if (conditions.findtext("launchintowind") or "true").strip() != "false" or not number(conditions, "launchrodangle"):
         return {}
     average = next((one for one in conditions.iterfind("wind") if one.get("model") == "average"), None)

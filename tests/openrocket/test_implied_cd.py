@@ -128,7 +128,7 @@ def test_the_air_of_a_simulation_counts() -> None:
         ("false", 0.0, 4.71238898, "90"),
     ],
 )
-def test_a_rod_leans_where_the_simulation_says(into: str, rod: float, wind: float, degrees: str) -> None:
+def test_a_rod_is_slanted_where_the_simulation_says(into: str, rod: float, wind: float, degrees: str) -> None:
     """OpenRocket stores the direction of the rod in degrees and that from which the wind blows in radians."""
     more = f"<launchrodangle>10</launchrodangle><launchintowind>{into}</launchintowind>"
     more += f"<launchroddirection>{rod}</launchroddirection>"
