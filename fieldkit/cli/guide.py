@@ -14,10 +14,11 @@ from fieldkit.cli.plan_options import Given
 from fieldkit.cli.planning import PlanContext, planning, print_conditions, season_rule
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped, system
 from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.messages import fine, message
 from fieldkit.paths import data_file
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.check import ADVICE_NOTE, MARKS, SEVERITY, Verdict
-from fieldkit.quantities import ShownUnits, counted
+from fieldkit.quantities import ShownUnits, counted, in_system
 from fieldkit.settings import read_settings
 
 if TYPE_CHECKING:
@@ -209,9 +210,10 @@ def _print(
     fit = f"{len(choices) if choices[0].fits else 'none'} of {counted(of, 'motor')} of {width}"
     say(f"{fit} fit and are not excluded by a check" if choices[0].fits else f"{fit} fits: checks exclude every one")
     if choices[0].plan.rail_length is None and any(RAIL_CHECK in choice.not_judged for choice in choices):
-        rail = ShownUnits(system()).length(RAIL_LENGTH, 1)
+        assumed, twice = (in_system(message(fine(one, "m")), system()) for one in (RAIL_LENGTH, 2 * RAIL_LENGTH))
         say_wrapped(
-            f"rail    not given: {rail} assumed for the speed off it, and a longer one gives more; give --rail-length",
+            f"rail    not given: {assumed} assumed for the speed off it; off {twice} it is 20 to 45% higher; give "
+            "--rail-length",
             "        ",
         )
     if plan.site.ceiling is None:
