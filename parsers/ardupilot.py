@@ -22,6 +22,7 @@ from fieldkit.importing.tables.clocks import in_order
 from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.pad_state import along_thrust
 from fieldkit.importing.tables.text import blocks, shown
+from fieldkit.quantities import counted
 from fieldkit.shapes import Array, Float
 
 MAX_LOG_SIZE = 512 << 20
@@ -96,7 +97,9 @@ def _kinds(log: bytes) -> tuple[dict[str, LineSamples], Damaged]:
                 if rows is not None:
                     kinds.setdefault(kind, rows)
             elif name in kinds and not _add(kinds[name], rest.split(",")):
-                damaged.add(DamagedLog(f"found {shown(line)}, expected {kinds[name].width} numbers", row=row))
+                damaged.add(
+                    DamagedLog(f"found {shown(line)}, expected {counted(kinds[name].width, 'number')}", row=row)
+                )
     return kinds, damaged
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from fieldkit import units
 from fieldkit.errors import BadValue, nearest
+from fieldkit.safe_text import whole_number
 
 LONGEST_TIMED = 10_000.0
 """A timer that shows more is a typing error. [s]"""
@@ -60,7 +61,7 @@ def read_eggs(text: str) -> Eggs | None:
     found = [clause for part in _CLAUSES.split(text.casefold()) if (clause := _clause(part)).intact is not None]
     intact = all(clause.intact for clause in found) if found else None
     known = {*INTACT, *CRACKED, *_NUMBERS, *_NEGATIONS, *_FILLERS, "and", "but"}
-    unknown = [word for word in words if not word.isdecimal() and word not in known]
+    unknown = [word for word in words if whole_number(word) is None and word not in known]
     if intact is not False and (unknown or not words):
         near = nearest(unknown[0], (*INTACT, *CRACKED)) if unknown else []
         raise BadValue(f"found {text[:40]!r}" + (f"; did you mean {near[0]}?" if near else f", {_EXPECTED}"))
@@ -72,8 +73,8 @@ def _clause(text: str) -> Eggs:
     """What one part of a text says; its first number is how many."""
     intact, count, none = None, None, False
     for word in _WORD.findall(text):
-        if word.isdecimal() or word in _NUMBERS:
-            count = (_NUMBERS.get(word) or int(word)) if count is None else count
+        if (number := _NUMBERS.get(word, whole_number(word))) is not None:
+            count = number if count is None else count
         elif word in _NEGATIONS:
             none = True
         elif word in INTACT:

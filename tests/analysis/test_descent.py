@@ -56,7 +56,8 @@ def test_only_the_higher_of_two_flights_on_one_clock_is_measured(fraction: float
     recorded = measure((Series(time=np.asarray(0.1 * np.arange(both.size), np.float64), altitude=both),))
     duration = recorded.figures["duration"]
     assert abs(duration.value - truth.readouts()["duration"]) < 3 * duration.sd
-    assert recorded.figures["apogee"].value == pytest.approx(max(fraction, 1.0) * truth.readouts()["apogee"], rel=0.01)
+    apogee, top = recorded.figures["apogee"], max(fraction, 1.0) * truth.readouts()["apogee"]
+    assert apogee.value == pytest.approx(top, abs=max(0.01 * top, 2 * apogee.sd))  # a stretched flight is none: wide
     assert any("another flight follows" in note for note in recorded.notes) == (fraction < 1)
     assert any("another flight ends" in note for note in recorded.notes) == (fraction > 1 and wait < 60)
 

@@ -207,13 +207,13 @@ class Form(HelpedModal[dict[str, object] | None]):
         except BadValue as error:
             return None, f"✗ {error}"
         if self._names is None or not field.typed:
-            return value, self._beside(field, value, unit)
+            return value, self.beside(field, value, unit)
         if name == "motor" and (trouble := self._names.motor_trouble(str(value or ""))):
             return value, f"✗ {trouble}"  # no ledger accepts it
         doubt = self._names.doubt(name, value)
-        return value, f"? {doubt}" if doubt else self._beside(field, value, unit)
+        return value, f"? {doubt}" if doubt else self.beside(field, value, unit)
 
-    def _beside(self, field: Field, value: object, unit: str) -> str:
+    def beside(self, field: Field, value: object, unit: str) -> str:
         """The unit of an answer; if it was typed in another one, that and its value in the flyer's."""
         column, typed = field.question.column, typed_unit(field.answer)
         if column is None or not isinstance(value, float) or not typed or spelled(typed) == spelled(unit):

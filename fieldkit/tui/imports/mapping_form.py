@@ -91,7 +91,7 @@ class MappingForm(Form):
                 return
         await super().action_go_on()
 
-    def _beside(self, field: Field, value: object, unit: str) -> str:
+    def beside(self, field: Field, value: object, unit: str) -> str:
         """The first cells of the column, and whether its unit is missing."""
         cells = ", ".join(self._columns.cells(field.answer))
         lacks = self._columns.units(field.question.name, field.answer)

@@ -48,10 +48,10 @@ class PlanForm(Form):
             if not fields[name].typed:
                 fields[name].fill(texts[name])
 
-    def _beside(self, field: Field, value: object, unit: str) -> str:
+    def beside(self, field: Field, value: object, unit: str) -> str:
         """The unit of an answer; of a further column, which is a text, the one that it was typed in."""
         typed = typed_unit(field.answer) if field.question.name in FURTHER else ""
-        return spelled(typed) if typed else super()._beside(field, value, unit)
+        return spelled(typed) if typed else super().beside(field, value, unit)
 
     async def action_take(self) -> None:
         """Submit the answers when they have followed the rocket."""
