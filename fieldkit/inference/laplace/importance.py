@@ -140,7 +140,9 @@ def _squared(
     off: Float[Array, "#scale draw term"] | Float[Array, "draw term"], precision: Float[Array, "scale term term"]
 ) -> Float[Array, "draw scale"]:
     """Squared Mahalanobis distance of each draw from a mean. [1]"""
-    return np.asarray(((off @ precision) * off).sum(axis=-1).T)
+    return np.asarray(
+        np.einsum("sdt,sdt->ds", off @ precision, np.broadcast_to(off, (len(precision), *off.shape[-2:])))
+    )
 
 
 def log_prior(
