@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import fly_ahead, learn
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
@@ -53,7 +54,10 @@ def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Tr
     asked = histories[-1]
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
     fitted = learn(
-        flown_and_planned(asked.flown, [asked.plan]), shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number
+        flown_and_planned(asked.flown, [asked.plan]),
+        Assumed(shared=shared, hyperprior=hyperprior),
+        draws=DRAWS,
+        seed=number,
     )
     (prediction,) = fly_ahead(fitted)
     log_cd = bent(fitted.model, fitted.values, "drag")[:, 0]

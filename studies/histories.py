@@ -11,6 +11,7 @@ from textwrap import fill
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.evaluation.comparison import judged_report
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.predict import predict
@@ -96,7 +97,7 @@ def _forecast(
     plan = (flight.unflown(), motor)
     diagnosis = _close(before)
     (plain,) = predict(before, [plan], draws=DRAWS)
-    (closed,) = predict(before, [plan], averaged=diagnosis.averaged, draws=DRAWS)
+    (closed,) = predict(before, [plan], Assumed(diagnosis.averaged), draws=DRAWS)
     one, other = (forecast.apogee_quantiles() for forecast in (plain, closed))
     return (
         one[1] / flight.apogee - 1,

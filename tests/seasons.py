@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import forecast_model
+from fieldkit.forecast.assumed import forecast_model
 from fieldkit.model.simulated_readouts import shown
 from fieldkit.motors import Found, catalogue
 from fieldkit.physics.history import history_of

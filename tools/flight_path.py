@@ -19,6 +19,7 @@ from types import CodeType, FrameType
 from typing import Any, NamedTuple
 
 from fieldkit.flight import Flight, Series
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.importing import Reading
 from fieldkit.importing.from_samples import with_figures
@@ -57,7 +58,7 @@ def passes(*, holders: bool = False) -> list[Pass]:
     places = [Place(name) for name in effects()] + [Place(pattern=pattern) for pattern in PATTERNS]
     places += [Place(name, EACH_GROUP) for name, effect in effects().items() if effect.each]
     with _followed(lambda value: _carries(value, holders)) as made:
-        predict(pairs, planned, places, cds={"B": 0.6}, draws=20)
+        predict(pairs, planned, Assumed(((1.0, tuple(places)),), cds={"B": 0.6}), draws=20)
     return list(made)
 
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight.plan import repeated
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.one_offs import beside_others
 from fieldkit.forecast.predict import predict
 from fieldkit.ledger import Ledger
@@ -71,9 +72,9 @@ def beside(one: WorldHistory, own: ClosedForms) -> dict[str, Any]:
     """A simulated history by the closed forms and by the fit."""
     history, flown = one.history, flown_of(one)
     began = time.process_time()
-    (made,) = predict(flown, [(history.flights[-1], history.found[-1])], hyperprior=START, draws=DRAWS)
+    (made,) = predict(flown, [(history.flights[-1], history.found[-1])], Assumed(hyperprior=START), draws=DRAWS)
     seconds = time.process_time() - began
-    causes = beside_others(flown, hyperprior=START)
+    causes = beside_others(flown, Assumed(hyperprior=START))
     judged = [
         i
         for i, (flight, used) in enumerate(zip(history.flights, history.used_in_fit, strict=False))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.history.response import respond
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
@@ -119,7 +120,7 @@ def forward_in_time(path: Path, networks: Networks) -> Any:
         flight, motor = one.flown
         apogee = float(flight.apogee or np.nan)
         plan: Flight = flight.unflown()
-        (made,) = predict(one.earlier, [(plan, motor)], shared=one.shared)
+        (made,) = predict(one.earlier, [(plan, motor)], Assumed(shared=one.shared))
         rows.setdefault("fit", []).append(scored(made.apogee, apogee))
         whole = tabled(flown_and_planned(one.earlier, [(plan, motor)]), apogee, one.shared, learned())
         mean, sd = float(whole.column("mean")[0]), float(whole.column("sd")[0])

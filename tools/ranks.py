@@ -14,7 +14,8 @@ import numpy as np
 from scipy import stats
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import forecast_model, predict
+from fieldkit.forecast.assumed import Assumed, forecast_model
+from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.posterior import term_sds
 from fieldkit.model.causes import USUAL_PROBABILITY, signatures
 from fieldkit.model.hyperprior import START, Hyperprior
@@ -107,7 +108,7 @@ def rank(rng: np.random.Generator, hyperprior: Hyperprior) -> float:
     draws_of_its_own = int(
         rng.integers(2**31)
     )  # with the same draws in all ledgers, their ranks would not be independent
-    (made,) = predict(flown[:-1], [plans[-1]], hyperprior=hyperprior, seed=draws_of_its_own)
+    (made,) = predict(flown[:-1], [plans[-1]], Assumed(hyperprior=hyperprior), seed=draws_of_its_own)
     return float(np.mean(made.apogee < figures[-1]["apogee"]))
 
 

@@ -23,6 +23,7 @@ from bench.world import Launch
 from fieldkit.analysis import columns
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.motors import catalogue
@@ -90,7 +91,7 @@ def _flight(launch: Launch) -> Flight:
 def _cd_error(flown: Flight, launch: Launch, hyperprior: Hyperprior) -> tuple[float, float]:
     """Error of the posterior mean of log Cd, and its standard deviation. [1]"""
     motor = catalogue().find(launch.motor.printed(launch.delay))
-    (forecast,) = predict([(flown, motor)], [(_flight(launch), motor)], hyperprior=hyperprior, draws=DRAWS)
+    (forecast,) = predict([(flown, motor)], [(_flight(launch), motor)], Assumed(hyperprior=hyperprior), draws=DRAWS)
     log_cd = np.log(forecast.cd)
     return float(log_cd.mean() - np.log(launch.drag.cd)), float(log_cd.std())
 

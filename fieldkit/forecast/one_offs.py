@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import Fits, declared_places, designed, fitted, forecast_model
+from fieldkit.forecast.assumed import FLIGHTS_ALONE, Assumed
+from fieldkit.forecast.predict import Fits, fitted
 from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
 from fieldkit.model.causes import CAUSES, NAMES
-from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import FlownFlights
-from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.model.term_names import fleet_term
 from fieldkit.physics.history import flown_and_planned
 from fieldkit.selection.candidates import Averaged, Place
 
@@ -83,26 +81,15 @@ class FlightBesideOthers:
 
 
 def beside_others(
-    flown: FlownFlights,
-    averaged: Averaged = (),
-    *,
-    cds: Mapping[str, float] | None = None,
-    shared: SharedPrior | None = None,
-    hyperprior: Hyperprior | None = None,
-    fits: Fits | None = None,
+    flown: FlownFlights, assumed: Assumed = FLIGHTS_ALONE, *, fits: Fits | None = None
 ) -> tuple[FlightBesideOthers, ...]:
     """The flights of one rocket in the order flown, each compared with the others; tagged ones are compared but not
     used. Arguments and errors as in `fieldkit.forecast.predict.predict`."""
     history = flown_and_planned(flown)
     flights = history.flights
-    designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
-    if designs and shared:  # a design replaces the information from other rockets about drag
-        shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
     parts = []
-    for chance, places in _flown_sets(averaged):
-        acting = (*places, *declared_places(flights, places))
-        model = forecast_model(history, acting, shared, hyperprior)
-        model = designed(model, designs) if designs else model
+    for chance, places in replace(assumed, sets=_flown_sets(assumed.sets)).acting(flights):
+        model = assumed.model(history, places)
         known = set(model.shared.names) if model.shared else set()
         used = [i for i, term in enumerate(model.terms) if term.name in known or np.any(term.weight != 0)]
         every = observe(history.using([True] * len(flights)), model.hyperprior)

@@ -5,12 +5,13 @@ simulated in one batch. Without flights the priors are simulated, and the predic
 depend on the other plans in the request: each uses the same draws as alone.
 """
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import FLIGHTS_ALONE, Assumed
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.forecast.term_draws import term_draws
@@ -18,21 +19,14 @@ from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.model.documents import with_documents
-from fieldkit.model.high_power import closer_to_designs
-from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter
-from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.model.simulated_readouts import EXTRAS, bent, shown
-from fieldkit.model.term_names import TermName, fleet_term
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import log_delay_ratio
-from fieldkit.physics.effect import effects, spoken
+from fieldkit.physics.effect import spoken
 from fieldkit.physics.history import History, flown_and_planned
-from fieldkit.physics.setups import differs_from_zero
-from fieldkit.selection.candidates import Averaged, Place
-from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.candidates import Place
 from fieldkit.shapes import Array, Float
 
 DRAWS = 1000
@@ -40,17 +34,6 @@ DRAWS = 1000
 MAX_LOG_APOGEE_RATIO = 1.5
 """Limit of the log ratio of an apogee to its expectation in a draw, because the tail of a Student t has no physical
 bound. [1]"""
-
-
-def forecast_model(
-    history: History,
-    accepted: Sequence[Place] = (),
-    shared: SharedPrior | None = None,
-    hyperprior: Hyperprior | None = None,
-) -> Model:
-    """The model for forecasting a rocket's next flight, by default with the learned hyperprior; arguments as in
-    `rocket_model`. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel for a damaged card."""
-    return rocket_model(history, accepted, with_documents(hyperprior or learned()), shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -85,89 +68,51 @@ class FittedForecast:
 def predict(
     flown: Sequence[tuple[Flight, Found]],
     planned: Sequence[tuple[Flight, Found]],
-    accepted: Sequence[Place] = (),
+    assumed: Assumed = FLIGHTS_ALONE,
     *,
-    averaged: Averaged = (),
-    declared: bool = True,
-    cds: Mapping[str, float] | None = None,
-    shared: SharedPrior | None = None,
-    hyperprior: Hyperprior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
     fits: Fits | None = None,
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from its flights in the order flown.
 
-    The plans are flown one after the other, which matters only to effects that grow from flight to flight. With
-    `averaged`, the forecast is a mixture over sets of accepted effects, weighted by their probabilities. Flights with
-    an anomaly tag count as flown and are not used in the fit; outliers have little weight. Recorded wind acts with the
-    prior of its effect, accepted or not, unless `declared` is False. `cds` are the drag coefficients of designs by
-    configuration, which replace the prior mean of any rocket [1]. `shared` is the information from the flyer's other
-    rockets; `hyperprior` is by default the learned one. `fits` are fits of the same flights, with the same design and
-    other rockets, to be used and added to. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel if the
-    learned hyperprior cannot be read.
+    The plans are flown one after the other, which matters only to effects that grow from flight to flight. Flights with
+    an anomaly tag count as flown and are not used in the fit; outliers have little weight. `fits` are fits of the same
+    flights, with the same design and other rockets, to be used and added to. Raises ImpossibleFlight for a flight
+    without a dry mass, DamagedModel if the learned hyperprior cannot be read.
     """
 
     def predict_rows(rows: Sequence[int]) -> list[Prediction]:
         history = flown_and_planned(flown, [planned[row] for row in rows], [len(flown) + row for row in rows])
-        fitted = learn(
-            history,
-            accepted,
-            averaged=averaged,
-            declared=declared,
-            cds=cds,
-            shared=shared,
-            hyperprior=hyperprior,
-            draws=draws,
-            seed=seed,
-            fits=fits,
-        )
-        return fly_ahead(fitted, paired=True)
+        return fly_ahead(learn(history, assumed, draws=draws, seed=seed, fits=fits), paired=True)
 
     return by_kind(flown, planned, predict_rows)
 
 
 def learn(
-    history: History,
-    accepted: Sequence[Place] = (),
-    *,
-    averaged: Averaged = (),
-    declared: bool = True,
-    cds: Mapping[str, float] | None = None,
-    shared: SharedPrior | None = None,
-    hyperprior: Hyperprior | None = None,
-    draws: int = DRAWS,
-    seed: int = 0,
-    fits: Fits | None = None,
+    history: History, assumed: Assumed = FLIGHTS_ALONE, *, draws: int = DRAWS, seed: int = 0, fits: Fits | None = None
 ) -> FittedForecast:
     """Fit the flown flights of a history for its plans, which are of one kind (see `fieldkit.forecast.kinds`). Other
     arguments and errors as in `predict`."""
-    flights, flown = history.flights, history.flown
-    sets = averaged or ((1.0, tuple(accepted)),)
-    acting = [(*own, *declared_places(flights, own)) if declared else own for _, own in sets]
-    every = tuple(dict.fromkeys(place for own in acting for place in own))
-    designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
-    if designs and shared:  # a design replaces the information from other rockets about drag
-        shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
-    model = forecast_model(history, every, shared, hyperprior)
-    model = designed(model, designs) if designs else model
+    flown, acting = history.flown, assumed.acting(history.flights)
+    every = tuple(dict.fromkeys(place for _, own in acting for place in own))
+    model = assumed.model(history, every)
     data = observe(history, model.hyperprior)
     rng, fits = np.random.default_rng(seed), {} if fits is None else fits
     parts = []
-    for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):
+    for (_, own), count in zip(acting, _allotted([chance for chance, _ in acting], draws), strict=True):
         if count:
             terms = _terms_without(model, set(every) - set(own))
             parts.append(_drawn_with(model, terms, data, flown, count, rng, fits))
     values, scales = (np.concatenate(column) for column in zip(*((v, s) for _, v, s, _ in parts), strict=True))
-    rests_on = int(np.sum(data.seen.any(axis=1)))
     return FittedForecast(
         model=model.part(slice(flown, None)),
         at=parts[0][0],
         values=values,
         scales=scales,
-        rests_on=rests_on,
+        rests_on=int(np.sum(data.seen.any(axis=1))),
         heaviest_motor=max((found.motor.loaded_mass for found in history.found[:flown]), default=0.0),
-        name=model_name(sets[0][1]),
+        name=model_name(assumed.sets[0][1] if assumed.sets else ()),
         rng=rng,
         left_out=parts[0][3],
     )
@@ -215,27 +160,6 @@ def _drawn_with(
     ends[used] = result.tangent.at
     at[list(terms)] = ends
     return at, values, scales, outlier_lines(result) if flown else ()
-
-
-def designed(model: Model, cds: Mapping[str, float]) -> Model:
-    """The model of a rocket with designs: each configuration has the Cd of its design as prior mean, and all share the
-    error of the design, so flights of one configuration inform the others. The fleet's drag then has no effect. A
-    design does not measure the area of a rocket without a diameter: what that adds to the variance of drag remains.
-    On high-power motors, mass, thrust and apogee vary less."""
-    usual = model.hyperprior.sd("drag", "rocket")
-    extra = sum(term.sd**2 - usual**2 for term in model.terms if term.name == TermName("drag"))
-    sd = float(np.sqrt(model.hyperprior.design_drag**2 + extra))
-    logs = {config: float(np.log(cd)) for config, cd in cds.items()}
-    middle = float(np.mean(list(logs.values())))
-    fleet = fleet_term("drag")
-    terms = tuple(
-        replace(term, mean=0.0, weight=np.zeros_like(term.weight)) if term.name == fleet else term
-        for term in model.terms
-    )
-    model = replace(model, terms=terms).with_prior(TermName("drag"), middle, sd)
-    for config, log in logs.items():
-        model = model.with_prior(TermName("drag", "config", config), log - middle)
-    return closer_to_designs(model, cds)
 
 
 def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Prediction]:
@@ -294,14 +218,4 @@ def fly_ahead(fitted: FittedForecast, *, paired: bool = False) -> list[Predictio
             **{name: values[:, i] for name, values in figures.items()},  # every field is an array of draws
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
-    ]
-
-
-def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
-    """Effects whose column is recorded and that no accepted effect replaces."""
-    known = {place.effect for place in accepted}
-    return [
-        Place(name)
-        for name, effect in effects().items()
-        if effect.declared and name not in known and differs_from_zero(flights, effect.needs)
     ]

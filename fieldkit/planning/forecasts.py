@@ -1,11 +1,12 @@
 """Forecasts of alternative plans, from what is known about a rocket."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import MIN_CALIBER_RATIO
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.predict import DRAWS, FittedForecast, fly_ahead, learn
@@ -45,6 +46,10 @@ class RocketData:
     def motors(self) -> list[Found]:
         """The motors of these flights."""
         return [found for _, found in self.history]
+
+    def assumed(self, flights: Iterable[Flight]) -> Assumed:
+        """What forecasts of flights assume beside the rocket's own."""
+        return Assumed(self.averaged, self.declared, self.known.cds(one.config for one in flights), self.shared)
 
     def same_as(self, other: "RocketData") -> bool:
         """Whether forecasts of a plan are the same for both."""
@@ -98,10 +103,7 @@ def fitted_forecast(
         check_width(plan, motor.motor)
     return learn(
         flown_and_planned(rocket.history, planned, flight_index),
-        averaged=rocket.averaged,
-        declared=rocket.declared,
-        cds=rocket.known.cds(flight.config for flight, _ in (*rocket.history, *planned)),
-        shared=rocket.shared,
+        rocket.assumed([flight for flight, _ in (*rocket.history, *planned)]),
         draws=draws,
     )
 

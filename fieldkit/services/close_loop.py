@@ -27,8 +27,7 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.logged_forces import FlightLog, logged_forces
 from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings, next_flight
-from fieldkit.services.fleet import fleet_prior
-from fieldkit.services.forecasts import accepted_average, flown
+from fieldkit.services.forecasts import accepted_average, assumed_of, flown
 from fieldkit.services.plausible_flights import exclusions
 from fieldkit.services.replay import FlightRecordings
 
@@ -119,10 +118,10 @@ def look(
         declined=declined,
     )
     history = flown(ledger, motors, rocket)
-    shared, fits = fleet_prior(ledger, motors, rocket), {} if fits is None else fits
-    cds = ledger.rocket(rocket).cds(flight.config for flight, _ in history)
-    flights = beside_others(history, diagnosis.averaged, cds=cds, shared=shared, fits=fits)
-    upcoming = next_flight(history, diagnosis.averaged, cds=cds, shared=shared, fits=fits)
+    assumed = assumed_of(ledger, motors, rocket, [flight for flight, _ in history], diagnosis.averaged)
+    fits = {} if fits is None else fits
+    flights = beside_others(history, assumed, fits=fits)
+    upcoming = next_flight(history, assumed, fits=fits)
     found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), upcoming)
     return replace(
         found, flights=flights, rivals=rival_scores(history), excluded=tuple(exclusions(ledger.flights(rocket), motors))

@@ -1,20 +1,17 @@
 """The findings of a closed loop, computed once, so that terminal, JSON and page show the same figures."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from math import log
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.evaluation.rivals import RivalScore
 from fieldkit.forecast.one_offs import FlightBesideOthers
 from fieldkit.forecast.predict import Fits, predict
 from fieldkit.model.rocket_model import FlownFlights
-from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.averaged import Ahead, ahead
-from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
 from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
@@ -109,6 +106,7 @@ def findings(
     """The findings for a diagnosis. `upcoming` is by default forecast from the diagnosed flights alone. Raises BadValue
     for a recovery figure or rail direction that cannot be read."""
     model, truth, seen = diagnosis.model, diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
+    flown = tuple(zip(model.flights, model.found, strict=True))
     forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
     return Findings(
@@ -130,7 +128,7 @@ def findings(
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
         unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
-        next_flight=upcoming or next_flight(tuple(zip(model.flights, model.found, strict=True)), diagnosis.averaged),
+        next_flight=upcoming or next_flight(flown, Assumed(diagnosis.averaged)),
     )
 
 
@@ -141,19 +139,12 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
     return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
-def next_flight(
-    history: FlownFlights,
-    averaged: Averaged,
-    *,
-    cds: Mapping[str, float] | None = None,
-    shared: SharedPrior | None = None,
-    fits: Fits | None = None,
-) -> NextFlight:
-    """The forecasts of repeating the last flight, before and after; arguments as in `predict`."""
+def next_flight(history: FlownFlights, assumed: Assumed, *, fits: Fits | None = None) -> NextFlight:
+    """The forecasts of repeating the last flight, without any effect and as assumed; arguments as in `predict`."""
     last, motor = history[-1]
     plan = [(last.unflown(tags=()), motor)]
-    sure = partial(predict, history, plan, cds=cds, shared=shared, draws=NEXT_FLIGHT_DRAWS, fits=fits)
-    (before,), (after,) = sure(declared=False), sure(averaged=averaged)
+    none = replace(assumed, sets=(), declared=False)
+    (before,), (after,) = (predict(history, plan, one, draws=NEXT_FLIGHT_DRAWS, fits=fits) for one in (none, assumed))
     low, middle, high = after.apogee_quantiles()
     return NextFlight(last, before.apogee_quantiles()[1], middle, (low, high))
 

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import isfinite
@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, NoFlights, unknown
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.conformal import is_result, saved_surprises, stretch
 from fieldkit.forecast.earlier_forecasts import EarlierForecasts
 from fieldkit.forecast.evaluation.stacking import MODEL_ALONE, saved_scores, weights_after
@@ -94,6 +95,13 @@ def _started(place: Place, before: Sequence[str], now: Sequence[str]) -> Place |
     known = [now.index(one) for one in before[: before.index(place.start)] if one in now]
     turn = max(known, default=-1) + 1
     return place.starting_at(now[turn]) if turn < len(now) else None
+
+
+def assumed_of(ledger: Ledger, motors: Catalogue, rocket: str, flights: Iterable[Flight], sets: Averaged) -> Assumed:
+    """What forecasts of flights of a rocket assume beside its own, averaged over sets of effects. Raises BadValue for
+    flights that cannot be simulated, DamagedModel if the hyperprior cannot be read."""
+    cds = ledger.rocket(rocket).cds(flight.config for flight in flights)
+    return Assumed(sets, cds=cds, shared=fleet_prior(ledger, motors, rocket))
 
 
 def rocket_of(

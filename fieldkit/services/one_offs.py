@@ -9,8 +9,7 @@ from fieldkit.forecast.predict import Fits
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.selection.candidates import Averaged
-from fieldkit.services.fleet import fleet_prior
-from fieldkit.services.forecasts import accepted_average, flown
+from fieldkit.services.forecasts import accepted_average, assumed_of, flown
 
 
 def flights_beside_others(
@@ -26,9 +25,7 @@ def flights_beside_others(
         return ()
     flights = [flight for flight, _ in history]
     sets = accepted_average(ledger, rocket, flights=flights) if averaged is None else averaged
-    shared = fleet_prior(ledger, motors, rocket)
-    cds = ledger.rocket(rocket).cds(flight.config for flight in flights)
-    return beside_others(history, sets, cds=cds, shared=shared, fits=fits)
+    return beside_others(history, assumed_of(ledger, motors, rocket, flights, sets), fits=fits)
 
 
 def flight_beside_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> FlightBesideOthers | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import FittedForecast, fly_ahead, learn
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
@@ -130,8 +131,7 @@ def summary_of_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figu
     return _figures(
         learn(
             flown_and_planned(case.flown, [case.plan]),
-            shared=case.shared,
-            hyperprior=case.hyperprior,
+            Assumed(shared=case.shared, hyperprior=case.hyperprior),
             draws=draws,
             seed=seed,
         )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from fieldkit.forecast.predict import forecast_model
+from fieldkit.forecast.assumed import forecast_model
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared, observe

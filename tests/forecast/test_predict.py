@@ -9,6 +9,7 @@ from scipy.stats import norm
 from scipy.stats.qmc import Sobol
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.certified_prior import CERTIFIED_PRIOR
@@ -118,7 +119,7 @@ def test_steady_speeds_and_burn_times_do_not_narrow_the_interval_of_apogees_that
 
     def sd(motors: Scale | None) -> float:
         plan = (PLAN, catalogue().resolve("F24"))
-        (forecast,) = predict(flown, [plan], hyperprior=replace(learned(), motors=motors))
+        (forecast,) = predict(flown, [plan], Assumed(hyperprior=replace(learned(), motors=motors)))
         low, _, high = forecast.apogee_quantiles()
         return float(np.log(high / low)) / float(norm.ppf(0.95) - norm.ppf(0.05))
 
@@ -151,7 +152,7 @@ def test_a_new_configuration_without_a_design_is_forecast_as_if_alone() -> None:
     flown, motor = season({}, 2), catalogue().resolve("F24")
     new, designed = ((PLAN.with_changes(config=config), motor) for config in ("B", "C"))
     cds = {"A": 0.5, "C": 0.9}
-    (alone,), (beside, _) = (predict(flown, plans, cds=cds, draws=30) for plans in ([new], [new, designed]))
+    (alone,), (beside, _) = (predict(flown, plans, Assumed(cds=cds), draws=30) for plans in ([new], [new, designed]))
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
 
 
@@ -163,7 +164,7 @@ def test_a_plan_without_a_date_is_forecast_as_if_alone() -> None:
     averaged = ((0.5, (Place("weather", EACH_GROUP),)), (0.5, ()))
     plan = (PLAN, catalogue().resolve("F24"))
     dated = (PLAN.with_changes(date_time=datetime(2026, 6, 1)), plan[1])
-    (alone,), (beside, _) = (predict(flown, plans, averaged=averaged, draws=30) for plans in ([plan], [plan, dated]))
+    (alone,), (beside, _) = (predict(flown, plans, Assumed(averaged), draws=30) for plans in ([plan], [plan, dated]))
     assert beside.apogee == pytest.approx(alone.apogee, rel=1e-9)
 
 
@@ -171,7 +172,8 @@ def test_a_plan_without_a_date_is_forecast_as_if_alone() -> None:
 def test_a_plan_without_a_name_is_forecast_like_one_with_a_name(place: Place) -> None:
     flown, motor = season({}), catalogue().resolve("F24")
     (named,), (unnamed,) = (
-        predict(flown, [(PLAN.with_changes(flight_id=name), motor)], [place], draws=100) for name in ("plan", "")
+        predict(flown, [(PLAN.with_changes(flight_id=name), motor)], Assumed(((1.0, (place,)),)), draws=100)
+        for name in ("plan", "")
     )
     np.testing.assert_array_equal(unnamed.apogee, named.apogee)
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import forecast_model
+from fieldkit.forecast.assumed import forecast_model
 from fieldkit.model.hyperprior import START
 from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.motors import catalogue

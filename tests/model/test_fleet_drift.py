@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.inference.laplace.learning import learn_hyperprior
@@ -90,7 +91,7 @@ def error(hyperprior: Hyperprior) -> float:
     period = period_of(one for own in rockets for one, _ in own)
     shared = shared_prior([rocket_fit(own, hyperprior, period) for own in rockets[1:]], period)
     *earlier, (last, _) = flown("R0", [0.1, 1, 2, 8.5], RATE)
-    (made,) = predict(earlier, [(last.unflown(), MOTOR)], shared=shared, hyperprior=hyperprior, draws=2000)
+    (made,) = predict(earlier, [(last.unflown(), MOTOR)], Assumed(shared=shared, hyperprior=hyperprior), draws=2000)
     assert last.apogee is not None
     return abs(float(np.median(made.apogee)) / last.apogee - 1)
 

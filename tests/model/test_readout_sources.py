@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import FROM_DEVICES, START, Hyperprior, learned
 from fieldkit.model.rocket_model import base_model
@@ -72,7 +73,7 @@ def test_drag_and_thrust_follow_from_logged_readouts_despite_biased_devices(slow
     motor = catalogue().resolve(PLAN.motor)
 
     def misses(source: str) -> tuple[float, float]:
-        (forecast,) = predict(flown(source), [(PLAN, motor)], hyperprior=slow_device, draws=400)
+        (forecast,) = predict(flown(source), [(PLAN, motor)], Assumed(hyperprior=slow_device), draws=400)
         cd, alpha = np.log(forecast.cd), np.log(forecast.alpha)
         truth = START.mean("drag") + 0.3
         return abs(cd.mean() - truth) / cd.std(), abs(alpha.mean()) / alpha.std()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.rocket_model import base_model
@@ -66,7 +67,7 @@ def test_each_plan_of_a_rocket_never_flown_has_its_own_diameter() -> None:
 
 def test_the_drag_coefficient_of_a_design_does_not_measure_the_body() -> None:
     def width(plan: Flight) -> float:
-        (prediction,) = predict([], [(plan, MOTOR)], cds={"A": 0.6}, draws=1000)
+        (prediction,) = predict([], [(plan, MOTOR)], Assumed(cds={"A": 0.6}), draws=1000)
         return float(np.std(np.log(prediction.cd)))
 
     assert width(PLAN.with_changes(diameter=None)) > 1.2 * width(PLAN)

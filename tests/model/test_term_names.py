@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import learned
@@ -28,7 +29,7 @@ def test_no_configuration_is_mistaken_for_a_motor_or_the_fleet(name: str) -> Non
     def forecast(config: str) -> list[float]:
         other = [rocket_fit(rocket(config, 220.0), learned())]
         plan = replace(ONE, flight_id="next", config=f"{config}, new", apogee=None)
-        (prediction,) = predict(rocket(config, 150.0), [(plan, MOTOR)], shared=shared_prior(other), draws=200)
+        (prediction,) = predict(rocket(config, 150.0), [(plan, MOTOR)], Assumed(shared=shared_prior(other)), draws=200)
         return [float(end) for end in np.quantile(prediction.apogee, (0.05, 0.5, 0.95))]
 
     assert forecast(name) == pytest.approx(forecast("B"))

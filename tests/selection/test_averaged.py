@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fit import fit, refits_without
 from fieldkit.inference.laplace.posterior import Fit
@@ -79,7 +80,7 @@ def test_a_forecast_averages_over_the_states_of_brakes() -> None:
     plan = [(lower[-1].unflown(tags=()), pairs[-1][1])]
 
     def mean(*averaged: tuple[float, tuple[Place, ...]]) -> float:
-        (found,) = predict(flown, plan, averaged=averaged)
+        (found,) = predict(flown, plan, Assumed(averaged))
         return float(found.apogee.mean())
 
     low, high, both = mean((1.0, opened)), mean((1.0, shut)), mean(*states)

@@ -10,6 +10,7 @@ from bench.make import make
 from bench.rockets import Needs
 from bench.scenarios import SCENARIOS, Part, Scenario
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
@@ -116,7 +117,7 @@ def test_the_accepted_effect_improves_forecasts_of_later_flights(
         ]
         truth = np.array([flight.apogee for flight in later])
         for averaged, errors in (((), before), (diagnosis.averaged, after)):
-            made = predict(flown, plans, averaged=averaged, declared=bool(averaged))
+            made = predict(flown, plans, Assumed(averaged, declared=bool(averaged)))
             forecast = [np.median(one.apogee) for one in made]
             errors.append(np.abs(np.array(forecast) - truth).mean())
     assert np.mean(after) < 0.9 * np.mean(before)

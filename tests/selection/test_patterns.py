@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import model_name, predict
 from fieldkit.motors import catalogue
 from fieldkit.physics.history import history_of
@@ -82,7 +83,8 @@ def test_a_pattern_that_the_flights_do_not_show_is_left_out() -> None:
 def test_a_pattern_of_a_rocket_whose_flights_were_removed_is_left_out() -> None:
     plan = (PLAN, catalogue().resolve(PLAN.motor))
     before, after = (
-        predict([], [plan], places, draws=20)[0] for places in ((), (Place(pattern=Pattern("number", "temperature")),))
+        predict([], [plan], Assumed(((1.0, places),)), draws=20)[0]
+        for places in ((), (Place(pattern=Pattern("number", "temperature")),))
     )
     np.testing.assert_array_equal(before.apogee, after.apogee)
 
@@ -96,7 +98,7 @@ def test_a_forecast_follows_a_lasting_change() -> None:
     ]
     plan = [(PLAN, catalogue().resolve("F24"))]
     lasting = Place(pattern=Pattern("lasting", "F6"))
-    (plain,), (followed,) = predict(history, plan), predict(history, plan, [lasting])
+    (plain,), (followed,) = predict(history, plan), predict(history, plan, Assumed(((1.0, (lasting,)),)))
     (single,) = predict(season({}, 4), plan)
     truth = 0.9 * float(np.median(single.apogee))
     assert abs(np.median(followed.apogee) / truth - 1) < 0.07

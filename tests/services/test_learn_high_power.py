@@ -10,6 +10,7 @@ from jaxtyping import config
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.model.hyperprior import DESIGN_DRAG, START, learned
 from fieldkit.motors import catalogue
@@ -58,7 +59,8 @@ def test_a_table_narrows_forecasts_of_designs_on_high_power_motors(tmp_path: Pat
 
     def spread(motor: str, hyperprior: object) -> float:
         plan = Flight("plan", "R", "A", motor, dry_mass=2.0 if motor == "K550W" else 0.3, diameter=0.066)
-        (one,) = predict([], [(plan, catalogue().resolve(motor))], cds={"A": 0.5}, hyperprior=hyperprior, draws=400)  # type: ignore[arg-type]
+        assumed = Assumed(cds={"A": 0.5}, hyperprior=hyperprior)  # type: ignore[arg-type]
+        (one,) = predict([], [(plan, catalogue().resolve(motor))], assumed, draws=400)
         return float(np.std(np.log(one.apogee)))
 
     assert spread("K550W", found) < 0.95 * spread("K550W", START)

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date, datetime
 
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.conformal import stretch, stretched, surprise
 from fieldkit.forecast.evaluation.rivals import MIXTURE, rival_draws
 from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, ScoredForecast, log_scores, mixed_in, weights_after
@@ -128,7 +129,7 @@ def _forecast(
     hyperprior: Hyperprior | None,
 ) -> Forecast:
     """One flight with its forecasts."""
-    (made,) = predict(past, [(plan.flight.unflown(), plan.found)], shared=shared, hyperprior=hyperprior)
+    (made,) = predict(past, [(plan.flight.unflown(), plan.found)], Assumed(shared=shared, hyperprior=hyperprior))
     return beside_rivals(plan, made.apogee, made.apogee_quantiles(), earlier)
 
 

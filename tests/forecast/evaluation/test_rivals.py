@@ -90,7 +90,7 @@ def test_the_uncalibrated_forecast_is_always_the_plain_simulation(
     assert area[1] == pytest.approx(np.pi / 4 * 0.066**2)
     other = replace(learned(), means={**learned().means, "drag": 1.0})
     monkeypatch.setattr("fieldkit.model.hyperprior.learned", lambda: other)
-    monkeypatch.setattr("fieldkit.forecast.predict.learned", lambda: other)
+    monkeypatch.setattr("fieldkit.forecast.assumed.learned", lambda: other)
     assert simulate([(wide, F24)])[0].simulated == known.simulated
     assert simulate([]) == []
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.inference.laplace.fleet import (
     RocketFit,
     independent_prior,
@@ -171,7 +172,7 @@ def test_a_fleet_that_flies_low_lowers_the_forecast_of_a_new_rocket() -> None:
     rockets = [lower(season(np.random.default_rng(seed), ("apogee",), 4), 0.75) for seed in range(6)]
     fleet = shared_prior([rocket_fit(flown, learned()) for flown in rockets])
     plan = (Flight("plan", "New", "A", "F24", dry_mass=0.322, diameter=0.066), catalogue().resolve("F24"))
-    (before,), (after,) = predict([], [plan]), predict([], [plan], shared=fleet)
+    (before,), (after,) = predict([], [plan]), predict([], [plan], Assumed(shared=fleet))
     low, middle, high = after.apogee_quantiles()
     assert middle < 0.95 * before.apogee_quantiles()[1]
     assert np.log(high / low) < np.log(before.apogee_quantiles()[2] / before.apogee_quantiles()[0])

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import forecast_model, predict
+from fieldkit.forecast.assumed import forecast_model
+from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.one_offs import OneOffs, one_offs
 from fieldkit.inference.laplace.posterior import Fit, solve

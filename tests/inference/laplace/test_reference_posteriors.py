@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.forecast import predict
+from fieldkit.forecast import assumed, predict
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.shapes import Array
@@ -37,7 +37,7 @@ adds 0.005 on average, and up to 0.035 in one case of a thousand (Cramér and vo
 def forecasts() -> dict[str, Array]:
     """The forecast of the next flight of every case by the fit of the model that was sampled."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(predict, "with_documents", lambda hyperprior: hyperprior)
+        patch.setattr(assumed, "with_documents", lambda hyperprior: hyperprior)
         patch.setattr(predict, "fit_robustly", lambda model, data, causes: fit_robustly(model, data))
         return {
             one.name: summary_of_fit(replace(one.case, hyperprior=_log_normal(one.case.hyperprior)), DRAWS, 0)

@@ -12,6 +12,7 @@ import pytest
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.predict import predict
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
@@ -319,9 +320,9 @@ def test_a_forecast_averaged_over_sets_is_their_mixture() -> None:
     known = [(flight, catalogue().resolve(flight.motor)) for flight in flights]
     plan = [(flights[0].with_changes(apogee=None, top_speed=None, coast_to_apogee=None, wind=9.0), known[0][1])]
     sets = ((), (Place("wear", since=flights[0].flight_id),), (Place("mass_offset"), Place("wear")))
-    by_set = [predict(known, plan, own, declared=False, draws=1500)[0].apogee for own in sets]
+    by_set = [predict(known, plan, Assumed(((1.0, own),), declared=False), draws=1500)[0].apogee for own in sets]
     averaged = tuple(zip((0.2, 0.5, 0.3), sets, strict=True))
-    (mixed,) = predict(known, plan, averaged=averaged, declared=False, draws=3000)
+    (mixed,) = predict(known, plan, Assumed(averaged, declared=False), draws=3000)
     expected = 0.2 * by_set[0].mean() + 0.5 * by_set[1].mean() + 0.3 * by_set[2].mean()
     assert len(mixed.apogee) == 3000
     assert mixed.apogee.mean() == pytest.approx(expected, rel=0.01)
