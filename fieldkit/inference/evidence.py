@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fieldkit.inference.batched_inverse import inverses
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 INSIDE_SDS = 7.0
 """At this distance inside a bound, in standard deviations, the probability beyond it is numerically zero. [1]"""
@@ -55,7 +55,7 @@ def grouped_posterior(
     prior: Float[Array, "scale term term"],
     log_det_prior: Float[Array, "scale"],
     group: Int[Integers, "scale"],
-    varied: Int[Integers, "own"],
+    varied: Flags,
 ) -> NormalPosterior:
     """As `normal_posterior`, for scales in groups with the same readouts: `group` is that of each scale. Within one,
     only the priors of the terms `varied` differ, and they are independent of the other terms; in the units of the
@@ -63,19 +63,19 @@ def grouped_posterior(
 
     Derivation: the other terms are eliminated once for each group (Schur complement; Bishop, 2006, section 2.3.1).
     """
-    common = np.setdiff1d(np.arange(prior.shape[-1]), varied)
-    common_rows, varied_rows = common[:, None], varied[:, None]
+    common, own = np.flatnonzero(~varied), np.flatnonzero(varied)
+    common_rows, own_rows = common[:, None], own[:, None]
     first = np.unique(group, return_index=True)[1]
     inner, log_det_inner = inverses(information[:, common_rows, common] + prior[first][:, common_rows, common])
-    cross = information[:, common_rows, varied]
+    cross = information[:, common_rows, own]
     gain = inner @ cross
-    left = information[:, varied_rows, varied] - np.swapaxes(cross, 1, 2) @ gain
-    outer, log_det_outer = inverses(left[group] + prior[:, varied_rows, varied])
+    left = information[:, own_rows, own] - np.swapaxes(cross, 1, 2) @ gain
+    outer, log_det_outer = inverses(left[group] + prior[:, own_rows, own])
     part = gain[group] @ outer
     covariance = np.empty(prior.shape)
-    covariance[:, varied_rows, varied] = outer
-    covariance[:, common_rows, varied] = -part
-    covariance[:, varied_rows, common] = -np.swapaxes(part, 1, 2)
+    covariance[:, own_rows, own] = outer
+    covariance[:, common_rows, own] = -part
+    covariance[:, own_rows, common] = -np.swapaxes(part, 1, 2)
     covariance[:, common_rows, common] = inner[group] + part @ np.swapaxes(gain, 1, 2)[group]
     mean = (covariance @ score[group][..., None])[..., 0]
     distance = (score[group] * mean).sum(axis=-1)

@@ -12,7 +12,7 @@ so that an effect, and not the plain model, explains a motor that differs from i
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from types import MappingProxyType
 from typing import Any, Literal
@@ -108,18 +108,18 @@ class Hyperprior:
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
         """The scatter scale, reading scale and log prior weight of every point of the grid. [1], [1], [nat]"""
-        scatter, reading, *_, log_prior = scale_grid(self.unknown_scales)
+        scatter, reading, *_, log_prior = _grid(self)
         return scatter, reading, log_prior
 
     def motor_scales(self) -> Float[Array, "scale"]:
         """The scale of the scatter in the quantities of `scaled_by_motors`, for every point of the grid. [1]"""
-        return scale_grid(self.unknown_scales)[2 if self.motors else 0]
+        return _grid(self)[2 if self.motors else 0]
 
     def document_scales(self) -> Float[Array, "scale"]:
         """The scale of `documents`, for every point of the grid. [1]"""
         if self.documents is None:
             return np.ones(len(self.scales()[0]))
-        return scale_grid(self.unknown_scales)[-2]
+        return _grid(self)[-2]
 
     def scale_of(self, quantity: str) -> Literal["scatter", "motors", ""]:
         """Which scale the scatter of single flights in a quantity has; empty for recorded weather, whose error is
@@ -162,6 +162,12 @@ class Hyperprior:
             "design_drag": self.design_drag,
             "high_power": self.high_power,
         }
+
+
+@lru_cache(maxsize=64)
+def _grid(hyperprior: Hyperprior) -> tuple[Float[Array, "scale"], ...]:
+    """As `scale_grid`, without comparing the scales again and again."""
+    return scale_grid(hyperprior.unknown_scales)
 
 
 SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.1, 4.0, 9), 4))

@@ -59,6 +59,12 @@ class ReadingsOfFlights:
     values: Float[Array, "flight readout"]
     sd: Float[Array, "flight readout"]
 
+    def changed(self, rows: Sequence[int], now: "ReadingsOfFlights") -> "ReadingsOfFlights":
+        """The same with other readouts of some flights."""
+        values, sd = self.values.copy(), self.sd.copy()
+        values[rows], sd[rows] = now.values, now.sd
+        return ReadingsOfFlights(values, sd)
+
 
 def readings(flights: Sequence[Flight], found: Sequence[Found]) -> ReadingsOfFlights:
     """The part of `observe` that does not depend on the hyperprior."""

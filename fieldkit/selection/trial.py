@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes, probable_scales
+from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes
 from fieldkit.inference.laplace.linearization import known_angle_slope
-from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.inference.laplace.posterior import Fit, probable_scales
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.model.simulated_readouts import shown

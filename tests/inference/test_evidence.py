@@ -32,7 +32,7 @@ def test_the_evidence_of_terms_is_that_of_a_normal_density_with_their_covariance
 
 def test_scales_with_the_same_readouts_have_the_posterior_of_each_alone() -> None:
     """The terms whose prior they share are eliminated once."""
-    slope, group, varied = RNG.normal(size=(2, 9, 5)), np.array([0, 0, 0, 1, 1]), np.array([1, 4])
+    slope, group, varied = RNG.normal(size=(2, 9, 5)), np.array([0, 0, 0, 1, 1]), np.isin(np.arange(5), [1, 4])
     information, score = np.swapaxes(slope, 1, 2) @ slope, RNG.normal(size=(2, 5))
     shared = np.linalg.inv(np.cov(RNG.normal(size=(3, 9))))  # terms with a joint prior
     sds = np.exp(RNG.normal(size=(5, 5)))

@@ -7,9 +7,9 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from fieldkit.inference.laplace.fit import fit, probable_scales
+from fieldkit.inference.laplace.fit import fit
 from fieldkit.inference.laplace.linearization import tangents
-from fieldkit.inference.laplace.posterior import solve
+from fieldkit.inference.laplace.posterior import probable_scales, solve
 from fieldkit.model.readout_data import observe
 from fieldkit.physics.effect import effects
 from fieldkit.physics.history import history_of

@@ -18,7 +18,7 @@ from fieldkit.inference.history.response import (
 )
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.outlier_weights import outlier_weights
-from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.inference.laplace.posterior import Fit, probable_scales, solve
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import Data, ReadingsOfFlights, as_compared
 from fieldkit.model.rocket_model import Model, Term, base_model, strength_term, usual_terms
@@ -168,6 +168,7 @@ def _constrained_part(model: Model, flown: int) -> tuple[Model, tuple[Term, ...]
 def robust(linear: LinearFit) -> LinearFit:
     """The same fit with smaller weights for outliers, as in `fit_robustly`."""
     fit = linear.fit
-    for _ in range(ROBUST_ROUNDS):
-        fit = solve(fit.model, replace(fit.data, trust=outlier_weights(fit)), fit.tangent)
+    for turn in range(1, ROBUST_ROUNDS + 1):
+        scales = probable_scales(fit) if turn < ROBUST_ROUNDS else None
+        fit = solve(fit.model, replace(fit.data, trust=outlier_weights(fit)), fit.tangent, which=scales)
     return replace(linear, fit=fit)

@@ -105,8 +105,10 @@ def prepared(history: History, shared: SharedPrior | None = None) -> PreparedHis
 
 def answers(ready: PreparedHistory, flown: Sequence[Flight]) -> list[QuickAnswer]:
     """The answer for each plan of a history, with the current readouts of its flown flights."""
-    history = ready.history
-    read = readings(flown, history.found[: len(flown)])
+    history, before = ready.history, ready.flown
+    read = ready.fit.model.once("readings", lambda: readings(before, history.found[: len(before)]))
+    if rows := [row for row, (now, then) in enumerate(zip(flown, before, strict=True)) if now is not then]:
+        read = read.changed(rows, readings([flown[row] for row in rows], [history.found[row] for row in rows]))
     data = history_data(read, history.used_in_fit, ready.fit.model.hyperprior)
     linear = robust(linear_fit(ready.fit, data, ready.response))
     found, mixture = moments(linear), apogee_mixture(linear)

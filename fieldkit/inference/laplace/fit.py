@@ -13,7 +13,7 @@ from fieldkit.inference.laplace.linearization import Tangent, known_angle_slope,
 from fieldkit.inference.laplace.one_offs import one_offs
 from fieldkit.inference.laplace.outlier_flights import log_tail
 from fieldkit.inference.laplace.outlier_weights import flight_weights, outlier_weights
-from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.inference.laplace.posterior import Fit, probable_scales, solve
 from fieldkit.inference.laplace.scale_grids import around_mode
 from fieldkit.model.causes import signatures
 from fieldkit.model.readout_data import Data
@@ -46,8 +46,6 @@ FLIGHT_WEIGHT_TOLERANCE = 0.15
 [1]"""
 MAX_SETTLING_ROUNDS = 4
 """Maximum number of updates of these weights at the last point."""
-WALKING_SCALE_WEIGHT = 1e-3
-"""A fit ignores scales below this posterior weight until its last step. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,22 +162,6 @@ def _moved(known: Fit, tangent: Tangent) -> Fit:
     """The posterior at another point, with only the scales that matter."""
     weight = None if known.flight_weight is None else flight_weights(known)
     return solve(known.model, known.data, tangent, weight, probable_scales(known))
-
-
-def probable_scales(known: Fit) -> Int[Integers, "scale"]:
-    """The pairs of scales that matter before a fit converges: all in the range of the probable ones, and the next
-    smaller scatter, because the scatter decreases as a fit converges."""
-    hyperprior = known.model.hyperprior
-    (scatter, reading, _), documents = hyperprior.scales(), hyperprior.document_scales()
-    every = np.arange(len(scatter)) if known.scales is None else known.scales
-    if not np.isfinite(known.log_weight).all():  # the evidence is nan: some flights cannot be simulated at this point
-        return np.arange(len(scatter))
-    likely = every[known.weights > WALKING_SCALE_WEIGHT]
-    own, other, exact = scatter[likely], reading[likely], documents[likely]
-    smaller = scatter[scatter < own.min()].max(initial=0.0)
-    within = (scatter >= smaller) & (scatter <= own.max()) & (reading >= other.min()) & (reading <= other.max())
-    within &= (documents >= exact.min()) & (documents <= exact.max())
-    return np.flatnonzero(within)
 
 
 def _settled(result: Fit, scales: Int[Integers, "scale"] | None = None) -> Fit:

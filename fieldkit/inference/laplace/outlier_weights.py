@@ -44,7 +44,8 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
     leave, the residual has the mean D N^-1 r and the covariance D - D N^-1 D + D N^-1 A C A' N^-1 D.
     """
     evidence, data, used = result.evidence, result.data, result.evidence.readouts
-    variance = residual_variance(result.model, data)[..., used]
+    scales = slice(None) if result.scales is None else result.scales
+    variance = residual_variance(result.model, data, scales)[..., used]
     own = np.where(data.seen[:, used], variance / data.trust[:, used], 0.0)
     offset = result.mean - np.array([term.mean for term in result.model.terms])
     left = evidence.miss - np.moveaxis(evidence.slope @ offset.T, -1, 0)
@@ -53,7 +54,7 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
     mean = (gain @ left[..., None])[..., 0]
     spread = gain @ evidence.slope
     flat = spread.reshape(len(spread), -1, spread.shape[-1])
-    known = ((flat @ result.covariance) * flat).sum(axis=-1).reshape(mean.shape)
+    known = np.einsum("sft,sft->sf", flat @ result.covariance, flat).reshape(mean.shape)
     unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own
     found = np.zeros((len(variance), *data.seen.shape))
     found[..., used] = (mean**2 + unexplained + known) / variance

@@ -23,6 +23,8 @@ UNOBSERVED_SD = 1e3
 """Standard deviation of readouts that were not observed."""
 FEW_SCALES = 16
 """Below this number of scales, a matrix inverted for each takes less time than `grouped_posterior`. [1]"""
+WALKING_SCALE_WEIGHT = 1e-3
+"""A fit ignores scales below this posterior weight until its last step. [1]"""
 SCALED_BY = ("", "scatter", "reading")
 """What may scale the standard deviation of a term, in the order of the factors in `term_sds`."""
 _PRIOR_FIELDS = ("mean", "sd", "low", "high")
@@ -31,6 +33,10 @@ _PRIOR_FIELDS = ("mean", "sd", "low", "high")
 
 def term_sds(model: Model) -> Float[Array, "scale term"]:
     """Marginal prior standard deviation of every term for every pair of scales, in the unit of the term."""
+    return model.once("term_sds", lambda: _term_sds(model))
+
+
+def _term_sds(model: Model) -> Float[Array, "scale term"]:
     scatter, reading, _ = model.hyperprior.scales()
     factors = np.stack([np.ones_like(scatter), scatter, reading], axis=-1)
     by = [SCALED_BY.index(term.scaled_by) for term in model.terms]
@@ -38,6 +44,14 @@ def term_sds(model: Model) -> Float[Array, "scale term"]:
     if model.hyperprior.documents is None:
         return np.asarray(sds)
     return np.asarray(sds * model.hyperprior.document_scales()[:, None] ** _powers(model))
+
+
+def _varied(model: Model) -> Flags:
+    """The terms whose prior alone depends on the scale of documents."""
+    varied = _powers(model) != 0
+    if model.shared is not None:
+        varied[[model.names.index(name) for name in model.shared.names]] = False
+    return np.asarray(varied)
 
 
 def _powers(model: Model) -> Float[Array, "term"]:
@@ -173,6 +187,22 @@ def solve(
     return replace(found, log_weight=found.log_weight + tail.sum(), flight_weight=flight_weight)
 
 
+def probable_scales(known: Fit) -> Int[Integers, "scale"]:
+    """The pairs of scales that matter before a fit converges: all in the range of the probable ones, and the next
+    smaller scatter, because the scatter decreases as a fit converges."""
+    hyperprior = known.model.hyperprior
+    (scatter, reading, _), documents = hyperprior.scales(), hyperprior.document_scales()
+    every = np.arange(len(scatter)) if known.scales is None else known.scales
+    if not np.isfinite(known.log_weight).all():  # the evidence is nan: some flights cannot be simulated at this point
+        return np.arange(len(scatter))
+    likely = every[known.weights > WALKING_SCALE_WEIGHT]
+    own, other, exact = scatter[likely], reading[likely], documents[likely]
+    smaller = scatter[scatter < own.min()].max(initial=0.0)
+    within = (scatter >= smaller) & (scatter <= own.max()) & (reading >= other.min()) & (reading <= other.max())
+    within &= (documents >= exact.min()) & (documents <= exact.max())
+    return np.flatnonzero(within)
+
+
 def _weighed(
     model: Model,
     sums: tuple[Float[Array, "group term term"], Float[Array, "group term"], Float[Array, "group"]],
@@ -188,8 +218,7 @@ def _weighed(
     information, gain, misfit = sums
     prior, log_det_prior = prior_precision(model, which)
     if FEW_SCALES <= len(group) > len(information):
-        shared = [] if model.shared is None else [model.names.index(name) for name in model.shared.names]
-        varied = np.setdiff1d(np.flatnonzero(_powers(model)), shared)
+        varied = model.once("varied", lambda: _varied(model))
         posterior = grouped_posterior(information, gain, prior, log_det_prior, group, varied)
     else:
         posterior = normal_posterior(information[group], gain[group], prior, log_det_prior)
@@ -272,6 +301,10 @@ def log_inside(
 
 def bounds_log_mass(model: Model) -> float:
     """Log prior mass inside the bounds of all terms together. [nat]"""
+    return model.once("bounds_log_mass", lambda: _bounds_log_mass(model))
+
+
+def _bounds_log_mass(model: Model) -> float:
     mean, sd, low, high = (np.array([getattr(term, name) for term in model.terms], float) for name in _PRIOR_FIELDS)
     return float(log_mass(mean, sd, low, high).sum())
 
