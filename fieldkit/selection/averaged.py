@@ -21,10 +21,10 @@ from fieldkit.shapes import Array, Flags, Float
 
 NEGLIGIBLE_PROBABILITY = 0.01
 """Minimum probability without a flight for repeating a hypothesis's fit. [1]"""
-MAX_REFITS = 20
-"""Maximum number of flights without each of which a hypothesis's fit is repeated; with all of them, the time would grow
-with the square of the number of flights. For the others the readouts are taken as linear around the fit to all flights,
-which one of so many hardly moves. [1]"""
+MAX_REFIT_WORK = 400
+"""Maximum number of flights without which a hypothesis's fit is repeated, times the number of flights in it: all of up
+to 20. With all of them, the time would grow with the square of the number of flights. For the others the readouts are
+taken as linear around the fit to all flights, which one of so many hardly moves. [1]"""
 TAIL_PARTS = 4
 """Normal components that approximate a Student t. [1]"""
 MIN_EARLIER_FLIGHTS = 4
@@ -61,9 +61,9 @@ class _ByHypothesis:
 def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Forecasts:
     """Leave-one-out forecasts of every flight by the hypotheses, weighted without that flight, by importance sampling.
 
-    If the importance weights are unreliable, the fit is repeated without the flight; if they are for more than
-    `MAX_REFITS` flights, only without those with the most influence, as the shape of the weights' tail shows it. Raises
-    ImpossibleFlight for a flight without a dry mass.
+    If the importance weights are unreliable, the fit is repeated without the flight; if they are for more flights than
+    `MAX_REFIT_WORK` allows, only without those with the most influence, as the shape of the weights' tail shows it.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
     some = [one for one in posterior.hypotheses if one.sampled is not None]
     forecasts = [_sampled(one) for one in some]
@@ -74,11 +74,11 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Fo
         assert one.sampled is not None
         k = one.sampled.pareto_k_without
         unsure = (k > RELIABLE_PARETO_K) & one.fit.data.seen.any(axis=1) & (chance[number] > NEGLIGIBLE_PROBABILITY)
-        rows = np.flatnonzero(unsure)[np.argsort(-k[unsure], kind="stable")].tolist()
-        if rows[MAX_REFITS:]:
-            forecasts[number] = _linear(one, own, rows[MAX_REFITS:])
+        rows, most = np.flatnonzero(unsure)[np.argsort(-k[unsure], kind="stable")].tolist(), MAX_REFIT_WORK // len(k)
+        if rows[most:]:
+            forecasts[number] = _linear(one, own, rows[most:])
         if rows:
-            forecasts[number] = _refitted(one, forecasts[number], rows[:MAX_REFITS])
+            forecasts[number] = _refitted(one, forecasts[number], rows[:most])
     states = [state for one, own in zip(some, forecasts, strict=True) for state in _by_state(one, own)]
     return _mixed(states, posterior.hypotheses[0].fit.model.hyperprior.tail)
 

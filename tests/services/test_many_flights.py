@@ -1,4 +1,4 @@
-"""A rocket with very many flights is fitted with its latest ones, which every command says in a line."""
+"""A rocket with very many flights is fitted with the most informative ones, which every command says in a line."""
 
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -10,7 +10,7 @@ from fieldkit.cli.session import known_motors
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.services.forecasts import flown
-from fieldkit.services.plausible_flights import MAX_FITTED_FLIGHTS, exclusions, followed, simulable
+from fieldkit.services.plausible_flights import MAX_FITTED_FLIGHTS, MAX_LATEST_FLIGHTS, exclusions, followed, simulable
 
 START = datetime(2020, 1, 1, 10)
 
@@ -39,9 +39,20 @@ def test_the_latest_flights_of_each_rocket_are_fitted() -> None:
     assert [int(flight.flight_id) for flight in kept if flight.rocket == "Astra"] == [*range(7, MAX_FITTED_FLIGHTS + 7)]
     assert len(simulable(many, motors)) == len(many)
     (line,) = exclusions(many, motors)
-    assert line.startswith(f"Astra: its {MAX_FITTED_FLIGHTS} latest flights are used")
-    assert line.endswith(f"excluded: 7 of {MAX_FITTED_FLIGHTS + 7}")
+    assert line.startswith(f"Astra: fits use {MAX_FITTED_FLIGHTS} of its {MAX_FITTED_FLIGHTS + 7} flights")
     assert not exclusions(kept, motors)
+
+
+def test_the_older_flights_of_motors_and_configurations_with_fewest_flights_are_fitted() -> None:
+    many, older = flights(100), MAX_FITTED_FLIGHTS - MAX_LATEST_FLIGHTS
+    changes = [{"motor": "E35-5W"}, {"config": "B"}, {"motor": "F39-6T"}]
+    for change, rows in zip(changes, (range(20), range(20, 22), range(40, 60)), strict=True):
+        for row in rows:
+            many[row] = many[row].with_changes(**change)
+    many[59] = many[59].with_changes(tags=("weak_launch",))
+    kept = [int(flight.flight_id) for flight, _ in followed(many, known_motors())]
+    assert kept == [*range(16, 22), *range(55, 59), *range(100 - MAX_LATEST_FLIGHTS, 100)]
+    assert len(kept) == MAX_LATEST_FLIGHTS + older
 
 
 @pytest.mark.parametrize("command", [["predict", "--motor", "F24-4W"], ["loop", "--quick", "--dry-run"]], ids=str)
@@ -56,6 +67,12 @@ def test_the_work_for_a_rocket_does_not_grow_with_its_oldest_flights(
             assert len(flown(ledger, known_motors(), "Astra")) == MAX_FITTED_FLIGHTS
         assert main(["--ledger", str(file), *command]) == 0
         shown = capsys.readouterr()
-        assert ("latest flights are used" in " ".join((shown.out + shown.err).split())) is (begin == 0)
-        answers.append([line for line in shown.out.splitlines() if "latest" not in line and "excluded" not in line])
+        assert ("fits use" in " ".join((shown.out + shown.err).split())) is (begin == 0)
+        answers.append(
+            [
+                line
+                for line in shown.out.splitlines()
+                if "fits use" not in line and "latest" not in line and "fewest" not in line
+            ]
+        )
     assert answers[0] == answers[1]
