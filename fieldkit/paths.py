@@ -33,8 +33,8 @@ DATA_FILES: tuple[DataFile, ...] = get_args(DataFile)
 
 def expanded(text: str | Path) -> Path:
     """A path with `~` replaced; that of an unknown user is left as it is, for which `Path.expanduser` raises an
-    error."""
-    return Path(os.path.expanduser(text))
+    error. A NUL, which no path has, is replaced by its picture."""
+    return Path(os.path.expanduser(str(text).replace("\0", "\u2400")))
 
 
 LOCK_NAME = ".lock"

@@ -21,6 +21,7 @@ from fieldkit.motors import catalogue
 from fieldkit.motors.comparison import compare_tests
 from fieldkit.motors.motor import Motor
 from fieldkit.motors.own_corrections import FILE_NAME, read_own_corrections
+from fieldkit.paths import expanded
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import drill_of
 from fieldkit.planning.kits import read_kits
@@ -209,3 +210,8 @@ def test_a_file_saved_by_a_windows_editor_is_read(tmp_path: Path) -> None:
     """With the byte order mark that Notepad writes before UTF-8."""
     (tmp_path / "kits.toml").write_text("[Bertha]\ndry_mass_g = 80\n", encoding="utf-8-sig")
     assert read_kits(tmp_path / "kits.toml")["bertha"].dry_mass == pytest.approx(0.080)
+
+
+def test_a_typed_path_with_a_nul_is_of_no_file() -> None:
+    """The system raises ValueError for one, which no page of the app expects."""
+    assert not expanded("a\0b.csv").exists()

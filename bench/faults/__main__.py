@@ -104,8 +104,11 @@ def _of_calls(folder: Path, others: int, most: int) -> Iterator[Part]:
         if name in session.LEFT_OUT:
             left = Outcome("a call fails", f"{name}: not tried, {session.LEFT_OUT[name]}")
             yield f"fails_{name}", partial(lambda outcome: outcome, left)
+            continue
+        there = folder / "trials" / str(number)
+        if name in session.APART:
+            yield f"fails_{name}", partial(failing.in_its_own_process, there, name, others, most)
         else:
-            there = folder / "trials" / str(number)
             yield f"fails_{name}", partial(failing.every_call, there, name, found, others, most)
     new_day = folder / "new_day"
     yield "fails_on_a_new_day", partial(failing.on_a_new_day, new_day, others, most)

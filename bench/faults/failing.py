@@ -19,7 +19,7 @@ from bench.faults.calls import GROUPS, HANGS, TRACEBACK, Ended, Fault, command, 
 from bench.faults.kills import unit
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, after, at_home, fieldkit, season, state
 from bench.faults.paused import from_first_write
-from bench.faults.session import Call, named, new_day
+from bench.faults.session import Call, apart, named, new_day
 from fieldkit.paths import DATA_FILES
 
 FILES_OF_THE_START = ("ledger.db", "home", "sample_logs", "fieldkit", "docs", "home-backups", "ledger.db-backups")
@@ -65,7 +65,8 @@ class Bench:
         """Run the call, with an optional fault."""
         self.fresh()
         with chdir(self.workplace), at_home(self.workplace / "home"), unit(self.call.arguments) as arguments:
-            return run_with(command(self.file, arguments), self.workplace, self.notes, fault, largest, full=full)
+            work = self.call.work(self.file, arguments)
+            return run_with(work, self.workplace, self.notes, fault, largest, full=full)
 
     def learn(self) -> list[tuple[str, int]]:
         """Record the states before and after the call, and the system calls that it makes."""
@@ -182,11 +183,20 @@ def on_a_new_day(folder: Path, few: int, most: int = EVERY) -> Outcome:
     return outcome
 
 
+def in_its_own_process(folder: Path, name: str, few: int, most: int = EVERY) -> Outcome:
+    """A command of `APART`, with each of its system calls failing, as in `every_call`."""
+    outcome = Outcome("a call fails", name)
+    with at_home(folder / "home"):
+        (call,) = apart(folder / "found", name)
+    _each(outcome, Bench(folder / "0", call), few, most)
+    return outcome
+
+
 def _each(outcome: Outcome, bench: "Bench", few: int, most: int) -> None:
     found, line = bench.learn(), bench.call.line
     size = bench.file.stat().st_size
     writes = any(one in GROUPS["write"] for one, _ in found)
-    waits, slow = "PORT" in bench.call.arguments, bench.takes > SLOW
+    waits, slow = "PORT" in bench.call.arguments or bench.call.apart, bench.takes > SLOW
     some = few if waits or slow or not writes else MAX_READS
     for fault in faults(found, min(some, most), min(few if waits else 0 if slow else EVERY, most)):
         ended = bench.tried(fault)

@@ -4,18 +4,22 @@ The list comes from the command line's own tree: a new command must have an exam
 fails, so it is also run here.
 """
 
+import asyncio
 import shlex
 import shutil
-from collections.abc import Iterator, Sequence
-from contextlib import chdir
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import chdir, suppress
 from dataclasses import dataclass
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from textual.worker import WorkerCancelled
 from typer.main import get_command
 
+from bench.faults.calls import command
 from bench.faults.kills import ADD, CAPTURE, unit
 from bench.faults.ledgers import ROOT, fieldkit, season
 from fieldkit.cli.main import app
@@ -57,11 +61,9 @@ FLOWN = "2026-05-02T10:00"
 """Time of flights without one in the session: otherwise the clock's minute would differ between trials."""
 FIRST = ("demo",)
 """Commands that require an empty ledger."""
-LEFT_OUT = {
-    "tui": "stays open; it changes the ledger by the functions of the commands",
-    "serve": "stays open, and writes nothing itself",
-    "train": "computes with threads, which a fork lacks; its files are written by the function that writes an export",
-}
+APART = {"tui": ("tui",), "train": ("train", "--out", "ensemble", "--n-train", "256")}
+"""Commands that run in a process of their own only, and how they are called."""
+LEFT_OUT = {"serve": "stays open, and writes nothing itself"}
 """Commands that are not run, with the reason."""
 
 
@@ -93,10 +95,13 @@ def files() -> Iterator[tuple[str, str]]:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A command as a user calls it, and the folder it starts from: its ledger and the user's files."""
+    """A command as a user calls it, and the folder it starts from: its ledger and the user's files. `work` runs it; it
+    runs from its start in each trial if `apart`."""
 
     arguments: tuple[str, ...]
     found: Path
+    work: Callable[[Path, Sequence[str]], Callable[[], int]] = command
+    apart: bool = False
 
     @property
     def line(self) -> str:
@@ -135,6 +140,34 @@ def calls(folder: Path) -> list[Call]:
         if status:
             raise ValueError(f"{shlex.join(words)}: {message.strip()}")
     return made
+
+
+def apart(folder: Path, name: str) -> list[Call]:
+    """The call of a command of `APART`, in a ledger with a flight whose tag can be undone."""
+    found = furnished(folder)
+    season(found / "ledger.db")
+    fieldkit(found / "ledger.db", "tag", "1", "mine")
+    return [Call(APART[name], found, undoing_app if name == "tui" else command, apart=True)]
+
+
+def undoing_app(file: Path, _: Sequence[str]) -> Callable[[], int]:
+    """The app, in which a key undoes the latest change: it prints its notices, and its exit status is 0 if they say
+    that it was done."""
+
+    async def pressing() -> int:
+        from fieldkit.tui.app import FieldkitApp
+
+        app = FieldkitApp(file, file.with_name("settings.json"))
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.press("u")
+            with suppress(WorkerCancelled):  # a page that is shown again reads the ledger again
+                await app.workers.wait_for_complete()
+            await pilot.pause()
+            notices = [one.text for one in app.notices]
+        sys.stderr.write("\n".join(notices))
+        return not any(one.startswith("Undone") for one in notices)
+
+    return lambda: asyncio.run(pressing())
 
 
 def new_day(folder: Path) -> list[Call]:
