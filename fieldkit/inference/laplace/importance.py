@@ -96,7 +96,8 @@ def _flown(
     terms, log_density = _drawn(fit, scales, rng, draws)
     likelihood, apogee = _log_likelihood(fit, scales, terms)
     if log_causes is not None:
-        likelihood = np.logaddexp(log(USUAL_PROBABILITY) + likelihood, log_causes)
+        likelihood += log(USUAL_PROBABILITY)
+        np.logaddexp(likelihood, log_causes, out=likelihood)
     return _Flown(log_density, likelihood, apogee, log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1))
 
 
@@ -108,12 +109,15 @@ def _weighed(fit: Fit, scales: Int[Integers, "scale"], flown: _Flown) -> Sampled
     log_evidence = float(np.logaddexp.reduce(smooth)) - log(draws)
     normalized = np.exp(smooth - np.logaddexp.reduce(smooth))
     error = sqrt(float((normalized**2).sum()))
-    folds = [_without(target, likelihood[..., row], log_density) for row in range(likelihood.shape[-1])]
-    log_without, ks, weights = (np.array(part) for part in zip(*folds, strict=True))
-    by_scale = weights.sum(axis=1).T
-    safe = np.maximum(by_scale, 1e-300)
-    mean = np.einsum("fds,df->sf", weights, apogee) / safe
-    square = np.einsum("fds,df->sf", weights, apogee**2) / safe
+    flights = apogee.shape[-1]
+    log_without, ks = np.empty(flights), np.empty(flights)
+    by_scale, mean, square = np.empty((3, target.shape[-1], flights))
+    for row, flown_apogee in enumerate(apogee.T):  # the weights of all flights at once would take much memory
+        log_without[row], ks[row], weights = _without(target, likelihood[..., row], log_density)
+        by_scale[:, row] = weights.sum(axis=0)
+        safe = np.maximum(by_scale[:, row], 1e-300)
+        mean[:, row] = flown_apogee @ weights / safe
+        square[:, row] = flown_apogee**2 @ weights / safe
     known = np.maximum(square - mean**2, 0.0)
     return Sampled(
         fit, log_evidence, error, pareto_k, log_without, ks, mean, known, own_variance(fit)[scales], by_scale, scales
@@ -129,20 +133,24 @@ def _drawn(
     which = rng.choice(len(scales), size=draws, p=weights)
     z = rng.normal(size=(draws, fit.mean.shape[1]))
     terms = fit.mean[scales][which] + np.einsum("dtu,du->dt", roots[which], z)
-    off = terms[:, None] - fit.mean[scales]
     precision = np.asarray(np.linalg.inv(fit.covariance[scales]), float) / INFLATION
-    square = _squared(np.swapaxes(off, 0, 1), precision)
+    square = _squared(terms, fit.mean[scales], precision)
     log_det = 2 * np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
     return terms, np.asarray(np.logaddexp.reduce(np.log(weights) - 0.5 * (square + log_det), axis=1))
 
 
 def _squared(
-    off: Float[Array, "#scale draw term"] | Float[Array, "draw term"], precision: Float[Array, "scale term term"]
+    terms: Float[Array, "draw term"], means: Float[Array, "#scale term"], precision: Float[Array, "scale term term"]
 ) -> Float[Array, "draw scale"]:
-    """Squared Mahalanobis distance of each draw from a mean. [1]"""
-    return np.asarray(
-        np.einsum("sdt,sdt->ds", off @ precision, np.broadcast_to(off, (len(precision), *off.shape[-2:])))
-    )
+    """Squared Mahalanobis distance of each draw from the mean of each scale, or of all. [1]
+
+    One scale at a time: all at once take a hundred megabytes.
+    """
+    square = np.empty((len(terms), len(precision)))
+    for scale, own in enumerate(precision):
+        off = terms - means[scale if len(means) > 1 else 0]
+        square[:, scale] = np.einsum("dt,dt->d", off @ own, off)
+    return square
 
 
 def log_prior(
@@ -151,8 +159,7 @@ def log_prior(
     """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`. [nat]"""
     low, high, mean = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high", "mean"))
     precision, log_det = (part[scales] for part in prior_precision(model))
-    off = terms - mean
-    square = _squared(off, precision)
+    square = _squared(terms, mean[None], precision)
     inside = ((terms >= low) & (terms <= high)).all(axis=1)
     density = model.hyperprior.scales()[2][scales] + 0.5 * (log_det - square) - bounds_log_mass(model)
     return np.where(inside.reshape(-1, 1), density, -np.inf)
@@ -184,9 +191,13 @@ def log_likelihood(
     square = _squares(miss[..., evidence.readouts], evidence.sharpness)
     nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
-    likelihood = constant - 0.5 * evidence.log_det - (nu + count) / 2 * np.log1p(square / nu)
+    square /= nu
+    likelihood = np.log1p(square, out=square)
+    likelihood *= -(nu + count) / 2
+    likelihood += constant - 0.5 * evidence.log_det
     # a flight that cannot be compared has the density of readouts without any information, as in a fit
-    return np.where(fit.data.seen.any(axis=1), likelihood, 0.0)
+    likelihood[..., ~fit.data.seen.any(axis=1)] = 0.0
+    return likelihood
 
 
 def _squares(
