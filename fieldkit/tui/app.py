@@ -29,6 +29,7 @@ from fieldkit.quantities import counted, measure, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.settings import UNITS
 from fieldkit.tui.asking import WAIT
+from fieldkit.tui.computing import Turn
 from fieldkit.tui.crash import Crash, place_of, record
 from fieldkit.tui.hangup import CHECK_INTERVAL, gone, nobody_looks, terminal
 from fieldkit.tui.keys import in_capitals, pressed
@@ -87,12 +88,15 @@ class FieldkitApp(App[None]):
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
     DEFAULT_MODE = "home"  # shown first, without an empty screen before it
-    COMMANDS = App.COMMANDS | {finder}  # Textual's provider lists the pages, colors, units and keys
+    COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {finder}
     CSS = """
     CommandPalette { background: $backdrop; }
     CommandPalette #--input { border: hkey $border-blurred; }
-    CommandPalette > .command-palette--help-text { text-style: not bold; }
-    """  # as bright as the rest: Textual dims descriptions of commands
+    CommandPalette > Vertical { margin-top: 1; width: 96%; max-width: 120; }
+    CommandPalette SearchIcon { display: none; }
+    CommandPalette CommandInput, CommandPalette CommandInput:focus { border: none; padding: 0 2; height: 1; }
+    CommandPalette CommandList { text-wrap: nowrap; text-overflow: ellipsis; border-top: none; max-height: 80vh; }
+    """
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
@@ -122,6 +126,8 @@ class FieldkitApp(App[None]):
         self._is_leaving = False
         self.changing = asyncio.Lock()
         """Held while the ledger is changed."""
+        self.computing = Turn()
+        """Of computations that take much memory."""
         self.error_console = Console(stderr=True, quiet=True)  # a failure is reported in one line
         self.place: Whereabouts | None = None
         """The state when an error ended the app."""

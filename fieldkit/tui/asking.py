@@ -4,15 +4,14 @@ import asyncio
 from collections import defaultdict
 from collections.abc import Awaitable, Callable
 from contextlib import nullcontext
-from functools import partial
-from typing import Any, ClassVar, TypeVar, cast
+from typing import ClassVar, Literal, TypeVar, cast
 
 from textual.screen import Screen
 from textual.worker import get_current_worker
 
 from fieldkit.errors import FieldkitError
+from fieldkit.tui.computing import Turn
 from fieldkit.tui.host import Host
-from fieldkit.tui.memory import give_back
 from fieldkit.tui.resources import Resources
 
 T = TypeVar("T")
@@ -25,8 +24,12 @@ class Dropped(Exception):
 
 
 def go_on() -> None:
-    """Called within a worker. Raises Dropped if its answer is no longer needed."""
-    if get_current_worker().is_cancelled:
+    """Called within a worker: lets other computations of the app go first. Raises Dropped if its answer is no longer
+    needed."""
+    worker = get_current_worker()
+    if not worker.is_cancelled:
+        cast(Host, worker.node.app).computing.give_way()
+    if worker.is_cancelled:
         raise Dropped
 
 
@@ -39,7 +42,7 @@ class AskingScreen(Screen[None]):
     def __init__(self) -> None:
         super().__init__()
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
-        self._threads: dict[str, asyncio.Future[Any]] = {}
+        self._alone: defaultdict[str, Turn] = defaultdict(Turn)
 
     @property
     def resources(self) -> Resources:
@@ -58,18 +61,20 @@ class AskingScreen(Screen[None]):
         group: str = "ask",
         *,
         in_turn: bool = False,
-        alone: bool = False,
+        alone: Literal["", "group", "app"] = "",
     ) -> None:
         """Run work in a worker of this screen, which ends with it, and pass its result to `answer`.
 
         A newer request of a group drops an older one, or waits for it if `in_turn`. An error becomes a notice; an
         unexpected one also a crash file. Threads cannot be stopped, so dropped work runs to its end or to its next call
-        of `go_on`. Long requests run `alone`: one at a time in their group, the newest next.
+        of `go_on`. Long requests run `alone`, the newest next: one at a time in their group, or in the whole `app` if
+        they take much memory.
         """
 
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
-                await self._pass_on(self._alone(group, question) if alone else asyncio.to_thread(question), answer)
+                turn = self.field_app.computing if alone == "app" else self._alone[group]
+                await self._pass_on(turn.compute(question) if alone else asyncio.to_thread(question), answer)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
@@ -86,31 +91,6 @@ class AskingScreen(Screen[None]):
 
     def unanswered(self) -> None:
         """Called after the notice of an error: what was announced will not be shown."""
-
-    async def _alone(self, group: str, question: Callable[[], T]) -> T:
-        """Run a request after the previous one has ended, even if that was dropped."""
-        while (before := self._threads.get(group)) is not None:
-            await asyncio.wait([before])
-
-        def work() -> T:
-            try:
-                return question()
-            finally:
-                give_back()
-
-        running = asyncio.ensure_future(asyncio.to_thread(work))
-        self._threads[group] = running
-        running.add_done_callback(partial(self._has_ended, group))
-        try:
-            return await asyncio.shield(running)
-        finally:
-            del running  # the traceback of a dropped request would keep its result
-
-    def _has_ended(self, group: str, ended: asyncio.Future[Any]) -> None:
-        """A request of a group has ended, perhaps dropped; keep neither its result nor its error."""
-        del self._threads[group]
-        if not ended.cancelled():
-            ended.exception()  # otherwise reported as never retrieved
 
     async def settled(self, *groups: str) -> None:
         """Wait until the requests of some groups are answered: keys typed ahead depend on the answers."""

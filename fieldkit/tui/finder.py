@@ -1,5 +1,4 @@
-"""What the command palette finds besides pages and keys: flights, rockets, motors, settings, help, and shell
-commands."""
+"""What the command palette finds: pages, keys, flights, rockets, motors, settings, help, and shell commands."""
 
 import asyncio
 from collections import Counter
@@ -8,7 +7,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, cast
 
-from textual.command import Hit, Provider
+from rich.cells import cell_len
+from textual.command import DiscoveryHit, Hit, Provider
+from textual.content import Content
+from textual.fuzzy import Matcher
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight.short_name import flight_label
@@ -27,6 +29,8 @@ from fieldkit.tui.setup.setup_forms import ask_rail
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.dialogs import HelpScreen
 
+NAME_WIDTH = 34
+"""Width of the names, after which descriptions start in one column. [cell]"""
 MAX_HITS = 20
 """Maximum number of results of each kind: thousands of flights leave room for motors and help. [1]"""
 
@@ -56,7 +60,12 @@ class Finder(Provider):
             kept = []  # without a ledger, the other results are still listed
         for page in pages().values():
             await page.imported()
-        self._entries = [*self._settings(), *kept, *self._help()]
+        self._entries = [*self._actions(), *self._settings(), *kept, *self._help()]
+
+    async def discover(self) -> AsyncIterator[DiscoveryHit]:
+        """Pages, colors, units and keys, before anything is typed."""
+        for entry in sorted(self._actions(), key=lambda entry: entry.text):
+            yield DiscoveryHit(_line(Content(entry.text), entry), entry.go, entry.text)
 
     async def search(self, query: str) -> AsyncIterator[Hit]:
         """The matches, best first."""
@@ -66,7 +75,7 @@ class Finder(Provider):
         for score, entry in sorted(found, key=lambda hit: -hit[0]):
             listed[entry.kind] += 1
             if listed[entry.kind] <= MAX_HITS:
-                yield Hit(score, matcher.highlight(entry.text), entry.go, entry.text, entry.about)
+                yield Hit(score, _line(_marked(entry.text, matcher), entry), entry.go, entry.text)
 
     def _read(self) -> list[Entry]:
         """Flights, rockets and motors."""
@@ -99,6 +108,11 @@ class Finder(Provider):
                 for motor in resources.motors.motors
             ),
         ]
+
+    def _actions(self) -> Iterator[Entry]:
+        """Pages, colors, units, and the actions of the page under the palette."""
+        for command in self.app.get_system_commands(self.screen):
+            yield Entry("action", command.title, command.help, command.callback)
 
     def _settings(self) -> Iterator[Entry]:
         host = self._host
@@ -156,3 +170,17 @@ class Finder(Provider):
     def _copy(self, command: str) -> None:
         self.app.copy_to_clipboard(command)
         self._host.show_notice(f"Copied: {command}")
+
+
+def _marked(text: str, matcher: Matcher) -> Content:
+    """A text with its matching letters marked; brackets in it are not markup."""
+    content = Content(text)
+    for place in matcher.fuzzy_search.match(matcher.query, text)[1]:
+        content = content.stylize(matcher.match_style, place, place + 1)
+    return content
+
+
+def _line(name: Content, entry: Entry) -> Content:
+    """A name, its matching letters marked, and its description, in one line."""
+    gap = " " * max(2, NAME_WIDTH - cell_len(entry.text))
+    return Content.assemble(name, gap, (printable(entry.about), "not bold"))

@@ -3,13 +3,15 @@
 from asyncio import Lock
 from typing import Any, Protocol
 
+from fieldkit.tui.computing import Turn
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets.bars import Notice
 
 
 class Host(Protocol):
     """The interface of the app for its pages: `revision` and `look` count changes, as in `FieldkitApp`; `unseen` means
-    that a page is being prepared behind the visible one; `changing` is held while the ledger is changed."""
+    that a page is being prepared behind the visible one; `changing` is held while the ledger is changed; large
+    computations have the turn of `computing`."""
 
     resources: Resources
     notices: list[Notice]
@@ -17,6 +19,7 @@ class Host(Protocol):
     look: int
     unseen: bool
     changing: Lock
+    computing: Turn
 
     def settled(self, page: str) -> None:
         """Called when the page of this name has read the flights."""

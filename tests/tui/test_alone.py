@@ -1,5 +1,6 @@
 """Long requests run one at a time, and are dropped if nobody waits for them anymore."""
 
+import asyncio
 import threading
 import time
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any
 import pytest
 
 from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.computing import Turn
 from fieldkit.tui.loop import loop_page
 from tests.pressing import opened, press, season
 
@@ -21,6 +23,24 @@ async def test_a_reload_due_while_the_app_closes_is_skipped(tmp_path: Path) -> N
         pass
     assert not app.screen_stack
     app.look_round()
+
+
+async def test_one_large_computation_runs_at_a_time_and_gives_way_between_its_steps() -> None:
+    turn, done, running = Turn(), list[str](), threading.Event()
+
+    def long() -> None:
+        running.set()
+        ends = time.monotonic() + PATIENCE
+        while not done and time.monotonic() < ends:
+            turn.give_way()
+        done.append("long")
+
+    first = asyncio.ensure_future(turn.compute(long))
+    await asyncio.to_thread(running.wait)
+    dropped = asyncio.ensure_future(turn.compute(lambda: done.append("dropped")))
+    dropped.cancel()
+    await asyncio.gather(first, turn.compute(lambda: done.append("short")))
+    assert done == ["short", "long"]
 
 
 async def test_a_request_is_canceled_by_the_next_and_when_the_app_closes(

@@ -238,7 +238,9 @@ async def test_many_flights_leave_room_for_motors_in_the_palette(empty: Path) ->
     async with opened(empty, page="home") as pilot:
         finder = Finder(pilot.app.screen)
         await finder.startup()
-        found = [str(hit.text) async for hit in finder.search("f24")]
+        hits = [hit async for hit in finder.search("f24")]
+        assert all("\n" not in str(hit.prompt) for hit in hits), "one line for each"
+        found = [str(hit.text) for hit in hits]
         assert sum(text.startswith("Flight ") for text in found) == MAX_HITS
         assert "Motor AeroTech F24W" in found
 

@@ -59,7 +59,7 @@ class EstimateLine(Static):
 
     async def _ask(self, typed: Flight, lift_off: float | None) -> None:
         await asyncio.sleep(PAUSE)
-        self._page.ask(partial(self._work, typed, lift_off), self._show, "estimate", alone=True)
+        self._page.ask(partial(self._work, typed, lift_off), self._show, "estimate", alone="group")
 
     def _work(self, typed: Flight, lift_off: float | None) -> TypedEstimate:
         go_on()

@@ -185,7 +185,7 @@ class TagScreen(PageScreen):
     def _have(self, read: tuple[Flight, dict[str, list[str]]]) -> None:
         flight, self._bearers = read
         self._list(flight)
-        self.ask(or_why(partial(self._shift, flight)), self._have_shift, "effect", alone=True)
+        self.ask(or_why(partial(self._shift, flight)), self._have_shift, "effect", alone="app")
 
     def _list(self, flight: Flight) -> None:
         """List the tags, with a mark at those of the flight."""

@@ -322,7 +322,7 @@ class HomeScreen(PageScreen):
         wanted = [one for one in flights if one.flight.has_log and self._profile(one) is None]
         self.ask(partial(logs_of, self.resources, wanted), partial(self._have_profiles, wanted), "profiles")
         if flights:
-            self.ask(partial(self._compare, flights), self._have_beside, "beside", alone=True)
+            self.ask(partial(self._compare, flights), self._have_beside, "beside", alone="app")
             self.ask(self._read_shared, self._show_shared, "shared")
 
     def _compare(self, flights: Sequence[ListedFlight]) -> "Beside":
@@ -374,7 +374,7 @@ class HomeScreen(PageScreen):
         self.query_one("#cards").set_class(self._view is None, "-empty")
         self.query_one(NextCard).show(self._view, system)
         self.query_one(LastCard).show(self._view, system, datetime.now().date())
-        table.enter = "Choose" if steps else "Open"
+        table.on_enter = "Choose" if steps else "Open"
         self._show_day(steps)
         if steps:
             table.show([Head("First steps", 26), Head("", 0)], FIRST_STEPS, step_cells)

@@ -317,7 +317,7 @@ class NextScreen(PageScreen):
             self._forecast()
             return
         work = or_why(partial(quick_guide, plan.rocket, plan.full, waiting))
-        self.ask(work, partial(self._have_quick, plan), "quick", alone=True)
+        self.ask(work, partial(self._have_quick, plan), "quick", alone="group")
 
     def _have_quick(self, plan: Plan, found: list[QuickChoice] | str) -> None:
         if found and not isinstance(found, str):
@@ -334,7 +334,7 @@ class NextScreen(PageScreen):
         def work() -> list[MotorChoice]:
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
-        self.ask(work, partial(self._have, plan), "forecast", alone=True)
+        self.ask(work, partial(self._have, plan), "forecast", alone="app")
 
     def _have(self, plan: Plan, found: Sequence[MotorChoice]) -> None:
         self._motors.put(plan, found)
@@ -378,7 +378,7 @@ class NextScreen(PageScreen):
         def work() -> list[Prediction]:
             return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], keep=False)
 
-        self.ask(work, partial(self._have_exact, one), "exact", alone=True)
+        self.ask(work, partial(self._have_exact, one), "exact", alone="app")
 
     def _have_exact(self, one: MotorChoice, made: list[Prediction]) -> None:
         """Show it unless the plan has changed."""
