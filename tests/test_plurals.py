@@ -43,7 +43,6 @@ NEVER_ONE = {
     "len(found.flights)": "the flights of the demo",
     "found.predictions[0].rests_on": "the flights of the demo",
     "self.every": "the period of a pattern, from two on",
-    "len(rows)": "forecasts to compare, from two on",
     "width": "bytes of a record",
     "size": "bytes beyond a limit",
     "least": "numbers of a sentence",

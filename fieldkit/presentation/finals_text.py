@@ -19,10 +19,10 @@ from fieldkit.units import FOOT
 
 
 def finals_headers(fall: Fall, system: str = "SI") -> tuple[str, ...]:
-    """The headers of the table: heights in feet, as in the rules, masses in the units of a system; without a measured
+    """The headers of the table: heights in feet, as in the rules, masses in the unit of the second; without a measured
     descent, no parachute and no duration, and the points of the altitude alone."""
     mass = ShownUnits(system).mass(0.0).split()[1]
-    first = "target ft", f"dry {mass}", f"change {mass}", f"lift-off {mass}"
+    first = "target ft", f"dry {mass}", "change", "lift-off"
     return (
         (*first, "apogee ft", "altitude points")
         if fall.assumed

@@ -1,10 +1,10 @@
 """The quality of forecasts, in lines: scores compared with rivals, whether the bar is beaten, calibration."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from fieldkit.forecast.evaluation.rivals import BAR, LABELS, MIXTURE
-from fieldkit.quantities import counted
+from fieldkit.quantities import ShownUnits, counted
 from fieldkit.scoring.bootstrap import MIN_FLIGHTS_FOR_VERDICT
 
 if TYPE_CHECKING:
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from fieldkit.scoring.proper_scores import Calibration
     from fieldkit.services.scores import LedgerScores
 
-MAX_BAR_LENGTH = 30
-"""Longest bar. [character]"""
+MAX_BAR_LENGTH, BRIEF_BAR_LENGTH = 30, 24
+"""Longest bars; those beside names leave room for them on a line of 80. [character]"""
 HEADERS = ("method", "n", "median", "mean", "bias", "CRPS", "interval", "in 90%")
 DIFFERENCE_HEADERS = ("fieldkit is better by", "mean error", "CRPS", "interval")
 LEGEND = (
@@ -24,6 +24,44 @@ LEGEND = (
 )
 """The columns of `HEADERS`."""
 DIFFERENCE_LEGEND = "90% bootstrap intervals; +: fieldkit's score is lower, *: clearly different"
+
+
+WAYS: Mapping[str, str] = {
+    "uncalibrated": "a simulation as it is",
+    "scalar": "a simulation scaled to its flights",
+    "last_on_motor": "its last apogee on the motor",
+    "flight_before": "the apogee of the flight before",
+    "fleet_ratio": "a simulation scaled to all flights",
+}
+"""The rivals that a flyer can compute, in plain words; of those with one idea the simpler one."""
+OWN_FORECASTS = "these forecasts"
+
+
+def in_brief(found: "ScoreReport", system: str) -> Iterator[str]:
+    """The mean miss of forecasts and of simpler methods as bars, the nearest first, and whether they differ clearly."""
+    named = {LABELS[way]: text for way, text in WAYS.items()}
+    rows = [(found.ways[0], OWN_FORECASTS), *((way, named[way.name]) for way in found.ways if way.name in named)]
+    rows = sorted((row for row in rows if row[0].flights == len(found.rows)), key=lambda row: row[0].mae)
+    most, width = max(way.mae for way, _ in rows) or 1.0, max(len(text) for _, text in rows)
+    yield "Mean miss, beside those of simpler methods"
+    for way, text in rows:
+        bar = "█" * max(1, round(way.mae / most * BRIEF_BAR_LENGTH))
+        yield f"  {text:{width}}  {ShownUnits(system).length(way.mae):>7}  {bar}"
+    if few := too_few(found):
+        yield few
+        return
+    for verdict, words in (("better", "Clearly nearer than"), ("worse", "Clearly farther off than")):
+        rivals = [WAYS[one.rival] for one in found.against if one.verdict == verdict and one.rival in WAYS]
+        if rivals:
+            yield f"{words} {', '.join(rivals)}"
+
+
+def intervals_in_brief(found: "ScoreReport") -> str:
+    """How many flights were in their 90% interval, and what that says: `6 of 7 inside the 90% interval: too wide`."""
+    (one,) = (one for one in found.calibration.intervals if one.level == 0.9)
+    flights = len(found.rows)
+    verdict = "as expected" if one.honest else "too narrow" if one.held < one.level else "too wide"
+    return f"{round(one.held * flights)} of {flights} inside the 90% interval: {verdict}"
 
 
 def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:

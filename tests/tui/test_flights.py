@@ -408,8 +408,13 @@ async def test_beside_the_table_are_the_cd_of_the_configuration_and_the_climb_fr
         assert "Cd of each flight of Astra B" in shown(pilot)
         assert "altitude [m]" not in shown(pilot)
         await press(pilot, "down", "down")
-        beside = pilot.app.screen.query_one(Table).size.width
-        assert sum(line[beside:].count("●") for line in shown(pilot).splitlines()) == 4
+        below = pilot.app.screen.query_one(Table).region.bottom
+        assert sum(line.count("●") for line in shown(pilot).splitlines()[below:]) == 4
+        for _ in range(600):  # compared once the cursor rests
+            if "Flight 10 flew" in words(pilot):
+                break
+            await asyncio.sleep(0.05)
+        assert "Flight 10 flew" in words(pilot), "why it missed"
 
 
 @pytest.mark.thorough

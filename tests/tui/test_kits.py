@@ -21,9 +21,13 @@ async def test_a_kit_is_added_changed_and_deleted(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, *TO_KITS)
         assert "No kits yet" in words(pilot)
+        assert "Remove" not in text_of(pilot, "KeyBar"), "no kit to remove or to open"
+        assert "Enter" not in text_of(pilot, "KeyBar")
         await press(pilot, "i", *typed("Big Bertha"), "down", *typed("80g"), "down", *typed("41.6mm"), "enter")
         await press(pilot, *typed("18"), "ctrl+s")
         assert "Saved the kit Big Bertha" in words(pilot)
+        assert "Enter Edit kit" in words(pilot)
+        assert "x Remove" in words(pilot)
         assert "motors up to 18 mm" in words(pilot)
         await press(pilot, "enter", "down", "ctrl+u", *typed("oops"), "ctrl+s")
         assert "✗ found 'oops'" in words(pilot)

@@ -848,3 +848,6 @@ async def test_the_loop_shows_flown_apogees_and_the_effects_it_would_try_before_
         assert shown(pilot).count("●") >= 5
         for effect in effects().values():
             assert effect.form_of or effect.title in text_of(pilot, "#marks"), effect.title
+        await press(pilot, "right", "_")
+        assert "Each flight, flown minus what the others lead to expect [m]" in words(pilot)
+        assert shown(pilot).count("●") >= 5

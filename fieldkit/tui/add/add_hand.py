@@ -44,7 +44,7 @@ class Hand(Horizontal):
         self._say(summary(answered.flight), answered, system)
 
     def _say(self, first: str, answered: Answered, system: str) -> None:
-        lines = [first, *together(answered.flight, system)]
+        lines = dict.fromkeys([first, *together(answered.flight, system)])
         text = Content("\n").join(marked(printable(line)) for line in lines)
         self.query_one("#says", Static).update(text, layout=False)
 

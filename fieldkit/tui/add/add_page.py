@@ -22,7 +22,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import flight_label
 from fieldkit.importing.manual_entry import JUDGED_QUESTIONS, QUESTIONS, Question, date_order
-from fieldkit.quantities import unit_of
+from fieldkit.quantities import spelled, unit_of
 from fieldkit.services.manual_entry import kind, typed_unit, with_unit
 from fieldkit.tui.add.add_form import (
     BY_NAME,
@@ -43,6 +43,7 @@ from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field, step
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.setup.rocket_strip import RocketStrip, rocket_facts
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskYes
 
@@ -132,7 +133,7 @@ class Saving:
         self.card.saved(id, flight, resources.settings.units)
         self._front(card=True)
         self._page.set_focus(self.card)
-        self._page.ask(partial(after_flight, resources, flight), self._show, "outcome")
+        self._page.ask(partial(after_flight, resources, flight), self._show, "outcome", alone="app")
 
     def _show(self, found: AfterFlight | None) -> None:
         self.card.show(found, self._page.resources.settings.units)
@@ -141,6 +142,7 @@ class Saving:
         for widget in self._sheet.widgets():
             widget.display = not card
         self.card.display = card
+        self._page.set_class(card, "-saved")
 
 
 class DraftPen:
@@ -213,6 +215,7 @@ class AddScreen(PageScreen):
         self._units: dict[str, str] = {}
         self._answered = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
+        self._rocket = ("", "")
         self._pen = DraftPen(self)
 
     def on_mount(self) -> None:
@@ -247,9 +250,10 @@ class AddScreen(PageScreen):
         if self._system != self.resources.settings.units:  # chosen after any unit that was typed
             self._units, self._system = {}, self.resources.settings.units
         self.query_one(EstimateLine).forget()
+        self._rocket = ("", "")
         self._saving.card.redraw(self.resources.settings.units)
         if self._sheet.touched:
-            self._saving.clear_if_saved(self._read, self._ask_usual)
+            self._saving.clear_if_saved(self._read, self._offer_again)  # a forecast may have been saved
         else:
             self.ask(self._draft.begin, self._take_up, "start")
 
@@ -313,9 +317,19 @@ class AddScreen(PageScreen):
         self._answered = self._read()
         system = self.resources.settings.units
         for name, question in BY_NAME.items():
-            self.field(name).note(beside(question, self._answered, self._unit_of_answer(question), system))
+            note = beside(question, self._answered, self._unit_of_answer(question), system)
+            typed = typed_unit(self.field(name).line.value)
+            self.field(name).note("" if typed and note == spelled(typed) else note)
         self._show_current()
+        self._show_rocket(self._answered.flight)
         self.query_one(EstimateLine).follow(self._answered.flight, self._answered.lift_off)
+
+    def _show_rocket(self, flight: Flight) -> None:
+        """Show the rocket and its flights below the form, if there is room."""
+        if self.has_class("-wide") and not self.has_class("-short") and self._rocket != (flight.rocket, flight.config):
+            self._rocket = flight.rocket, flight.config
+            facts = partial(rocket_facts, self.resources.ledger, flight, self.resources.settings.units)
+            self.ask(facts, self.query_one(RocketStrip).show, "rocket")
 
     def _unit_of_answer(self, question: Question) -> str:
         """The unit that is shown with an answer, else that of a number without one."""

@@ -16,6 +16,7 @@ from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.estimate_line import EstimateLine
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.setup.rocket_strip import RocketStrip
 from fieldkit.tui.widgets.picker import Picker
 
 FORM_CSS = """
@@ -28,20 +29,26 @@ FORM_CSS = """
     AddScreen.-wide #big { width: 24; }
     AddScreen.-wide EstimateLine { width: 1fr; height: 5; padding: 0 1; color: $foreground;
         border: round $border-blurred; border-title-color: $foreground; }
-    AddScreen.-wide.-lofty #current { margin: 1 0; }
     AddScreen #fields { padding: 0 1; height: 1fr; }
     AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
     AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
-    AddScreen.-lofty #save { margin: 1 0; }
     AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
     AddScreen.-wide #readouts Field > Input { width: 15; }
     AddScreen.-wide #fields { layout: horizontal; }
     AddScreen.-wide #readouts { margin-right: 3; }
-    AddScreen.-lofty.-normal Hand, AddScreen.-lofty.-narrow Hand { margin: 1 0; }
-    AddScreen.-lofty Field { height: 3; }
-    AddScreen.-lofty Field > Label, AddScreen.-lofty Field > .note { margin-top: 1; }
-    AddScreen.-lofty Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
-    AddScreen.-lofty Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
+    AddScreen.-lofty.-normal, AddScreen.-lofty.-narrow {
+        Hand, #save { margin: 1 0; }
+        Field { height: 3; }
+        Field > Label, Field > .note { margin-top: 1; }
+        Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
+        Field > Input:focus { height: 3; border: round $border; padding: 0 1; }
+    }
+    AddScreen.-wide.-tall, AddScreen.-wide.-lofty {
+        #fields { height: auto; margin-bottom: 1; }
+        RocketStrip { height: 1fr; max-height: 100%; }
+        RocketStrip.-shown { display: block; }
+    }
+    AddScreen.-saved RocketStrip { height: 0; }
 """
 """Layout of the form on the page, by its width and height."""
 
@@ -73,6 +80,7 @@ class Sheet:
             with Vertical(id="more"):
                 for name in MORE_FIELDS:
                     yield Field(BY_NAME[name])
+        yield RocketStrip()
         yield self.picker
 
     def widgets(self) -> Iterable[Widget]:

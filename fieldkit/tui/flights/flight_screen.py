@@ -108,7 +108,7 @@ class FlightScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back", priority=True),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("e", "edit", "Edit", tooltip="Edit this flight"),
+        Binding("e", "edit", "Edit flight", tooltip="Edit this flight"),
         Binding("l", "look", "Look", tooltip="Its log, with a cursor for height, speed and acceleration", show=False),
         Binding("w", "report", "Report", tooltip="Write a report on this flight for the log book", show=False),
         Binding("G", "track", "GPS track", tooltip="Write its GPS track for maps, as KML or GPX", show=False),

@@ -1,7 +1,7 @@
 """Flights: the ledger as a table, newest first; filter as you type, sort by any column, open one with Enter.
 
-The flight under the cursor of the Flights page: its figures and, if there is room, its Cd among those of the same
-configuration, and its climb.
+The flight under the cursor of the Flights page: its figures and why it missed and, if there is room, its Cd among those
+of the same configuration, and its climb.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,12 +12,14 @@ from typing import Any, ClassVar
 from rich.cells import cell_len
 from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, VerticalScroll
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from fieldkit.forecast.one_offs import FlightBesideOthers
+from fieldkit.presentation.one_off_text import why
 from fieldkit.quantities import spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.services.inferred import FlightInference, Inferred
@@ -35,7 +37,7 @@ from fieldkit.tui.next.intervals import HeightScale
 from fieldkit.tui.page import LEAVE_LINE, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.hanging import Hanging, stacked
+from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
 from fieldkit.tui.widgets.line import Line
 from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
 from fieldkit.tui.widgets.table import Table
@@ -45,26 +47,33 @@ MAX_DRAWN_FLIGHTS = 120
 
 
 class FlightCard(VerticalScroll):
-    """The card next to the table. Plots are added when there is something to draw, so that the first paint does not
-    need their library."""
+    """The card next to the table."""
 
     DEFAULT_CSS = """
-    FlightCard Static { height: auto; margin-bottom: 1; }
-    FlightCard Plot { height: 22vh; min-height: 10; margin-bottom: 1; border-top: solid $border-blurred;
-        border-title-color: $foreground; }
+    FlightCard Static { height: auto; }
     """
 
+    def compose(self) -> Iterable[Widget]:
+        """All in one text."""
+        yield Static(id="card")
+
+    def show(self, row: FlightRow | None, beside: FlightBesideOthers | None, system: str) -> None:
+        """Show a flight, and why it missed if it was compared with others; None for no flight."""
+        self.query_one(Static).update(stacked(_figures(row, beside, system)) if row is not None else "")
+
+
+class FlightPlots(Horizontal):
+    """The Cd of the flights of a build, and the climb of the current one; each is shown if there is one. Plots are
+    added when there is something to draw, so that the first paint does not need their library."""
+
+    DEFAULT_CSS = """
+    FlightPlots { height: 45%; max-height: 32; display: none; }
+    FlightPlots Plot { width: 1fr; height: 1fr; border-top: solid $border-blurred; border-title-color: $foreground; }
+    """
     _shown: str | None = None
 
-    def compose(self) -> Iterable[Widget]:
-        """The figures; plots are inserted between them."""
-        yield Static(id="card")
-        yield Static(id="setup")
-
-    def show(self, row: FlightRow | None, build: Sequence[FlightRow], system: str) -> None:
-        """Show a flight, and the flights of its build in the order flown; None for no flight."""
-        for name, blocks in (("card", _figures), ("setup", _setup)):
-            self.query_one(f"#{name}", Static).update(stacked(blocks(row, system)) if row is not None else "")
+    def show(self, row: FlightRow | None, build: Sequence[FlightRow]) -> None:
+        """Show a flight among those of its build, in the order flown; None for no flight."""
         known = [one for one in build if one.drag is not None][-MAX_DRAWN_FLIGHTS:]
         if row is not None and len(known) > 1:
             name = " ".join(part for part in (row.flight.rocket, row.flight.config) if part)
@@ -87,21 +96,21 @@ class FlightCard(VerticalScroll):
         plot = next(iter(self.query(f"#{name}").results(Plot)), None)
         if plot is None and draw is not None:
             plot = Plot(id=name)
-            self.mount(plot, before="#setup")
+            self.mount(plot)
         if plot is not None:
             plot.display = draw is not None
             plot.border_title = Content(printable(title))
             plot.show(draw)
+        self.display = any(one.display for one in self.query(Plot))
 
 
-def _figures(row: FlightRow, system: str) -> Iterable[Hanging]:
+def _figures(row: FlightRow, beside: FlightBesideOthers | None, system: str) -> Iterable[Hanging]:
     yield cards.lines(cards.heading(row.flight, row.id), ())
+    if beside is not None:
+        yield hanging([why(beside)])
     yield cards.lines("Readouts", cards.readouts(row.flight, system), 20)
     if row.flight.tags:
         yield cards.lines("Tags", cards.tags(row.flight))
-
-
-def _setup(row: FlightRow, system: str) -> Iterable[Hanging]:
     yield cards.lines("Setup and conditions", cards.circumstances(row.flight, system), 20)
     if row.flight.extra:
         yield cards.lines("Other data", logged.beside(row.flight.extra, system), 20)
@@ -120,7 +129,7 @@ def _draw_course(row: FlightRow, known: Sequence[FlightRow], plt: Any, ink: Any)
     labels = spaced([(float(place), printable(known[place].id)) for place in places], 0.0, len(known) - 1.0, ink.width)
     plt.xticks(list(labels), list(labels.values()))
     plt.xlim(-0.5, len(known) - 0.5)
-    at = round_ticks(min(drags), max(drags), max(3, ink.height // 2))
+    at = round_ticks(min(drags), max(drags), max(3, ink.height // 4))
     plt.yticks(at, [f"{drag:g}" for drag in at])
 
 
@@ -145,7 +154,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("e", "edit", "Edit", tooltip="Edit this flight", show=False),
+        Binding("e", "edit", "Edit flight", tooltip="Edit this flight", show=False),
         Binding("a", "app.page('add')", "Add", tooltip="Enter a flight by hand"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
@@ -163,6 +172,7 @@ class FlightsScreen(PageScreen):
         super().__init__()
         self._rows: dict[str, FlightRow] = {}
         self._asked: set[str] = set()
+        self._compared: dict[tuple[str, str], FlightBesideOthers] = {}
         self._inference: FlightInference | None = None
         self._order, self._down = "date", True
         self._scale = HeightScale(0.0, 1.0)
@@ -175,7 +185,9 @@ class FlightsScreen(PageScreen):
             yield Line(placeholder="filter: rocket, motor, tag, month ...", compact=True)
             yield Static("", id="count")
         with Horizontal():
-            yield Table(empty="reading the ledger ...", id="table")
+            with Vertical():
+                yield Table(empty="reading the ledger ...", id="table")
+                yield FlightPlots()
             yield FlightCard(id="beside")
 
     def on_mount(self) -> None:
@@ -192,6 +204,7 @@ class FlightsScreen(PageScreen):
 
     def _have(self, rows: list[FlightRow]) -> None:
         self._inference = None  # messages of other rockets may have changed
+        self._compared.clear()
         known = {row.id: row for row in self._rows.values() if row.thrust is not None}
         for row in rows:
             if (before := known.get(row.id)) and before.flight == row.flight:
@@ -286,22 +299,40 @@ class FlightsScreen(PageScreen):
         """Show the card of the flight under the cursor, if there is room, and its log after the cursor rests."""
         if self._rest is not None:
             self._rest.stop()
-        if not self.has_class("-wide"):
+        row, wide = self._row(), self.has_class("-wide")
+        drawn = row if wide and self.has_class("-tall") else None
+        self.query_one(FlightPlots).show(drawn, same_build(self._rows.values(), drawn) if drawn is not None else [])
+        if not wide:
             return
-        row, tall = self._row(), self.has_class("-tall")
-        build = same_build(self._rows.values(), row) if row is not None and tall else []
-        self.query_one(FlightCard).show(row, build, self.resources.settings.units)
-        if row is not None and tall:
-            self._rest = self.set_timer(REST, partial(self._read_log, row.id))
+        self._show_card()
+        if row is not None:
+            self._rest = self.set_timer(REST, partial(self._read_more, row, log=drawn is not None))
 
-    def _read_log(self, id: str) -> None:
-        system = self.resources.settings.units
-        self.ask(or_why(partial(drawn, self.resources.ledger, id, system)), partial(self._have_log, id), "log")
+    def _show_card(self) -> None:
+        row = self._row()
+        beside = None if row is None else self._compared.get((row.flight.rocket, row.flight.flight_id))
+        self.query_one(FlightCard).show(row, beside, self.resources.settings.units)
+
+    def _read_more(self, row: FlightRow, *, log: bool) -> None:
+        """Read the log of a flight, and compare the flights of its rocket."""
+        resources, rocket = self.resources, row.flight.rocket
+        if log:
+            work = or_why(partial(drawn, resources.ledger, row.id, resources.settings.units))
+            self.ask(work, partial(self._have_log, row.id), "log")
+        if (rocket, row.flight.flight_id) not in self._compared:
+            compare = or_why(partial(resources.comparisons.of, resources.ledger, resources.motors, rocket))
+            self.ask(compare, self._have_compared, "beside", alone="app")
+
+    def _have_compared(self, found: Sequence[FlightBesideOthers] | str) -> None:
+        """Show why the flight under the cursor missed; a rocket that cannot be compared has no reasons."""
+        if not isinstance(found, str):
+            self._compared |= {(one.flight.rocket, one.flight.flight_id): one for one in found}
+            self._show_card()
 
     def _have_log(self, id: str, log: Drawn | str) -> None:
         row = self._row()
         if row is not None and row.id == id:
-            self.query_one(FlightCard).show_climb(log if isinstance(log, Drawn) else None)
+            self.query_one(FlightPlots).show_climb(log if isinstance(log, Drawn) else None)
 
     @on(Table.HeadClicked)
     def _head(self, message: Table.HeadClicked) -> None:

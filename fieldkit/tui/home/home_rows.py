@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Sequence
 
+from rich.cells import cell_len
+
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.makers import motor_name
 from fieldkit.presentation.home_text import build_of, sparkline
@@ -34,7 +36,11 @@ def listed(
     logged = width >= NORMAL_TABLE + tagged and any(one.flight.has_log for one in flights)
     profiles = PROFILE_CELLS if logged else 0
     bars = max(20, width - 65 - tagged - (profiles + 1 if profiles else 0)) if width >= WIDE_TABLE else 0
+    longest = max((cell_len(build_of(one.flight)) for one in flights), default=0)
     heads, cells = _heads(profiles, bars, scale, settings.units), _row(profiles, bars, scale, settings.units)
+    if tagged and not bars:  # the rocket as wide as its name, tags as wide as the room
+        room = width - sum(head.width + 1 for head in heads) - 1
+        heads[2], heads[6] = Head("rocket", max(6, min(longest, room))), Head("tags", 0)
     seen = {
         "when": any(one.flight.date_time for one in flights),
         "miss": any(one.miss is not None for one in flights),

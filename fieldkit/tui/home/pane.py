@@ -21,10 +21,9 @@ from fieldkit.tui.flights.log_plot import Drawn, draw_trace
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
-from fieldkit.tui.widgets.plots import Plot, round_ticks, spaced
+from fieldkit.tui.widgets.misses import draw_misses
+from fieldkit.tui.widgets.plots import Plot
 
-MAX_DRAWN = 40
-"""Number of latest misses that are drawn. [1]"""
 Beside = Mapping[tuple[str, str], FlightBesideOthers]
 """Flights beside the others of their rocket, by rocket and flight_id."""
 
@@ -58,10 +57,10 @@ class Pane(VerticalScroll, can_focus=False):
         found = None if one is None else beside.get((one.flight.rocket, one.flight.flight_id))
         self.query_one("#pane-why", Static).update(Content("" if found is None else printable(why(found))))
         same = [] if one is None else [other for other in reversed(flights) if other.flight.rocket == one.flight.rocket]
-        missed = [other for other in same if other.miss is not None][-MAX_DRAWN:]
+        missed = [(other.id, other.miss) for other in same if other.miss is not None]
         unit = spelled(unit_of(cards.APOGEE, system))
         rocket = "" if one is None else one.flight.rocket
-        draw = partial(_draw_misses, missed, one, system) if len(missed) > 1 else None
+        draw = partial(draw_misses, missed, one.id, system) if one is not None and len(missed) > 1 else None
         self._plot("pane-trend", f"Misses of {rocket}, flown minus forecast [{unit}]", draw)
         self.show_climb(None)
 
@@ -90,25 +89,6 @@ def _facts(one: ListedFlight | None, system: str) -> Iterable[str]:
         yield f"{measure(cards.APOGEE, abs(one.miss), system)} {way} what the other flights lead to expect"
     if one.flight.tags:
         yield f"tagged {', '.join(one.flight.tags)}"
-
-
-def _draw_misses(missed: Sequence[ListedFlight], here: ListedFlight | None, system: str, plt: Any, ink: Any) -> None:
-    """Draw each miss as a point around the line of no miss, the selected flight marked, ids below."""
-    scale = float(number(cards.APOGEE, 1000.0, system)) / 1000.0
-    values = [(one.miss or 0.0) * scale for one in missed]
-    plt.hline(0.0, color=ink.dim)
-    for place, value in enumerate(values):
-        plt.plot([place, place], [0.0, value], marker="│", color=ink.dim)
-    plt.scatter(list(range(len(values))), values, marker="●", color=ink.line)
-    selected = next((place for place, one in enumerate(missed) if here is not None and one.id == here.id), None)
-    if selected is not None:
-        plt.scatter([selected], [values[selected]], marker="◆", color=ink.mark)
-    places = ([selected] if selected is not None else []) + [0, len(missed) - 1]
-    labels = spaced([(float(p), printable(missed[p].id)) for p in places], 0.0, len(missed) - 1.0, ink.width)
-    plt.xticks(list(labels), list(labels.values()))
-    plt.xlim(-0.5, len(missed) - 0.5)
-    at = round_ticks(min(0.0, *values), max(0.0, *values), max(3, ink.height // 3))
-    plt.yticks(at, [f"{value:+g}" if value else "0" for value in at])
 
 
 def beside_others(resources: Resources, flights: Sequence[ListedFlight]) -> Beside:

@@ -226,7 +226,7 @@ class ImportScreen(PageScreen):
         table = self.query_one("#files", Table)
         path = table.current
         is_folder = path is None or path == PARENT_FOLDER or isdir(path)
-        table.enter = "Open" if is_folder else "Import"
+        table.on_enter = "Open" if is_folder else "Import"
         self.query_one(KeyBar).follow()
         self._look = None
         self.query_one("#more", Static).update("")

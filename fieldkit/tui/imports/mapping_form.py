@@ -154,7 +154,6 @@ class MappingList(HelpedModal[None]):
     MappingList > Vertical { width: 94%; height: 80%; background: $surface; border: solid $border; padding: 0 1; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("e", "edit", "Edit"),
         Binding("x,delete", "forget", "Remove", key_display="x"),
         Binding("escape", "dismiss", "Close"),
     ]
@@ -168,10 +167,13 @@ class MappingList(HelpedModal[None]):
         """The list and its keys."""
         with Vertical() as frame:
             frame.border_title = Content("Saved mappings")
-            yield Table(
-                id="mappings", empty="none yet: press m on the Import page to map the columns of a table", enter="Edit"
-            )
+            empty = "none yet: press m on the Import page to map the columns of a table"
+            yield Table(id="mappings", empty=empty, enter="Edit mapping")
             yield KeyBar()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Without mappings there is none to remove."""
+        return bool(self._known) if action == "forget" else super().check_action(action, parameters)
 
     def explained(self) -> tuple[str, Help]:
         """The columns and keys of the list."""

@@ -125,12 +125,14 @@ class LoopScreen(PageScreen):
     DEFAULT_CSS = """
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     LoopScreen #panels { height: 1fr; }
-    LoopScreen.-wide #panels { layout: grid; grid-size: 2 2; grid-rows: 1fr 1fr; }
+    LoopScreen.-wide #panels { layout: grid; grid-size: 2 2; grid-rows: 2fr 1fr; }
+    LoopScreen.-wide #panels.-under { grid-rows: 1fr 1fr; }
     LoopScreen.-wide .panel { display: none; border: round $border-blurred; border-title-color: $foreground; }
     LoopScreen.-wide .-first, LoopScreen.-wide .-under .-deep { display: block; }
     LoopScreen.-wide .-under .-first { display: none; }
     LoopScreen.-wide .panel.-front { border: round $border; }
     LoopScreen.-wide #p-Verdict { row-span: 2; }
+    LoopScreen.-wide.-tall #each.-shown { display: block; }
     """
 
     @dataclass
@@ -175,6 +177,7 @@ class LoopScreen(PageScreen):
         """Show the same data in other units."""
         if self._standing is not None:
             self._show_versions(self._standing)
+            self.panels.show_flights(self.panels.beside, self.resources.settings.units)
 
     def _have(self, standing: Standing | None) -> None:
         if standing is None:
@@ -190,7 +193,7 @@ class LoopScreen(PageScreen):
         self._show_versions(standing)
         if self.panels.found is None and (before is None or changed or before.rocket != standing.rocket):
             look = partial(beside_the_others, self.resources, standing.rocket)
-            self.ask(or_why(look), self._have_flights, "flights", alone=True)
+            self.ask(or_why(look), self._have_flights, "flights", alone="app")
 
     def _have_flights(self, found: Sequence[FlightBesideOthers] | str) -> None:
         """Show the flights that stand out; without any that can be compared, none."""
@@ -228,7 +231,7 @@ class LoopScreen(PageScreen):
         self.panels.progress("reading flights", 0.0)
         self._search = rocket
         report = partial(self._looking, rocket)
-        self.ask(or_why(partial(look, self.resources, rocket, report)), self._looked, "look", alone=True)
+        self.ask(or_why(partial(look, self.resources, rocket, report)), self._looked, "look", alone="app")
 
     def _looking(self, rocket: str, text: str, done: float) -> None:
         """Report the progress. Raises Dropped if another search was started or the app is closed."""
@@ -251,8 +254,11 @@ class LoopScreen(PageScreen):
         """Show the findings, or the reason for their absence."""
         self._search = ""
         if isinstance(found, str):
-            self.panels.forget()
-            self.complain(found)
+            self.panels.forget(found)
+            if self._standing is not None:
+                self._show_versions(self._standing)
+            if not self.is_current:
+                self.complain(found)
             return
         self._effect, self._accepted_version = 0, None
         self.panels.show(found, self.resources.settings.units)
@@ -261,7 +267,7 @@ class LoopScreen(PageScreen):
             self.show_notice(f"The search of {found.rocket} has ended. {headline(found).sentence}")
         if self._standing is not None and len(self._standing.rockets) > 1:
             work = partial(search_fleet, self.resources, lambda *_: go_on())
-            self.ask(or_why(work), self._have_fleet, "fleet", alone=True)
+            self.ask(or_why(work), self._have_fleet, "fleet", alone="app")
 
     def _have_fleet(self, lines: Sequence[str] | str) -> None:
         """Show what the rockets share."""

@@ -38,6 +38,7 @@ from fieldkit.tui.setup.setup_card import draw_apogees
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.big import Big
 from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
+from fieldkit.tui.widgets.misses import draw_misses
 from fieldkit.tui.widgets.plots import Plot
 from fieldkit.tui.widgets.table import Head, Table
 
@@ -95,8 +96,7 @@ def flown_apogees(flights: Sequence[Flight], system: str) -> tuple[str, Callable
     """The apogees of all flights of a rocket in the order flown, as a caption and a drawing; no drawing of fewer than
     two."""
     known = [flight for flight in flights if flight.apogee is not None]
-    unit = spelled(unit_of(cards.APOGEE, system))
-    caption = f"Apogee [{unit}], flight by flight; ✗ tagged. After S: flown minus forecast, against a column (v)"
+    caption = f"Apogee [{_unit(system)}], flight by flight; ✗ tagged. After S: residuals against a column (v)"
     return caption, partial(draw_apogees, known, None, system) if len(known) > 1 else None
 
 
@@ -118,6 +118,8 @@ class HeadlinePanel(VerticalScroll):
     HeadlinePanel #after.-better { color: $success; }
     HeadlinePanel #after.-worse { color: $warning; }
     HeadlinePanel #step, HeadlinePanel #also, HeadlinePanel #fleet { margin-top: 1; }
+    HeadlinePanel Plot { height: 1fr; min-height: 12; max-height: 30; margin-top: 1; display: none;
+        border-top: solid $border-blurred; border-title-color: $foreground; }
     """
 
     def compose(self) -> Iterable[Widget]:
@@ -134,6 +136,15 @@ class HeadlinePanel(VerticalScroll):
             yield Static("", id="step")
             yield Static("", id="also")
         yield Static("", id="fleet")
+        yield Plot(id="each")
+
+    def show_each(self, found: Sequence[FlightBesideOthers], system: str) -> None:
+        """Draw the miss of every flight against the others of its rocket; nothing for fewer than two."""
+        missed = [(one.flight.flight_id, one.miss) for one in found if np.isfinite(one.miss)]
+        plot = self.query_one("#each", Plot)
+        plot.set_class(len(missed) > 1, "-shown")
+        plot.border_title = Content(f"Each flight, flown minus what the others lead to expect [{_unit(system)}]")
+        plot.show(partial(draw_misses, missed, None, system) if len(missed) > 1 else None)
 
     def wait(self, text: Content | Hanging | str) -> None:
         """Show what a search would do, or how far it is."""
@@ -160,7 +171,7 @@ class HeadlinePanel(VerticalScroll):
         self.query_one("#also", Static).update(hanging([*beside, "→ for the evidence"]))
 
     def _show_misses(self, one: Headline, system: str) -> None:
-        unit = spelled(unit_of(cards.APOGEE, system))
+        unit = _unit(system)
         worse = one.after is not None and one.after > one.before
         after = self.query_one("#after", Big)
         after.set_class(not worse, "-better")
@@ -175,6 +186,10 @@ class HeadlinePanel(VerticalScroll):
         """Show what several rockets share."""
         heading = ["What your rockets share"] if lines else []
         self.query_one("#fleet", Static).update(hanging([*heading, *(f"  {line}" for line in lines)]))
+
+
+def _unit(system: str) -> str:
+    return spelled(unit_of(cards.APOGEE, system))
 
 
 def _answer(one: Headline, accepted: bool) -> str:
@@ -213,7 +228,8 @@ class Panels(Container):
         self.found: Findings | None = None
         self._system, self._why, self._effect = "SI", "", 0
         self._tried: dict[str, Effect] = {}
-        self._beside: Sequence[FlightBesideOthers] = ()
+        self.beside: Sequence[FlightBesideOthers] = ()
+        """The flights of the rocket, each beside the others."""
 
     @property
     def headline(self) -> HeadlinePanel:
@@ -252,7 +268,7 @@ class Panels(Container):
         for name, text in (TEXT_BEFORE_RUN | {"at-length": ""}).items():
             if name != "verdict":
                 self.query_one(f"#{name}", Static).update(text)
-        self.query_one(Plot).show(None)
+        self.query_one("#residuals", Plot).show(None)
         self.query_one("#ranking", Table).show((), (), lambda _: ())
 
     def progress(self, text: str, done: float) -> None:
@@ -272,7 +288,7 @@ class Panels(Container):
     def show_verdict(self, system: str, *, accepted: bool = False) -> None:
         """Show the verdict and the ranking, in these units, and whether the verdict was accepted."""
         if self.found is not None:
-            self.headline.show(self.found, system, accepted=accepted, odd=len(odd_flights(self._beside)))
+            self.headline.show(self.found, system, accepted=accepted, odd=len(odd_flights(self.beside)))
             self.query_one("#evidence", Static).update(verdict(self.found, system))
             self._system = system
             rows = ranking_rows(self.found.diagnosis, system)
@@ -282,10 +298,11 @@ class Panels(Container):
 
     def show_flights(self, found: Sequence[FlightBesideOthers], system: str) -> None:
         """Show the flights beside the others of their rocket."""
-        self._beside = found
+        self.beside = found
         single = self.query_one(SingleFlights)
         single.found = found
         single.show(found, system)
+        self.headline.show_each(found, system)
 
     def show_residuals(self, turn: int, system: str) -> None:
         """Show residuals against the `turn`-th column, flight by flight; after the last column comes the first."""

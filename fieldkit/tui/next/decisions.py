@@ -17,7 +17,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.flight.short_name import short_name
 from fieldkit.flight.site import Site
-from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
+from fieldkit.forecast.evaluation.comparison import judged_report
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.ledger import Ledger
@@ -39,7 +39,7 @@ from fieldkit.planning.planned_flight import PlannedFlight, planned_flight
 from fieldkit.planning.safety import safety_lines
 from fieldkit.presentation.landing_text import landing_in_words
 from fieldkit.presentation.planning_text import ballast_in_words, conditions_in_words, delays_in_words, outlook_in_words
-from fieldkit.presentation.score_text import against_the_bar, histogram
+from fieldkit.presentation.score_text import in_brief
 from fieldkit.presentation.season_text import SeasonWays, season_steps
 from fieldkit.quantities import measure, number, shown_unit, spelled, unit_of
 from fieldkit.services.saved_forecasts import LISTED_STATES, SavedForecast, in_words, list_forecasts, standing
@@ -178,7 +178,7 @@ def of_forecasts(answer: Answer, rows: Sequence[Forecast], system: str) -> Answe
 def _against_flown(answer: Answer, rows: tuple[IntervalBar, ...], system: str) -> Answer:
     if not rows:
         return answer
-    title = "Forecast and flown: 90% of flights should fall on the line; ● median, ◆ flown"
+    title = "Forecast and flown: 90% should fall on the line; ● median, ◆ flown"
     return replace(answer, title=title, intervals=Intervals(rows, lambda height: _height(height, system), {}))
 
 
@@ -267,7 +267,8 @@ class Decision:
         for step, (name, state, texts) in enumerate(
             season_steps(self.plan, found, one, day.declared, day.cut, SEASON_KEYS, self.system), start=1
         ):
-            words += ["", f"{step}. {name}" + (f": {state}" if state else ""), *(f"   {text}" for text in texts)]
+            state = f": {state}" if state else ""
+            words += ["", f"{step}. {name}{state}", *(f"   {by_keys(text)}" for text in texts)]
         return Answer(
             tuple(words), tuple(unfolded(one.lines, self.system)), folded=tuple(folded(one.lines, self.system))
         )
@@ -316,9 +317,7 @@ class Decision:
         if not rows:
             return Answer(("Needs two normal flights with an apogee: each is forecast from the earlier ones.",))
         found = judged_report(rows)
-        words = (f"{len(rows)} flights of {rocket}, each forecast from the earlier ones", "")
-        scores = (*_missed(found, self.system), "", *against_the_bar(found))
-        answer = Answer((*words, *scores), tuple(histogram(found.calibration)))
+        answer = large_figures.of_misses(Answer(tuple(in_brief(found, self.system))), found, rocket, self.system)
         return of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: Ledger, rule: Season, day: Day) -> Iterator[str]:
@@ -356,16 +355,6 @@ class Decision:
             (*conditions, *unfolded(lines, self.system)),
             folded=(*conditions, *folded(lines, self.system)),
         )
-
-
-def _missed(found: ScoreReport, system: str) -> Iterator[str]:
-    """The error of each method, and the fraction of flights in the intervals, as a table."""
-    yield f"{'median':>6}{'mean':>7}{'mean':>9}  error of"
-    for way in found.ways:
-        mean = measure(cards.APOGEE, way.mae, system)
-        alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
-        yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
-    yield f"{found.coverage90:.0%} in the 90% interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
 def _limits_of(rule: Season, prediction: Prediction, day: Day) -> list[SafetyCheck]:

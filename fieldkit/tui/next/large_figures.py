@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.planning.ballast import Ballast
 from fieldkit.planning.delay import Delays
 from fieldkit.planning.quantiles import three_of_all
 from fieldkit.presentation.forecast_text import when_it_fires
-from fieldkit.quantities import ShownUnits
+from fieldkit.presentation.score_text import intervals_in_brief
+from fieldkit.quantities import ShownUnits, counted
 from fieldkit.shapes import Array, Float
 from fieldkit.tui.next.answer import Answer
 
@@ -38,3 +40,11 @@ def of_points(answer: Answer, points: Float[Array, "draw"]) -> Answer:
     low, _, high = three_of_all(points)
     about = ("points expected per flight", f"90% {low:.0f}-{high:.0f}", "fewer are better")
     return replace(answer, large=f"{points.mean():.0f}", about=about)
+
+
+def of_misses(answer: Answer, found: ScoreReport, rocket: str, system: str) -> Answer:
+    """The mean miss of forecasts of a rocket's flights, each from the earlier ones."""
+    large, unit = ShownUnits(system).length(found.ways[0].mae).split(" ", 1)
+    flights = f"{counted(len(found.rows), 'flight')} of {rocket}, each from the earlier ones"
+    about = (f"{unit}, the mean miss of forecasts", flights, intervals_in_brief(found))
+    return replace(answer, large=large, about=about)

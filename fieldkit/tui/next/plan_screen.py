@@ -126,8 +126,8 @@ class PlanScreen(PageScreen):
             ("saved", "Stale: mass, motor, weather, design or model has changed since the forecast was made."),
             (
                 "score",
-                "Each flight forecast from the earlier ones, compared with simpler methods, and the place of each "
-                "flight in its forecast: a tenth of the flights should be in each row.",
+                "How far off forecasts of this rocket are, each from the earlier flights only, beside simpler methods. "
+                "Nine flights in ten should be inside the 90% interval.",
             ),
         ),
         (
@@ -183,6 +183,8 @@ class PlanScreen(PageScreen):
     PlanScreen.-tall Plot { height: 28vh; min-height: 16; }
     PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
+    PlanScreen.-wide #main { width: 3fr; }
+    PlanScreen.-wide #beside { width: 2fr; }
     """
 
     def __init__(self, decision: Decision, view: int = 0, write: str = "") -> None:
@@ -221,7 +223,7 @@ class PlanScreen(PageScreen):
         """Compute the current answer."""
         self.query_one(TabLine).front(self._view)
         self._say(Answer(("computing ...",)))
-        self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan", alone=True)
+        self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan", alone="app")
 
     def _say(self, answer: Answer) -> None:
         self._shown_answer = answer

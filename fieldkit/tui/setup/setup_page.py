@@ -82,6 +82,8 @@ SETUP_HELP = Help(
 
 KINDS = ("Motors", "Rockets", "Sites", "Kits", "Settings")
 """Names of the lists."""
+ENTER = ("Details", "Edit rocket", "Edit site", "Edit kit", "Change")
+"""What Enter does on a row of these lists."""
 
 EMPTY_LISTS = (
     "No matching motor; / changes the search",
@@ -208,7 +210,7 @@ class SetupScreen(PageScreen):
         self.query_one(Table).set_class(KINDS[self._kind] == "Settings", "-settings")
         heads, keys, cells, name = self._list()
         table = self.query_one(Table)
-        table.enter, table.empty = "Change" if self._kind else "Details", EMPTY_LISTS[self._kind]
+        table.on_enter, table.empty = ENTER[self._kind], EMPTY_LISTS[self._kind]
         table.show(heads, keys, cells, name=name)
         self.query_one(KeyBar).follow()
         self._beside()
@@ -312,8 +314,10 @@ class SetupScreen(PageScreen):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Only kits are deleted here, and only kits, sites and motors are added."""
-        if action in ("delete_kit", "add_one"):
-            return KINDS[self._kind] in (("Kits",) if action == "delete_kit" else ("Kits", "Sites", "Motors"))
+        if action == "delete_kit":
+            return KINDS[self._kind] == "Kits" and bool(self._kits)
+        if action == "add_one":
+            return KINDS[self._kind] in ("Kits", "Sites", "Motors")
         return super().check_action(action, parameters)
 
     def action_add_one(self) -> None:

@@ -151,9 +151,9 @@ class KeyBar(Static):
         named = set[str]()
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in GLOBAL_KEYS)):
             key = self.app.get_key_display(binding)
-            word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
-            word = word or binding.description
-            if word in named:
+            enter = getattr(self.screen.focused, "enter", None) if binding.key == "enter" else None
+            word = binding.description if enter is None else enter
+            if not word or word in named:
                 continue
             named.add(word)
             room -= len(key) + len(word) + 3

@@ -110,7 +110,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
     def __init__(self, *, empty: str = "", enter: str = "Open", **rest: Any) -> None:
         super().__init__(**rest)
-        self.enter = enter
+        self.on_enter = enter
         """The action of Enter on a row, as a word for the key bar."""
         self.heads: Sequence[Head] = ()
         self.keys: Sequence[Any] = ()
@@ -118,6 +118,11 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.empty = empty
         self.by_hand = False
         """Whether the flyer has moved the cursor since the table was last reset."""
+
+    @property
+    def enter(self) -> str:
+        """What Enter does, for the key bar; empty without rows."""
+        return self.on_enter if self.keys else ""
 
     def show(
         self,
@@ -132,6 +137,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         a row that is gone; otherwise it is on the first row. `name` identifies a row whose key has changed."""
         before = self.current
         row = _place(self.cursor, list(map(name, self.keys)), list(map(name, keys))) if keep and self.by_hand else 0
+        if bool(keys) != bool(self.keys):
+            self.screen.refresh_bindings()  # Enter does nothing without rows
         self.heads, self.keys, self.cells = heads, keys, cells
         self.set_reactive(Table.cursor, row)
         self.virtual_size = Size(self.size.width, len(keys) + 1)
