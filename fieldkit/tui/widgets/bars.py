@@ -95,12 +95,12 @@ class KeyBar(Static):
     """The available keys, on as many lines as needed; each can be clicked."""
 
     DEFAULT_CSS = """
-    KeyBar { height: auto; max-height: 4; background: $footer-background; color: $footer-foreground; padding: 0 1;
-        link-style: none; link-color: $footer-foreground; link-background: $footer-background; }
+    KeyBar { height: auto; max-height: 4; background: $footer-background; color: $footer-foreground; padding: 0 1; }
     """
 
     MOST = 4
     """Maximum number of lines, the same as in `max-height`."""
+    auto_links = False  # whose style would replace the color of the keys
 
     def __init__(self) -> None:
         super().__init__()
