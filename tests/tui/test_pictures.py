@@ -75,9 +75,11 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture(autouse=True)
 def _first_forecasts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The finer forecast under the cursor, which comes when keys have rested a while, is not waited for; and the
-    estimate of a flight as it is typed is a fixed one, since the last digit of the network depends on the processor."""
+    """The finer forecast under the cursor and why a flight missed, which come when keys have rested a while, are not
+    waited for; and the estimate of a flight as it is typed is a fixed one, since the last digit of the network depends
+    on the processor."""
     monkeypatch.setattr("fieldkit.tui.next.next_page.REST", 3600.0)
+    monkeypatch.setattr("fieldkit.tui.flights.flights_page.REST", 3600.0)
     monkeypatch.setattr("fieldkit.services.typed_flight.TypedFlight.estimate", lambda self, typed: ESTIMATE)
 
 
