@@ -75,7 +75,7 @@ CAPTURE = ("capture", "PORT", "--device", "micropeak", "--import", "--set", "roc
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
-    Case("capture", CAPTURE, season, 1.0),
+    Case("capture", CAPTURE, season, 2 / 3),
     Case("undo", ("undo",), _with_an_import),
     Case("migrate", ("history",), lambda file: old(file, "m001_flights")),
     Case("accept", ("loop", "--effect", "motor_thrust"), season, 0.02),
@@ -133,6 +133,7 @@ class _Bench:
     def kill_anywhere(self, trials: int) -> None:
         """Kill at any time after the first line of the command."""
         for delay in self._moments(trials):
+            shutil.rmtree(capture_folder(), ignore_errors=True)
             with unit(self.case.arguments) as arguments:
                 if self._forked(delay):
                     run(["--ledger", str(self.file), *arguments])
@@ -155,8 +156,8 @@ class _Bench:
             raise Enough
 
         put(self.template, self.file)
-        with gated(gate), suppress(Enough):
-            run(["--ledger", str(self.file), *self.case.arguments])
+        with unit(self.case.arguments) as arguments, gated(gate), suppress(Enough):
+            run(["--ledger", str(self.file), *arguments])
             os._exit(0)
 
     def _moments(self, trials: int) -> Iterator[float | None]:
@@ -173,7 +174,6 @@ class _Bench:
 
     def _fresh(self) -> None:
         put(self.template, self.file)
-        shutil.rmtree(capture_folder(), ignore_errors=True)
         if self.rng.random() < 0.5:  # otherwise a backup exists, and the command makes none
             shutil.rmtree(folder_of(self.file), ignore_errors=True)
 
