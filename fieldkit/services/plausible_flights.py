@@ -17,8 +17,9 @@ from fieldkit.quantities import counted
 MIN_COMPARED = 3
 """Minimum number of flights for a median that shows outliers. [1]"""
 MAX_FITTED_FLIGHTS = 40
-"""Maximum number of a rocket's flights that fits use: of 40 apogees that scatter by 5% the mean is known to 0.8%, which
-widens a forecast by 1% beside one from any number. The work grows with the square of the number. [1]"""
+"""Maximum number of a rocket's flights that fits use: the mean apogee of 40 on one motor is known to a sixth of their
+scatter, and what more flights could add is what every forecast says after "narrows by". The work grows with the square
+of the number. [1]"""
 MAX_LATEST_FLIGHTS = 30
 """How many of these are the latest; the others are of motors and configurations that these have least of. [1]"""
 MAX_NAMED_FLIGHTS = 5
