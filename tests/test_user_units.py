@@ -12,6 +12,7 @@ from typer.main import get_command
 
 from fieldkit.cli.main import app, main
 from tests.user_units import foreign_figures
+from tools.strings import texts
 
 CHECK_SHAPES = False
 ROOT = Path(__file__).parents[1]
@@ -126,3 +127,12 @@ def test_the_help_of_an_option_shows_a_typed_unit_of_each_system() -> None:
     bare = [f"{name}: {text}" for name, text in _helps() if re.search(r"; in (g|mm|m|m/s|°C|hPa)\.", text)]
     assert [one for one in bare if "_accel:" not in one] == []
     assert any(METRIC.search(text) and CUSTOMARY.search(text) for _, text in _helps())
+
+
+def test_no_text_has_a_metric_unit_beside_a_value_that_is_not_an_amount() -> None:
+    """An amount brings its unit; errors about a cell of a file have the unit of its column."""
+    own = {"fieldkit/messages.py", "fieldkit/importing/tables/column_units.py", "parsers/weather/winds_aloft.py"}
+    metric = re.compile(r"\{[^}]*\} (m|m/s|km|kg|°C|hPa)(?![\w/²³^])")
+    folders = ("fieldkit/analysis", "fieldkit/importing", "fieldkit/planning", "fieldkit/presentation", "parsers")
+    found = {f"{file}:{line}: {text}" for file, line, text in texts(folders) if file not in own and metric.search(text)}
+    assert found == set()

@@ -36,6 +36,7 @@ from fieldkit.analysis.records import Event, Figure, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, median_step
 from fieldkit.analysis.unseen_top import accelerates, apogee_after_end, silence, unseen_apogee
 from fieldkit.flight import Series
+from fieldkit.messages import amount, message
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
@@ -94,13 +95,13 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
         return _lost_in_boost(log, lift, gap)
     if unseen and gap:
         apogee: tuple[Event, Figure] | None = unseen[:2]
-        notes = (UNSEEN_TOP_NOTE.format(gap[1] - gap[0], *unseen[2]),)
+        notes = (message(UNSEEN_TOP_NOTE.format(gap[1] - gap[0], *(amount(one, "m") for one in unseen[2]))),)
     elif log.seen.down or falls(log.ascent):
         apogee = apogee_of(log.ascent, log.seen, log.track)
     else:
         after = apogee_after_end(log.track, log.seen, log.ascent) if lift else None
         apogee = after[:2] if after else apogee_of(log.ascent, log.seen, log.track) if _turned(log.ascent) else None
-        notes = (AFTER_END_NOTE.format(*after[2]),) if after else ()
+        notes = (message(AFTER_END_NOTE.format(*(amount(one, "m") for one in after[2]))),) if after else ()
     end = apogee[0].time if apogee else float(log.ascent.time[-1])
     lift, boost = _boost(log, lift, begin, end)
     burnt = boost.events.get("burnout")
@@ -166,7 +167,7 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
         found, notes = None, (NO_BOOST,)
     step = lasting_step(log.track, begin, found[0].time + _STEP_REACH) if found is not None and not felt else None
     if step is not None:
-        found, notes = None, (STEP_NOTE.format(step[1]),)
+        found, notes = None, (message(STEP_NOTE.format(amount(step[1], "m"))),)
     if lift is None:
         notes += (NO_LIFTOFF,)
     if found is None or lift is None or found[0].time >= end - 0.2:

@@ -12,10 +12,11 @@ from dataclasses import replace
 from math import atan, erfc, exp, hypot, log1p, pi, sqrt
 
 from fieldkit.analysis.channels import sensor
-from fieldkit.analysis.labels import figure_text, in_column_unit
 from fieldkit.analysis.notes import ENERGY_NOTE
 from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Figure, Recorded
+from fieldkit.flight import BY_NAME
+from fieldkit.messages import amount, message, of_column
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
 MAX_BOOST = 200 * GRAVITY
@@ -86,17 +87,17 @@ def by_energy(
     other = speed_of_coast(rise, coast) if coast is not None else None
     beyond = (speed.value - other.value) / hypot(speed.sd, other.sd) if other else 0.0
     if other and not -_MOST_SDS_BELOW < beyond < _CONTRADICTION_SDS:
-        return _without_boost(figures, speed, f"about {other.value:.0f} m/s")
+        return _without_boost(figures, speed, f"about {amount(other.value, 'm/s')}")
     burn = figures.get("burn_time")
     least_sd = GRAVITY * speed.value * burn.sd / least if burn is not None and least > 0 else 0.0
     short = (least - speed.value) / hypot(speed.sd, least_sd)
     if short > _CONTRADICTION_SDS:
-        return _without_boost(figures, speed, f"at least {least:.0f} m/s")
+        return _without_boost(figures, speed, f"at least {amount(least, 'm/s')}")
     mean = replace(speed, sd=speed.sd * max(1.0, short, abs(beyond))) if short > 0 else speed
     mean = _average(mean, other) if other and short > 0 else mean
     spread = hypot(mean.sd, least_sd)
     bounded = _beyond_bound(mean, (least - mean.value) / spread, spread)
-    return _with_speed(figures, bounded), ((ENERGY_NOTE.format(least),) if short > 0 else ())
+    return _with_speed(figures, bounded), ((message(ENERGY_NOTE.format(amount(least, "m/s"))),) if short > 0 else ())
 
 
 def _average(measured: Figure, other: Figure) -> Figure:
@@ -163,8 +164,9 @@ def _without_boost(figures: Mapping[str, Figure], speed: Figure, needed: str) ->
     """The figures without those of the boost, because the climb after it needs another speed."""
     out = [name for name in ("top_speed", *BOOST) if name in figures]
     names = ", ".join(_NAMES[name] for name in out)
-    why = f"not measured: {names}; {speed.value:.0f} m/s do not fit the climb after burnout, which needs {needed}"
-    return {name: one for name, one in figures.items() if name not in out}, (why,)
+    flown = amount(speed.value, "m/s")
+    why = f"not measured: {names}; {flown} do not fit the climb after burnout, which needs {needed}"
+    return {name: one for name, one in figures.items() if name not in out}, (message(why),)
 
 
 def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
@@ -243,7 +245,11 @@ def widened_by_contradictions(recorded: Recorded, stated: Mapping[str, object]) 
         difference = abs(device_value - figure.value)
         if difference > max(_CONTRADICTION_SDS * figure.sd, usual * figure.value):
             figures[name] = replace(figure, sd=hypot(figure.sd, difference / 2))
-            by_device = f"{in_column_unit(name, device_value):.4g}"
-            by_samples = figure_text(name, figure.value, 0)
-            notes.append(f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {by_samples}")
+            by_device, by_samples = (_written(name, one) for one in (device_value, figure.value))
+            notes.append(message(f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {by_samples}"))
     return replace(recorded, figures=figures, notes=(*recorded.notes, *notes)) if notes else recorded
+
+
+def _written(name: str, value: float) -> str:
+    """A figure [SI] with its unit, marked; one that is no column is a time."""
+    return of_column(BY_NAME[name], value) if name in BY_NAME else f"{value:.4g} s"

@@ -21,6 +21,7 @@ from fieldkit.flight import MEASURED, READOUTS
 from fieldkit.importing.companion_files import KINDS
 from fieldkit.importing.height_units import with_proven_heights
 from fieldkit.importing.reading import Note, Parsed, Reading
+from fieldkit.messages import marked, message
 from fieldkit.quantities import counted
 
 
@@ -71,8 +72,8 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     if not (
         reading.part or _states_figures(reading) or any(fields.get(column.name) is not None for column in MEASURED)
     ):
-        why = "; ".join(recorded.notes) or "the samples show none"
-        return [DamagedLog(f"found a flight without any readout: {why}", row=reading.row)]
+        why = "; ".join(map(marked, recorded.notes)) or "the samples show none"
+        return [DamagedLog(message(f"found a flight without any readout: {why}"), row=reading.row)]
     if not fields.get("flight_id"):
         when = fields.get("date_time")
         start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"

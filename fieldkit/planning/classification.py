@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from fieldkit import units
+from fieldkit.messages import of_unit
 from fieldkit.motors.motor import Motor
 from fieldkit.planning.rules import RuleSet
 
@@ -43,7 +45,7 @@ def build_of(motor: Motor, dry_mass: float) -> Build:
 
 
 def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
-    """What makes a rocket high power; an empty text if nothing does.
+    """What makes a rocket high power, with marked amounts; an empty text if nothing does.
 
     A motor's certified average thrust counts, or else its certified impulse over its burn time; not that of its curve,
     and never the number in its name.
@@ -57,10 +59,16 @@ def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
     if build.impulse > limit["impulse_of_several_ns"]:
         return f"more than {limit['impulse_of_several_ns']:g} N s in all its motors"
     if build.propellant * 1e3 > limit["propellant_g"] + ROUNDING:
-        return f"more than {limit['propellant_g']:g} g of propellant"
+        return f"more than {_grams(limit['propellant_g'])} of propellant"
     if build.mass * 1e3 > limit["mass_g"] + ROUNDING:
-        return f"more than {limit['mass_g']:g} g at lift-off"
+        return f"more than {_grams(limit['mass_g'])} at lift-off"
     return ""
+
+
+def _grams(limit: float) -> str:
+    """A limit [g] as a marked amount."""
+    grams = units.unit("mass", "g")
+    return of_unit(grams.to_si(limit), "g", scale=grams)
 
 
 def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
@@ -72,7 +80,7 @@ def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
             return f"its impulse over its burn time, {motor.rated_thrust:.1f} N"
         return f"its certified average thrust of {motor.rated_thrust:.1f} N"
     if motor.propellant_mass * 1e3 > limit["propellant_g"]:
-        return f"more than {limit['propellant_g']:g} g of propellant"
+        return f"more than {_grams(limit['propellant_g'])} of propellant"
     if motor.kind in limit["kinds"]:
         return f"its type, {motor.kind}"
     if motor.designation.upper().startswith(tuple(limit["designations"])):
