@@ -74,7 +74,9 @@ def landing(
     if kml is not None and place is not None:
         name = f"{prediction.plan.rocket} on {motor_in_words(prediction.plan, found)}"
         if wind_from is None:
-            complain(f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); --wind-from for another")
+            complain(
+                f"note: the map assumes a wind from {USUAL_WIND_FROM:g}° (west); another, by --wind-from, turns the map"
+            )
         blows_from = USUAL_WIND_FROM if wind_from is None else wind_from
         gpx = kml.suffix.lower() == ".gpx"
         content = (

@@ -128,7 +128,8 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         _print_events(recording)
         if _measures_otherwise(found, recording):
             complain(
-                f"note: this version measures the log differently; run `fieldkit remeasure {id}` to update the flight"
+                f"note: this version measures the log differently, either way: `fieldkit remeasure {id} --dry-run` "
+                "shows by how much, and without --dry-run updates the flight"
             )
 
 

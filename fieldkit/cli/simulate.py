@@ -15,7 +15,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.flight.site import Site
 from fieldkit.messages import marked, message
-from fieldkit.planning.check import SafetyCheck, short_safety_text
+from fieldkit.planning.check import OFF_APOGEE, SafetyCheck, short_safety_text
 from fieldkit.units import unit
 
 if TYPE_CHECKING:
@@ -117,7 +117,8 @@ def simulate(
         result |= {"apogee_m_p95": highest["apogee_m"]}
     if "duration_s" in result and "apogee_to_eject_s" not in result:
         complain(
-            "note: the motor has no known charge, so duration and descent speed are those of a parachute open at apogee"
+            "note: the motor has no known charge, so duration and descent speed are those of a parachute open at "
+            f"apogee: {OFF_APOGEE}"
         )
     lines = []
     if found.motor.kind == "stages":

@@ -170,7 +170,9 @@ def _lot_key(motor: Motor | Listing, lot: str) -> tuple[str, str, str]:
 
 def _no_figures(lot: str) -> str:
     own = f"no figures for lot {printable(lot)} in your corrections"
-    return f"{own}: it has those of its type; flights on it show its thrust"
+    return (
+        f"{own}: it has those of its type, from which lots differ by 2 to 3% either way; flights on it show its thrust"
+    )
 
 
 def _with_motor(listing: Listing, motor: Motor | None) -> Listing:

@@ -10,6 +10,9 @@ from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor, im
 from fieldkit.motors.names import maker_of, parse
 from fieldkit.quantities import counted
 
+PER_IMPULSE = "by 1 to 1.7% for each percent of the impulse"
+"""How much missing impulse lowers an apogee: `fieldkit simulate` of F24-4W (322 g, 66 mm), A8-3 (40 g, 25 mm) and C6-5
+(60 g, 25 mm), with a Cd of 0.6 and a thrust factor of 0.9."""
 _EXHAUST = (20.0, 200_000.0)
 """Range of impulse per propellant mass; outside it, the mass must be in another unit. [m/s]"""
 _MAX_VALUE = 1e7
@@ -86,7 +89,10 @@ class MotorDraft:
         curve, remarks = self._without_noise(noise)
         if end > noise:
             curve.append((curve[-1][0], 0.0))
-            remarks.append(f"{last}: the curve ends at {end:g} N, taken to fall to 0 there: the file may be cut short")
+            remarks.append(
+                f"{last}: the curve ends at {end:g} N, taken to fall to 0 there: the file may be cut short, "
+                f"and apogees too low, {PER_IMPULSE}"
+            )
         try:
             time, thrust = knots(*zip(*curve, strict=True))
         except BadValue as error:

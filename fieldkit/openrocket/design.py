@@ -13,6 +13,7 @@ from fieldkit.openrocket.balance import Balance, balance
 from fieldkit.openrocket.implied import FlownAgain, flown_again, implied_cds, in_several_winds
 from fieldkit.openrocket.parts import (
     PER_AREA,
+    PER_CD,
     PER_MASS,
     airframe,
     children,
@@ -254,12 +255,20 @@ def _drag(
         return None, ""
     one = flown[0]
     if not one.fresh:
-        notes.append(f"the simulation {one.name} is older than the design: its Cd may be off either way")
+        notes.append(
+            f"the simulation {one.name} is older than the design: its Cd may be off either way, and apogees {PER_CD}"
+        )
     if not one.consistent:
-        notes.append(f"the drag force of {one.name} does not match its Cd: it was simulated with another diameter")
+        notes.append(
+            f"the drag force of {one.name} does not match its Cd: it was simulated with another diameter, and "
+            f"apogees are off either way, {PER_CD}"
+        )
     found = [_on(each.cd, each.reference, diameter) for each in flown if each.cd and each.fresh == one.fresh]
     if max(found) > (1 + REPORTED_CD_DIFFERENCE) * min(found):
-        notes.append(f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}")
+        notes.append(
+            f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}: with the first, "
+            f"apogees are off either way, {PER_CD}"
+        )
     return found[0], f"the coast of the simulation {one.name}"
 
 

@@ -35,6 +35,8 @@ PER_MASS = "by 0.5 to 1.2% for each percent of the mass"
 (A8-3, 40 g, 25 mm), with a Cd of 0.6 and a tenth of the mass missing."""
 PER_AREA = "by 0.2 to 0.4% for each percent of the frontal area"
 """How much a missing frontal area moves an apogee: the same two flights, with a tenth of the Cd missing."""
+PER_CD = PER_AREA.replace("the frontal area", "Cd")
+"""How much a wrong Cd moves an apogee, which depends on its product with the area."""
 STEPS = 200
 """Number of slices of a nose cone or transition in the numerical integration of its volume. [1]"""
 
@@ -85,7 +87,10 @@ def without_size(document: "Element") -> list[str]:
     if not missing:
         return []
     more = f" and {len(missing) - 5} more" if len(missing) > 5 else ""
-    return [f"no size, taken as zero: {', '.join(missing[:5])}{more}; length, margin and drag are off"]
+    return [
+        f"no size, taken as zero: {', '.join(missing[:5])}{more}; with less length, mass and frontal area, "
+        f"apogees are too high, {PER_AREA} and {PER_MASS.removeprefix('by ')}, and the margin is off either way"
+    ]
 
 
 def children(part: "Element") -> "list[Element]":

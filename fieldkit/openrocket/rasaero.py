@@ -65,7 +65,7 @@ def from_rasaero(root: Element, source: str) -> tuple[Element, list[str]]:
             _boat_tail(body, part)
         elif part.find("PartType") is not None:
             unread[part.tag] = None
-    lift = "their lift is missing, and the margin is off"
+    lift = "their lift is missing: the margin is too small without fins, too large without a part in front"
     notes = [f"not read: {', '.join(unread)}; {lift}"] if unread else []
     engines = [
         (one, text)

@@ -1,14 +1,26 @@
 """The air of a planned flight: its density, and how it biases a barometric altimeter, two separate effects of heat."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.physics.atmosphere import altimeter_gain, density_altitude, pad_air
-from fieldkit.quantities import density, written
+from fieldkit.quantities import SYSTEMS, density, written
+
+OTHER_AIR: Mapping[str, tuple[str, Mapping[str, str], str]] = MappingProxyType(
+    {
+        "elevation": ("m", {"m": "300 m higher", "ft": "1,000 ft higher"}, "shows 0.5 to 1.2% more"),
+        "temperature": ("c", {"c": "10 °C warmer", "f": "18 °F warmer"}, "shows 2 to 3% less"),
+        "pressure": ("hpa", {"hpa": "10 hPa off", "inhg": "0.3 inHg off"}, "up to 0.2% either way"),
+    }
+)
+"""By condition, its unit in SI, a step by unit, and how much it changes the apogee shown of F24-4W (322 g, 66 mm), A8-3
+(40 g, 25 mm) and C6-5 (60 g, 25 mm), with a Cd of 0.6."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +51,19 @@ class PadAir:
         text += f"; altimeter {reads}"
         return f"{text}; standard values for {', '.join(self.assumed)}" if self.assumed else text
 
+    def other(self, system: str = "SI") -> str:
+        """By how much other air than was assumed changes what the altimeter shows; empty if nothing was assumed."""
+        return ", ".join(_other(name, system) for name in self.assumed)
+
 
 def air_of(plan: Flight) -> PadAir:
     """The air of a plan; conditions not given default to the standard atmosphere at its elevation, and to no wind."""
     return _air(plan.site_elevation, plan.temperature, plan.pressure, plan.humidity)
+
+
+def _other(name: str, system: str) -> str:
+    unit, step, changes = OTHER_AIR[name]
+    return f"{step[SYSTEMS[system].get(unit, unit)]} {changes}"
 
 
 @lru_cache(maxsize=64)

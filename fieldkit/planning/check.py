@@ -10,6 +10,9 @@ from fieldkit.messages import amount, message
 from fieldkit.quantities import in_system
 
 ADVICE_NOTE = "These checks are advice; the range safety officer decides."
+OFF_APOGEE = "2 s early or late shortens the way down by 4 to 24%"
+"""By how much a charge near apogee changes the duration: flights of F24 (322 g, 66 mm), A8 (40 g, 25 mm) and C6 (60 g,
+25 mm), with a Cd of 0.6 and a delay that fires at apogee and 2 s sooner and later."""
 SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
 """Probability of missing a limit up to which a check passes, and from which it fails. [1]"""
 

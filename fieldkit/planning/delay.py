@@ -18,11 +18,13 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.motors.delay_tolerance import MIN_DELAY_TOLERANCE
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
+from fieldkit.planning.check import speed
 from fieldkit.planning.forecasts import RocketData, forecasts
 from fieldkit.planning.quantiles import Three, named, three, three_of_all
 from fieldkit.planning.toml_values import number, problem_in
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
+from fieldkit.units import STANDARD_GRAVITY
 
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
 DRAWS = 1000
@@ -46,12 +48,13 @@ class Drill:
 
     @property
     def caveat(self) -> str:
-        """A warning about an unverified tool; empty for a verified one."""
+        """A warning about an unverified tool, with marked amounts; empty for a verified one."""
         if self.checked:
             return ""
         steps = ", ".join(f"{off:g}" for off in self.takes_off)
         why = f"were not checked against its instructions ({self.source})"
-        return f"The cuts of {self.maker}'s tool ({steps} s) {why}; use the marks on your tool."
+        text = f"The cuts of {self.maker}'s tool ({steps} s) {why}; use the marks on your tool: "
+        return f"{text}a cut that is 1 s off fires 1 s early or late, about {speed(STANDARD_GRAVITY, 0)} faster."
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,11 @@ import numpy as np
 from fieldkit.flight.recovery import Device, Recovery
 from fieldkit.physics.descent import DescentResult
 from fieldkit.planning.check import UNSAFE_RISK, SafetyCheck, Verdict, figure, length, speed
-from fieldkit.planning.descent_rate import Fall
+from fieldkit.planning.descent_rate import DEFAULT_DESCENT_SD, Fall
 from fieldkit.planning.limits import Limits
 
 NAME = "landing speed"
+ASSUMED = f"assumed, ± {DEFAULT_DESCENT_SD:.0%}"
 STILL_SLOWING = 1.2
 """Ratio of the landing speed to the speed under the open device above which it opened too low to slow the rocket, and
 not because of its size. [1]"""
@@ -33,7 +34,7 @@ def landing_speed_line(
     if device == "parachute":
         bounds = f"usual {speed(slow.value)} to {speed(limits['landing_speed_usual'].value)}, {bounds}"
     if fall.assumed:
-        text = f"{speed(found)} assumed; enter the parachute or a descent speed; {bounds}"
+        text = f"{speed(found)} {ASSUMED}; enter the parachute or a descent speed; {bounds}"
         return SafetyCheck(NAME, "unknown", text, most.source)
     if slow.value <= found <= most.value:
         return SafetyCheck(NAME, "ok", f"{speed(found)}; {bounds}", most.source)
@@ -58,7 +59,7 @@ def two_device_lines(
     found = fall.drogue.usual_speed(mass, density)
     text = f"usual {speed(slow.value)} to {speed(fast.value)}"
     if fall.drogue.assumed:
-        yield SafetyCheck("drogue speed", "unknown", f"{speed(found)} assumed; enter it; {text}", fast.source)
+        yield SafetyCheck("drogue speed", "unknown", f"{speed(found)} {ASSUMED}; enter it; {text}", fast.source)
     else:
         why, limit = (": drifts far", slow) if found < slow.value else (": strains the main", fast)
         inside = slow.value <= found <= fast.value

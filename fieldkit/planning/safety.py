@@ -24,6 +24,7 @@ from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning import rule_lines
 from fieldkit.planning.check import (
+    OFF_APOGEE,
     SAFE_RISK,
     UNSAFE_RISK,
     SafetyCheck,
@@ -233,9 +234,11 @@ def _ejection(prediction: Prediction, limits: Limits) -> SafetyCheck:
         return opens if delay in (None, PLUGGED_DELAY) else worst([opens, _early_charge(prediction, limit)])
     if delay == PLUGGED_DELAY:
         text = "a plugged motor has no charge: an altimeter must deploy; the landing assumes that it does at apogee"
+        text += f": {OFF_APOGEE}"
         return SafetyCheck(name, "caution", text, limit.source)
     if delay is None:
         text = "delay unknown: add it to the motor's name, as in F24-4W; the landing assumes a charge at apogee"
+        text += f": {OFF_APOGEE}"
         return SafetyCheck(name, "unknown", text, limit.source)
     if delay == 0:
         return SafetyCheck(name, "unsafe", "a booster motor (delay 0) has no charge for a parachute", limit.source)
@@ -274,6 +277,11 @@ def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     certified, coldest, hottest = (figure(value, "c") for value in (CERTIFIED_AT, cold.value, hot.value))
     between = f"certified near {certified}, usable from {coldest} to {hottest}"
     if value is None:
-        return SafetyCheck("motor temperature", "unknown", f"not given; {between}", hot.source)
+        return SafetyCheck(
+            "motor temperature",
+            "unknown",
+            f"not given; a cold one is weaker, within the ± of its thrust; {between}",
+            hot.source,
+        )
     verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"
     return SafetyCheck("motor temperature", verdict, f"{figure(value, 'c')}; {between}", hot.source)

@@ -45,7 +45,7 @@ def staged_lines(
         rule_lines.class_line(by),
         rule_lines.certification_line(by, own.flyer.certification),
         rule_lines.age_line(by, own.flyer.age(day)),
-        rule_lines.complex_line(by),
+        rule_lines.complex_line(by, "if an upper one does not light, lower by all of its climb"),
     ]
     return [*lines, *rule_lines.reminder_lines(by)]
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.flight.recovery import rail_direction
+from fieldkit.messages import message
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
@@ -15,7 +16,7 @@ from fieldkit.planning.outlook import Outlook
 from fieldkit.planning.quantiles import three, three_of_all
 from fieldkit.presentation.forecast_text import build_in_words, rests_in_words
 from fieldkit.presentation.landing_text import descent_in_words, seconds_in_words
-from fieldkit.quantities import ShownUnits, measure, percent
+from fieldkit.quantities import ShownUnits, in_system, measure, percent
 from fieldkit.rocket import Rocket
 from fieldkit.units import DEGREE, FOOT, parse
 
@@ -33,19 +34,24 @@ RAIL_WAYS = {
 BREEZE, IN_A_BREEZE = 4.47, "by 4 to 9%"
 """A wind [m/s], and how much it lowers an apogee: `fieldkit simulate` of F24-4W (322 g, 66 mm), A8-3 (40 g, 25 mm) and
 C6-5 (60 g, 25 mm), with a Cd of 0.6."""
+OFF_VERTICAL = "by 0.8 to 1%"
+"""How much a rail 5 degrees off vertical lowers an apogee of the same flights, without wind."""
 
 
 def conditions_in_words(plan: Flight, rocket: Rocket | None = None, system: str = "SI") -> Iterator[str]:
     """A plan's air and its effect on the altimeter, its other conditions, and the design whose Cd it starts from if the
     `rocket` has one; in the units of a system."""
-    yield f"  air       {air_of(plan).words(system)}"
+    air = air_of(plan)
+    other = f" ({air.other(system)})" if air.assumed else ""
+    yield f"  air       {air.words(system)}{other}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), system) for name in FLIGHT_CONDITIONS)
     usual = measure(BY_NAME["rail_length"], RAIL_LENGTH, system)
     rail = f"rail {rod or f'{usual} (default)'}"
     breeze = measure(BY_NAME["wind"], BREEZE, system)
     blows = f"wind {wind}" if wind else f"wind not given (from calm to {breeze} the apogee falls {IN_A_BREEZE})"
     slanted = f"at {(angle or '').removeprefix('-')} {_way(plan)}"
-    yield f"  with      {blows}, {rail}, {slanted if plan.rail_angle else 'vertical'}"
+    upright = "vertical" if angle else f"vertical (default; 5° off lowers the apogee {OFF_VERTICAL})"
+    yield f"  with      {blows}, {rail}, {slanted if plan.rail_angle else upright}"
     design = rocket.design(plan.config) if rocket is not None else None
     if design is not None and design.cd:
         yield f"  design    initial Cd {design.cd:.2f} from {design.source}"
@@ -79,11 +85,11 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
     yield from (f"  {_delay(one, shown)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
     if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
-        yield f"  {tool.caveat}"
+        yield f"  {in_system(message(tool.caveat), system)}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
     if any(one.lands_first >= LEAST_LISTED and one.after_apogee for one in judged.delays):
-        yield "  Some flights hit the ground before the charge: time and speed are of the others."
+        yield "  Some flights hit the ground before the charge: those are too fast, and time and speed of the others."
     yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
     if judged.delays:
         first = judged.delays[0]

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog
 from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue
+from fieldkit.motors.draft import PER_IMPULSE
 from fieldkit.motors.own import import_file, known_motors, own_motors, read, sound_motors, unreported
 from tests.effort import examples
 
@@ -114,9 +115,8 @@ def test_for_a_damaged_rasp_file_the_line_and_the_expected_content_are_named(
 
 def test_a_curve_without_its_last_zero_falls_to_zero_there() -> None:
     first, second = read(ENG.replace(b"2.13  0", b"2.13 20"), "mine.eng")
-    assert first.remarks == (
-        "mine.eng, row 6: the curve ends at 20 N, taken to fall to 0 there: the file may be cut short",
-    )
+    ending = "mine.eng, row 6: the curve ends at 20 N, taken to fall to 0 there: the file may be cut short"
+    assert first.remarks == (f"{ending}, and apogees too low, {PER_IMPULSE}",)
     assert first.thrust_end == pytest.approx(2.13, abs=1e-3)
     assert first.total_impulse == pytest.approx(0.5 * 0.014 * 36.1 + 0.486 * 33.05 + 1.63 * 25, rel=1e-3)
     assert second.remarks == ()

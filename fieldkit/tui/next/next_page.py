@@ -109,7 +109,8 @@ NEXT_HELP = Help(
         ),
         (
             "air",
-            "Air density at the pad, from the plan's weather; assumed values are named.",
+            "Air density at the pad, from the plan's weather; assumed values are named. "
+            "If it is 18 °F (10 °C) warmer, the altimeter shows 2 to 3% less.",
         ),
         ("based on", "The flights and the model version behind the forecast."),
         (
