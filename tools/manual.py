@@ -53,22 +53,19 @@ def commands() -> Iterator[tuple[str, str]]:
     assert isinstance(group, TyperGroup)
     context = group.context_class(group, info_name="fieldkit")
     shown = examples()
-    heads, parts = [], []
+    heads: dict[str, list[str]] = {}
+    parts = []
     for name, command in group.commands.items():
         text = html.unescape(get_docs_for_click(obj=command, ctx=context, name=f"fieldkit {name}", indent=1))
-        usage = re.compile(r"(\*\*Usage\*\*:\n\n```console\n.*?```\n)", flags=re.DOTALL)
-        text = re.sub(
-            r"^In the manual: fieldkit docs (\S+)$", r"Explained on [its page](\1.md).", text, flags=re.MULTILINE
-        )
+        usage = re.compile(r"\*\*Usage\*\*:\n\n```console\n.*?```\n", flags=re.DOTALL)
+        text = re.sub(r"^In the manual: fieldkit docs (\S+)$", r"More on [its page](\1.md).", text, flags=re.MULTILINE)
         lines = "\n".join(shown.get(name, []))
-        example = f"\n**Examples**:\n\n```sh\n{lines}\n```\n" if lines else ""
-        text = usage.sub(lambda block: block[1] + example, text, count=1).strip()  # noqa: B023  # called here
+        example = f"```sh\n{lines}\n```\n" if lines else ""
+        text = usage.sub("", usage.sub(lambda _: example, text, count=1)).strip()  # noqa: B023  # called here
         parts.append(_with_whole_help(text, command))
-        heads.append(f"| [`{name}`]({PAGE_OF[name]}.md#fieldkit-{name}) | {_first_sentence(command.help or '')} |")
+        heads.setdefault(PAGE_OF[name], []).append(f"[`{name}`]({PAGE_OF[name]}.md#fieldkit-{name})")
     shared = _options_in_all(part for name, part in zip(group.commands, parts, strict=True) if name in PLANNED)
-    parts = [
-        _without(part, shared) if name in PLANNED else part for name, part in zip(group.commands, parts, strict=True)
-    ]
+    parts = [_without(part, shared, name in PLANNED) for name, part in zip(group.commands, parts, strict=True)]
     yield (
         "commands",
         f"""# Every command
@@ -80,9 +77,9 @@ Most commands take `--json`; `fieldkit COMMAND --help` prints all of its options
 The exit status is 0 for success, 2 for wrong usage, and 1 for anything else, with a line on standard error that says
 what was found and what was expected. An `import` that rejects rows lists them, imports the others, and exits with 0.
 
-| command | does |
-|---|---|
-{chr(10).join(heads)}
+`fieldkit --help` says in a line what each does.
+
+{chr(10).join(f"- [{COMMAND_PAGES[page][0]}]({page}.md): {', '.join(heads[page])}" for page in COMMAND_PAGES)}
 
 ## Options of a plan
 
@@ -131,8 +128,10 @@ PAGE_OF = {name: page for page, (_, names) in COMMAND_PAGES.items() for name in 
 """The page of each command."""
 
 
-PLANNED = ("predict", "motors", "delay", "ballast", "contest", "finals", "landing", "daysheet")
+PLANNED = ("predict", "motors", "delay", "ballast", "contest", "finals", "season", "landing", "daysheet")
 """Commands that take the options of a plan."""
+FEW_SHARED = 5
+"""Number of options of a plan from which a command refers to their list. [1]"""
 
 
 def _options_in_all(parts: Iterable[str]) -> list[str]:
@@ -142,11 +141,17 @@ def _options_in_all(parts: Iterable[str]) -> list[str]:
     return [line for line in first if all(line in other for other in others) and not line.startswith(general)]
 
 
-def _without(part: str, shared: Sequence[str]) -> str:
-    """The section of a command with one line in place of its shared options."""
+def _without(part: str, shared: Sequence[str], every: bool) -> str:
+    """The section of a command with one line in place of its shared options, which names them unless it has `every`."""
     lines = [line for line in part.splitlines() if line not in shared]
+    own = [line for line in part.splitlines() if line in shared]
+    if len(own) < FEW_SHARED:
+        return part
     place = lines.index("* `--help`: Show this message and exit.")
-    return "\n".join([*lines[:place], "* The [options of a plan](commands.md#options-of-a-plan).", *lines[place:]])
+    names = ", ".join(f"`{one}`" for line in own for one in re.findall(r"(--[\w-]+)(?: [A-Z]|`)", line)[:1])
+    linked = "[options of a plan](commands.md#options-of-a-plan)"
+    one = f"* The {linked}." if every else f"* {names}: see the {linked}."
+    return "\n".join([*lines[:place], one, *lines[place:]])
 
 
 def _with_whole_help(text: str, command: Command) -> str:
@@ -175,8 +180,8 @@ each has one strength, which is zero if the effect is absent. [The physics](phys
 change, [the loop](loop.md) how one is chosen. Priors are normal distributions, truncated at their bounds; if the
 square of the strength is fitted, the prior is of the square. {WRITTEN_BY}
 
-| effect | description | strength | prior | one strength for | changes | source |
-|---|---|---|---|---|---|---|
+| effect | description | strength | prior | one strength for | source |
+|---|---|---|---|---|---|
 {chr(10).join(rows)}
 
 ## Which flight distinguishes one from another
@@ -188,7 +193,6 @@ square of the strength is fitted, the prior is of the square. {WRITTEN_BY}
 
 
 def _effect_row(name: str, effect: Effect) -> str:
-    bends = {"the setup": effect.setup, "the flight": effect.acceleration, "the reading": effect.reading}
     strength = f"({effect.unit})²" if effect.squared else effect.unit
     one_for = f"a {effect.per}" if effect.per and not effect.everywhere else f"all, or a {effect.per}"
     cells = (
@@ -197,7 +201,6 @@ def _effect_row(name: str, effect: Effect) -> str:
         strength,
         _prior(effect.prior) + (f"; every rocket: {_prior(effect.background)}" if effect.background else ""),
         (one_for if effect.per else "all flights") + ("" if effect.from_first else ", from some flight on"),
-        " and ".join(what for what, does in bends.items() if does is not None),
         effect.source,
     )
     return f"| {' | '.join(cells)} |"
@@ -273,13 +276,16 @@ def code_map() -> str:
     """The map of the code: a row per package, in the order of the layers."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
-    rows = [f"| {_linked(name)} | {_first_words(name)} |" for layer in layers for name in re.findall(r"\w+", layer)]
+    names = [name for layer in layers for name in re.findall(r"\w+", layer)]
+    rows = [f"| {_linked(name)} | {_first_words(name)} |" for name in names if _is_package(name)]
+    modules = ", ".join(_linked(name) for name in names if not _is_package(name))
     return f"""# The map of the code
 
 Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/importing/`, a row of the ledger in
 `fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/services/inferred.py`, a forecast in
 `fieldkit/forecast/predict.py`, and its misses lead to a better model in `fieldkit/selection/diagnose.py`. A module
-imports only modules below it in this table, which `lint-imports` checks. The first lines of each module state its
+imports only modules below it in this table; single ones ({modules}) have their layers in `pyproject.toml`, and
+`lint-imports` checks all. The first lines of each module state its
 purpose.
 {WRITTEN_BY}
 
@@ -301,7 +307,11 @@ purpose.
 
 
 def _linked(name: str) -> str:
-    return f"`{name}/`" if (ROOT / "fieldkit" / name).is_dir() else f"`{name}.py`"
+    return f"`{name}/`" if _is_package(name) else f"`{name}.py`"
+
+
+def _is_package(name: str) -> bool:
+    return (ROOT / "fieldkit" / name).is_dir()
 
 
 def _first_words(name: str) -> str:
@@ -317,7 +327,7 @@ def pages() -> Iterator[tuple[Path, str]]:
     for name, text in commands():
         yield DOCS / f"{name}.md", text
     written = {"effects": effect_table, "models": model_cards, "map": code_map, "keys": key_table}
-    for name, write in {**written, "priors": prior_table, "priors-scores": prior_scores}.items():
+    for name, write in {**written, "priors": prior_table, "measured/prior_scores": prior_scores}.items():
         yield DOCS / f"{name}.md", write()
 
 

@@ -10,6 +10,7 @@ from fieldkit.model.documents import CERTIFIED_SCALE
 from fieldkit.model.hyperprior import DESIGN_DRAG, READOUTS, START, Hyperprior, learned
 from tools.markdown import WRITTEN_BY
 
+MIXED = "mixed with rivals"
 SOURCES = {
     "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
     "thrust": (
@@ -36,7 +37,13 @@ def prior_table() -> str:
     """Every prior and noise figure of the model with its source."""
     card, given = learned(), CERTIFIED_PRIOR
     names = list(dict.fromkeys([*card.sds, *given.sds]))
+    names.sort(key=lambda name: list(SOURCES).index(name.partition(".")[0]))
     rows = [_random_effect(name, card, given) for name in names]
+    firsts = [name.partition(".")[0] for name in names]
+    rows = [
+        row if kind not in firsts[:place] else row.replace(SOURCES[kind], "")
+        for place, (kind, row) in enumerate(zip(firsts, rows, strict=True))
+    ]
     units = ("m", "m/s", "s", "m/s²", "s", "s", "1/m", "m/s")
     noise = [
         f"| {readout.replace('_', ' ')} | {fixed:.3g} {unit}, {ratio:.3g} | {fixed2:.3g} {unit}, {ratio2:.3g} |"
@@ -108,7 +115,32 @@ simulated flights of the paper's network.
 | flyer | flights | rockets | sha256 of the files |
 |---|---|---|---|
 {chr(10).join(data)}
+{chr(10).join(_held_out(card.about.get("scores", {}), card.about.get("scores_by_readouts", {})))}
 {chr(10).join(_high_power(card.about.get("high_power_flights", {})))}"""
+
+
+def _held_out(scores: Mapping[str, Any], by_readouts: Mapping[str, Any]) -> Iterator[str]:
+    """CRPS and coverage on rockets that the training did not see, with the simple rule of the lowest CRPS."""
+    if not scores:
+        return
+    yield """
+## Held-out rockets
+
+Each flight of a rocket is forecast from the earlier ones of this and the flyer's other rockets, with a hyperprior
+learned without that rocket. CRPS in percent of the flown apogee. [All methods and readouts](measured/prior_scores.md).
+
+| flyer | flights | fieldkit | in the 90% interval | simple rule with the lowest CRPS |
+|---|---|---|---|---|"""
+    for flyer, tables in scores.items():
+        rows = {row["name"]: row for row in tables["after earlier flights of the rocket"]}
+        own = rows.pop("fieldkit")
+        best = min((row for name, row in rows.items() if name != MIXED), key=lambda row: float(row["crps"]))
+        rule = f"{LABELS.get(best['name'], best['name'])}, {100 * best['crps']:.1f}"
+        cells = (flyer.replace("_", " "), own["flights"], f"{100 * own['crps']:.1f}", f"{own['coverage90']:.0%}", rule)
+        yield f"| {' | '.join(map(str, cells))} |"
+    for flyer, tables in by_readouts.items():
+        first, *_, last = (f"{100 * row['crps']:.1f}" for row in tables["after earlier flights of the rocket"])
+        yield f"\nWith the apogee alone the CRPS of the {flyer.replace('_', ' ')} is {first}, with all readouts {last}."
 
 
 def prior_scores() -> str:
@@ -117,7 +149,7 @@ def prior_scores() -> str:
     return f"""# Forecasts of rockets that the priors did not see
 
 Scores of `{about["command"]}` with `--check`,
-on the commit that learned [the priors](priors.md). {WRITTEN_BY}
+on the commit that learned [the priors](../priors.md). {WRITTEN_BY}
 {chr(10).join(_left_out_tables(about.get("scores", {})))}
 {chr(10).join(_step_tables(about.get("scores_by_readouts", {})))}"""
 

@@ -57,9 +57,18 @@ def test_the_page_is_the_output_of_the_command(tmp_path: Path) -> None:
         command, env=os.environ | {"PYTHONPATH": str(ROOT)}, cwd=tmp_path, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    written = (ROOT / "docs" / "reference-study.md").read_text(encoding="utf-8")
+    written = (ROOT / "docs" / "measured" / "reference_study.md").read_text(encoding="utf-8")
     here = (tmp_path / "page.md").read_text(encoding="utf-8")
     assert_similar(written, here)
+
+
+def test_the_page_of_the_manual_has_the_tables_and_figures_of_the_study() -> None:
+    page, study = (
+        (ROOT / "docs" / name).read_text(encoding="utf-8")
+        for name in ("reference-study.md", "measured/reference_study.md")
+    )
+    assert [line for line in page.splitlines() if line.startswith("|") and line not in study] == []
+    assert set(NUMBER.findall(page)) - set(NUMBER.findall(study)) == set()
 
 
 def assert_similar(written: str, here: str) -> None:
