@@ -63,7 +63,7 @@ def commands() -> Iterator[tuple[str, str]]:
         example = f"```sh\n{lines}\n```\n" if lines else ""
         text = usage.sub("", usage.sub(lambda _: example, text, count=1)).strip()  # noqa: B023  # called here
         parts.append(_with_whole_help(text, command))
-        heads.setdefault(PAGE_OF[name], []).append(f"[`{name}`]({PAGE_OF[name]}.md#fieldkit-{name})")
+        heads.setdefault(PAGE_OF[name], []).append(f"`{name}`")
     shared = _options_in_all(part for name, part in zip(group.commands, parts, strict=True) if name in PLANNED)
     parts = [_without(part, shared, name in PLANNED) for name, part in zip(group.commands, parts, strict=True)]
     yield (
