@@ -70,7 +70,8 @@ def commands() -> Iterator[tuple[str, str]]:
         "commands",
         f"""# Every command
 
-Most commands take `--json`; `fieldkit COMMAND --help` prints all of its options. The examples are one session,
+Most commands take `--json`, and those that write a file `--force`, to replace one; `fieldkit COMMAND --help` prints all
+options. The examples are one session,
 `docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or run for long are in
 `docs/examples-long.sh`. {WRITTEN_BY}
 
@@ -121,7 +122,9 @@ COMMAND_PAGES = {
 }
 """Pages of commands: title, and the commands in order."""
 EVERYWHERE = re.compile(
-    r"^(\*\*Options\*\*:\n\n)?(\* `--(json`: Print JSON|help`: Show this message and exit)\.\n)+", re.MULTILINE
+    r"^(\*\*Options\*\*:\n\n)?"
+    r"(\* `--(json`: Print JSON|help`: Show this message and exit|force`: Replace an existing file)\.\n)+",
+    re.MULTILINE,
 )
 """The options of all commands, which the first page of commands names, and a list of options that has no others."""
 PAGE_OF = {name: page for page, (_, names) in COMMAND_PAGES.items() for name in names}
