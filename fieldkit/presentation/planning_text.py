@@ -89,7 +89,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None, syst
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest delay with the maker's tool."
     if any(one.lands_first >= LEAST_LISTED and one.after_apogee for one in judged.delays):
-        yield "  Some flights hit the ground before the charge: those are too fast, and time and speed of the others."
+        yield "  Some flights hit the ground before the charge and count as too fast: time and speed are of the others."
     yield f"  Too fast: over {shown.speed(fast, 0)}. Assumes delays vary by up to 20%, 1.5 to 3 s (NFPA 1125)."
     if judged.delays:
         first = judged.delays[0]
