@@ -144,9 +144,8 @@ A network answered before. This page is the comparison that retired it, printed 
 `python -m tools.quick_network` on 58540097, from measurements that it repeats with networks of
 `python -m studies.quick_network`; the shipped pass has another grid of the scale of documents since.
 Networks of three layers of attention over the
-flights were trained on {histories:,} simulated histories ({seconds} s on {device}), whose world is the one model,
-simulated without linearization: effects from their priors, causes of single flights, heavy-tailed scales of scatter and
-of documents, patterns that no effect represents, missing readouts. The whole network sees the closed forms and corrects
+flights were trained on {histories:,} simulated histories ({seconds} s on {device}), from the one model without
+linearization. The whole network sees the closed forms and corrects
 them; the other sees only flights, simulations and conditions. CRPS and widths are relative to the flown apogee.
 Probabilities are judged on {held_out:,} histories that no training used.
 """
