@@ -238,6 +238,9 @@ def test_the_verdicts_in_the_readme_are_those_of_the_page() -> None:
     right = re.search(r"In decidable histories, (\d+ of \d+) verdicts are right", page)
     assert right is not None
     assert f"{right[1]} verdicts are right" in claims
+    named = re.findall(r"named at 80% or more: (\d+) of (\d+) histories, 0 with an effect that is not there", page)
+    names, histories = (sum(map(int, column)) for column in zip(*named, strict=True))
+    assert f"of {histories} seasons flown by other simulators it named an effect in {names} at 80% or more" in claims
     nulls = [int(count) for count in re.findall(r"false alarms on nulls: 0 of (\d+),", page)]
     assert f"without one, 0 of {sum(nulls)} get a name" in " ".join(claims.split())
 
