@@ -88,7 +88,7 @@ async def test_a_decision_shows_its_figure_its_picture_and_the_first_failed_chec
         assert "g dry mass" in text_of(pilot, "#about")
         plot = screen.query_one("#first", Plot)
         assert plot.region.bottom < 50, "visible without scrolling"
-        assert plot.region.right <= screen.query_one("#beside").region.x
+        assert plot.region.y >= screen.query_one("#beside").region.bottom, "as wide as the screen"
         marks = [line[0] for line in str(screen.query_one("#beside", Static).content).splitlines() if line[1:2] == " "]
         assert [mark for mark in marks if mark in "⊘!?✓"] == sorted(
             (mark for mark in marks if mark in "⊘!?✓"), key="⊘!?✓".index

@@ -167,11 +167,12 @@ class PlanScreen(PageScreen):
     DEFAULT_CSS = """
     PlanScreen VerticalScroll { padding: 0 1; }
     PlanScreen #words { height: auto; layout: vertical; }
-    PlanScreen #main, PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
+    PlanScreen #main, PlanScreen #answer, PlanScreen #beside, PlanScreen #below { height: auto; width: 1fr; }
     PlanScreen #figure { height: 4; display: none; }
     PlanScreen #figure.-shown { display: block; }
     PlanScreen #about { width: 1fr; height: 3; padding: 0 0 0 2; }
-    PlanScreen #beside { margin-top: 1; }
+    PlanScreen #beside, PlanScreen.-wide #below { display: none; }
+    PlanScreen #below { margin-top: 1; }
     PlanScreen #picture { height: auto; margin-top: 1; display: none; }
     PlanScreen #picture.-shown { display: block; }
     PlanScreen #picture Static { height: auto; }
@@ -180,9 +181,10 @@ class PlanScreen(PageScreen):
     PlanScreen Plot { height: 10; width: 1fr; display: none; }
     PlanScreen Plot.-below { border-top: solid $border-blurred; border-title-color: $foreground; margin-top: 1; }
     PlanScreen Plot.-shown, PlanScreen.-tall Plot.-below { display: block; }
-    PlanScreen.-tall Plot { height: 28vh; min-height: 16; }
+    PlanScreen.-tall Plot { height: 36vh; min-height: 16; }
     PlanScreen.-wide #words, PlanScreen.-normal #plots { layout: horizontal; }
-    PlanScreen.-wide #beside { margin: 0 0 0 2; }
+    PlanScreen.-wide #words #beside { display: block; margin: 0 0 0 2; }
+    PlanScreen.-wide #words.-single #beside { display: none; }
     PlanScreen.-wide #main { width: 3fr; }
     PlanScreen.-wide #beside { width: 2fr; }
     """
@@ -199,19 +201,21 @@ class PlanScreen(PageScreen):
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the current one with its picture."""
         yield TabLine(VIEWS, "screen.view")
-        with VerticalScroll(), Container(id="words"):
-            with Vertical(id="main"):
-                with Horizontal(id="figure"):
-                    yield Big()
-                    yield Static("", id="about")
-                yield Static("", id="answer")
-                with Container(id="picture"):
-                    yield Static("", id="title")
-                    yield Static("", id="intervals")
-                    with Container(id="plots"):
-                        yield Plot(id="first")
-                        yield Plot(id="second")
-            yield Static("", id="beside")
+        with VerticalScroll():
+            with Container(id="words"):
+                with Vertical(id="main"):
+                    with Horizontal(id="figure"):
+                        yield Big()
+                        yield Static("", id="about")
+                    yield Static("", id="answer")
+                yield Static("", id="beside")
+            with Container(id="picture"):
+                yield Static("", id="title")
+                yield Static("", id="intervals")
+                with Container(id="plots"):
+                    yield Plot(id="first")
+                    yield Plot(id="second")
+            yield Static("", id="below")
 
     def on_mount(self) -> None:
         """Focus the answer, so that keys scroll it, and ask for the page to write."""
@@ -232,8 +236,9 @@ class PlanScreen(PageScreen):
         self.query_one("#about", Static).update(Content("\n".join(map(printable, answer.about))).stylize("bold"))
         self.query_one("#answer", Static).update(answered(answer.words))
         beside = answer.beside if self._unfolded else answer.folded or answer.beside
-        self.query_one("#beside", Static).update(hanging(beside))
-        self.query_one("#beside").display = bool(beside)
+        for place in ("#beside", "#below"):  # one of them is shown, by the width
+            self.query_one(place, Static).update(hanging(beside))
+        self.query_one("#words").set_class(not beside, "-single")
         self._draw(answer)
 
     def _draw(self, answer: Answer) -> None:

@@ -46,9 +46,10 @@ class PadScreen(HelpedModal[None]):
 
     DEFAULT_CSS = """
     PadScreen { align: center middle; background: $backdrop; }
-    PadScreen > Vertical { width: 94%; max-width: 100; height: 90%; background: $surface; border: solid $border; }
+    PadScreen > Vertical { width: 94%; max-width: 100; height: auto; background: $surface; border: solid $border; }
     PadScreen #timer { height: 1; padding: 0 1; text-style: bold; }
-    PadScreen OptionList, PadScreen OptionList:focus { height: 1fr; border: none; background: $surface; }
+    PadScreen OptionList, PadScreen OptionList:focus { height: auto; max-height: 70vh; border: none;
+        background: $surface; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "dismiss", "Close", priority=True),
