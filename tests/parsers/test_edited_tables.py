@@ -137,6 +137,23 @@ def test_whole_thousands_beside_decimal_commas_are_thousands() -> None:
     assert table.values["altitude"].tolist() == [998, 1002]
 
 
+@pytest.mark.parametrize(
+    ("heights", "read"),
+    [
+        (["998", "999", "997", "1.002", "1.250", "1.249", "1.000"], [998, 999, 997, 1002, 1250, 1249, 1000]),
+        (["998", "999", "997", "1.002", "1.25", "1.249", "1.001"], [998, 999, 997, 1.002, 1.25, 1.249, 1.001]),
+        (["998.000", "0.999", "1.002", "1.250"], [998, 0.999, 1.002, 1.25]),
+        (["998", "999", "997", "1002", "1.002", "1.250", "1.249"], [998, 999, 997, 1002, 1.002, 1.25, 1.249]),
+    ],
+)
+def test_points_separate_thousands_where_only_whole_numbers_below_a_thousand_lack_them(
+    heights: Sequence[str], read: Sequence[float]
+) -> None:
+    log = "".join(f"{50 * place};{height}\n" for place, height in enumerate(heights))
+    table = read_columns(log.encode(), CHANNELS, after=0, separator=";", decimal=".")
+    assert table.values["altitude"].tolist() == read
+
+
 def test_a_cell_in_quotation_marks_may_contain_the_separator() -> None:
     log = b'0.5,"windy, cold",10\n1.5,calm,20\n'
     table = read_columns(log, (CHANNELS[0], Channel("altitude", 2)), after=0, widths={3})

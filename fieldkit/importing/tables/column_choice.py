@@ -59,8 +59,11 @@ LIMIT = 1e12
 
 NO_COLUMN = -1
 """Index of a clock that is the number of each row."""
-_COUNTERS = frozenset({"sample", "samples", "index", "row", "record", "n", "nr", "no"})
-"""Names of a column that counts the rows."""
+_COUNTERS = frozenset(
+    {"sample", "samples", "index", "row", "record", "n", "nr", "no", "num", "number", "numero", "nummer"}
+    | {"packet", "packets", "paket", "paquet", "pkt", "seq", "sequence", "counter", "zeile", "ligne"}
+)
+"""Words of the names of a column that counts the rows, also those that a radio lost."""
 _PARTS_OF_A_TIME = frozenset({"year", "month", "day", "date", "hour", "hours", "h", "hh", "minute", "minutes", "min"})
 """Names of columns with a part of a time of day or a date."""
 _RATE = re.compile(r"(\d{1,5}(?:\.\d{1,6})?)\s*Hz", re.IGNORECASE)
@@ -130,7 +133,7 @@ def _row_clock(layout: Layout, interval: float) -> Pick:
     counters = [
         place
         for place, name in enumerate(layout.headers)
-        if set(heading(name).words) & _COUNTERS and len(heading(name).words) == 1 and not layout.says(place)
+        if (words := heading(name).words) and set(words) <= _COUNTERS and not layout.says(place)
     ]
     place = counters[0] if counters else NO_COLUMN
     name = layout.headers[place] if counters else "number of the row"

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.tables.column_choice import REQUIRED_CHANNELS, Pick, to_si
+from fieldkit.importing.tables.column_choice import HEIGHTS, REQUIRED_CHANNELS, Pick, to_si
 from fieldkit.importing.tables.headings import QUANTITIES, barometric, heading, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
@@ -33,8 +33,9 @@ NO_UNIT, NO_KIND = "no unit", "neither one g nor zero at rest"
 """Why a column is dropped."""
 _FELT_COAST, _NET_COAST = (-0.4, 0.2), (-1.4, -0.8)
 """Acceleration felt in the last second of a climb, when drag is small, and net of gravity. [g]"""
-_PAD_PRESSURES = (3e4, 1.2e5)
-"""Pressures on the ground anywhere, with a margin for the error of a sensor. [Pa]"""
+_PAD_PRESSURES = (5e4, 1.2e5)
+"""Pressures on the ground up to 5,500 m, with a margin for the error of a sensor: less is what a counter of 16 bits
+keeps of the usual ones. [Pa]"""
 ABOVE_GROUND = 30.0
 """A height that is constant above this before lift-off is not relative to the pad. [m]"""
 
@@ -58,8 +59,8 @@ def units_of(
             units[name] = unit, pick.unit, ""
     if "pressure" in units and not by_channel["pressure"].chosen:
         _check_pressure(by_channel["pressure"], units["pressure"], values, needed="altitude" not in by_channel)
-    if "altitude" in units:
-        units["altitude"] = _by_physics(by_channel["altitude"], units, values)
+    if height := next((name for name in HEIGHTS if name in units), ""):
+        units[height] = _by_physics(by_channel[height], units[height], units, {**values, "altitude": values[height]})
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
     if by_channel.get("time") and by_channel["time"].unit and not epoch_unit(values["time"]):
         settled.pop("time", None)  # a unit that is stated but unknown, as in `time (ticks)`, is not replaced by a guess
@@ -101,13 +102,17 @@ def _check_pressure(
 
 
 def _by_physics(
-    pick: Pick, units: Mapping[str, tuple[Unit, str, str]], values: Mapping[str, Float[Array, "row"]]
+    pick: Pick,
+    stated: tuple[Unit, str, str],
+    units: Mapping[str, tuple[Unit, str, str]],
+    values: Mapping[str, Float[Array, "row"]],
 ) -> tuple[Unit, str, str]:
-    """The stated unit of heights, checked against the pressure or, without one, against gravity before apogee.
+    """The stated unit of heights of any zero, the `altitude` of the values, checked against the pressure or, without
+    one, against gravity before apogee.
 
     If physics implies another unit, a note is added if the user chose the stated unit; otherwise DamagedLog is raised.
     """
-    unit, name, _ = stated = units["altitude"]
+    unit, name, _ = stated
     by_pressure = height_unit_by_pressure(values)
     shows: tuple[str, ...] = (by_pressure,) if by_pressure else ()
     why = "the pressure column"
@@ -122,7 +127,7 @@ def _by_physics(
         return unit, name, f"as you chose, although {why} implies {' or '.join(shows)}"
     raise DamagedLog(
         f"found heights in {shown(pick.unit)} that {why} implies to be in {' or '.join(shows)}; "
-        f"write --map 'altitude=#{pick.place + 1} [{shows[0]}]', or the unit that you trust",
+        f"write --map '{pick.channel}=#{pick.place + 1} [{shows[0]}]', or the unit that you trust",
         column=pick.name,
     )
 

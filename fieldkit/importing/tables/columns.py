@@ -5,6 +5,8 @@ does not fit the table is skipped and reported in one line; a few hundred are re
 the requested columns plus one block of text.
 """
 
+import re
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -24,6 +26,11 @@ MOST_REMARKS, LONGEST_REMARK = 1000, 1000
 """Largest number of comment lines that are stored, and largest length of each. [1], [characters]"""
 LAST_LINES = 1 << 13
 """Size of the end of a block from which the length of the last cells is measured. [bytes]"""
+_POINT = re.compile(rb"(?<![\d.,])[1-9]\d{0,2}(?:\.\d{3})+(?![\d.,])")
+_DECIMAL_POINT = re.compile(rb"(?<![\d.])(?:0\d*|\d{4,}|)\.\d|\d\.(?:\d{1,2}|\d{4,})(?![\d.])|\.\d{3}[,eE]")
+_LEAST_CELLS = 3
+"""A number with points between its thousands, a number with a decimal point, and the fewest numbers of a column with
+and without points that show that these separate thousands. [1]"""
 _SWAPPED_MARKS = str.maketrans(",.", ".,")
 
 
@@ -48,6 +55,8 @@ def read_columns(
     Raises DamagedLog if not a single row can be read, or if a comma has two meanings in one column.
     """
     decimal = decimal or _decimal(log, after, separator)
+    if decimal == "." and _points_group(log, after, separator):
+        decimal = ","
     source = _Cells(separator, decimal, quoted=separator is not None and b'"' in log)
     reader = Rows(channels, source.joined_by, widths, words or {}, source.spelled)
     for first, lines in _lines(log, after, reader, source, comment):
@@ -102,6 +111,22 @@ def _lines(log: bytes, after: int, reader: Rows, source: _Cells, comment: str) -
         else:
             tail = [line for line in first_lines(bytes(block[-LAST_LINES:]), most=LAST_LINES)[1:] if line]
             reader.take(first, numbers, source.rewritten(tail[-ROWS_TO_MEASURE:]))
+
+
+def _points_group(log: bytes, after: int, separator: str | None) -> bool:
+    """Whether points separate thousands: no number has another count of digits than three behind one, and in a column
+    with such numbers those without a point have at most three digits. `%g` and spreadsheets write `1.5` and `1.04`
+    among thousandths, `%.3f` writes no whole numbers among them."""
+    if _POINT.search(log) is None or _DECIMAL_POINT.search(log):
+        return False
+    grouped, single, long = (Counter[int]() for _ in range(3))
+    for _, lines in blocks(log, after):
+        for line in lines:
+            for place, cell in enumerate(split(line, separator)):
+                digits = cell.strip().lstrip("+-")
+                counts = grouped if "." in digits else single if len(digits) <= 3 else long
+                counts[place] += digits.replace(".", "").isdecimal()
+    return any(count >= _LEAST_CELLS <= single[place] and not long[place] for place, count in grouped.items())
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:
