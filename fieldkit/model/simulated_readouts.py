@@ -45,6 +45,9 @@ def shown(
     readings: Mapping[str, Any] = flown.readouts()
     for name, climbed in (("top_speed", flown.top_climb), ("peak_accel", climbed_peak(flown))):
         readings = {**readings, name: np.where(_by(model, name, *HEIGHT_SENSORS), climbed, readings[name])}
+    by_pressure = _by(model, "top_speed", "baro", "baro+accel") & (flown.apogee > 0)
+    standard = np.divide(flown.apogee_shown, flown.apogee, out=np.ones_like(flown.apogee), where=by_pressure)
+    readings = {**readings, "top_speed": readings["top_speed"] * standard}
     for name, height in (("apogee", flown.apogee), ("eject_altitude", flown.eject_altitude)):
         readings = {**readings, name: np.where(_by(model, name, "gps"), height, readings[name])}
     for effect, strength in readings_bends:
@@ -73,7 +76,7 @@ def shown(
 
 def _by(model: Model, name: str, *sensors: str) -> Flags:
     """Whether a readout of each flight is by one of some sensors: heights show the upward part of a slanted path, and
-    those of satellites are true, while an altimeter assumes the standard atmosphere."""
+    those of satellites are true, while an altimeter assumes the standard atmosphere, in speeds as in heights."""
     found = [flight.readout(name) for flight in model.flights]
     return np.array([one is not None and one.source in sensors for one in found], bool)
 

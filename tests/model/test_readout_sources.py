@@ -97,3 +97,15 @@ def test_apogees_by_satellites_are_true_heights_on_a_hot_day() -> None:
         by_satellites, by_pressure, unknown = readings[name][0].tolist()
         assert by_pressure == unknown
         assert by_pressure / by_satellites == pytest.approx(288.15 / 313.15)
+
+
+def test_speeds_by_a_barometer_are_those_of_its_heights_on_a_hot_day() -> None:
+    motor = catalogue().resolve(PLAN.motor)
+    flights = [
+        PLAN.with_changes(temperature=313.15, top_speed=60.0, source={"top_speed": source})
+        for source in ("gps", "baro", "baro+accel", "accel")
+    ]
+    model = base_model(history_of(flights, [motor] * 4), START)
+    speeds = shown(model, np.array([[term.mean for term in model.terms]]), {})["top_speed"][0]
+    assert speeds[1] / speeds[0] == pytest.approx(288.15 / 313.15)
+    assert speeds[2] / speeds[3] == pytest.approx(288.15 / 313.15)
