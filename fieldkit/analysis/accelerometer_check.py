@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.analysis.channels import Heights, Push
-from fieldkit.analysis.initial_guess import lagged, levelled
+from fieldkit.analysis.initial_guess import THRUST_DECREASE, lagged, levelled
 from fieldkit.analysis.phases import Outline
 from fieldkit.analysis.records import Event
 from fieldkit.analysis.robust_statistics import mad_sd, median_step
@@ -25,6 +25,8 @@ flight tilted by 30 degrees stay inside. [1]"""
 _FILLED_SCALE, _MISSED = 0.03, 300.0
 """Scale error of a saturated accelerometer [1], and how much it may have missed while saturated [m/s^2]. The scale must
 be known well, because a missed peak and a scale error produce nearly the same climb."""
+_MOST_FADING = 2.0
+"""Decrease of what was missed, relative to its average, with which its last sample is at the end of the range. [1]"""
 _FILL_ROUNDS = 3
 """Rounds in which what was missed and the dynamic pressure of the speed with it are found in turn. [1]"""
 _MAX_MISFIT = 3.0
@@ -50,6 +52,9 @@ _MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
 """Fewest samples [1] and smallest climb [m] that can be compared."""
 _CORRELATION_TIME = 0.5
 """Correlation time of the errors of heights. [s]"""
+MAX_FILLED_DELAY = 0.1
+"""Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. If its climb agrees
+with the heights at a shorter one, it is on time, as sensors of one logger are. [s]"""
 _MAX_SAMPLE_INTERVAL = 0.2
 """Longest sample interval at which an accelerometer still captures the whole boost. [s]"""
 _FILTERS = (0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6)
@@ -68,7 +73,8 @@ _TRANSONIC_SPEEDS = (260.0, 430.0)
 class Agreement:
     """Ratio of the climb from heights to the climb from the accelerometer [1], and the accelerometer's delay [s].
 
-    `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2]; `misfit` is what
+    `missed` is the mean acceleration beyond the end of the range, with its standard deviation [m/s^2], and `decrease`
+    that of the thrust meanwhile, as a fraction of its mean [1]; `misfit` is what
     remains after both, in standard deviations of the heights [1]. `derived` if the channel was computed rather than
     measured by a sensor. `boost` is the duration of the boost according to the heights, `onset` the time constant with
     which the channel rises at lift-off [s]. `filtered` is the time constant of the filter that the heights are behind,
@@ -85,6 +91,7 @@ class Agreement:
     boost: float = 0.0
     onset: float = 0.0
     filtered: float = 0.0
+    decrease: float = 0.0
 
     @property
     def is_consistent(self) -> bool:
@@ -154,18 +161,34 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     when, height = when[quiet], height[quiet]
     if when.size < _MIN_SAMPLES or np.ptp(height) < max(_MIN_CLIMB, 10 * track.noise):
         return None
-    gained = None if full is None else running_integral(full[felt].astype(float), time)
-    beyond = None if gained is None else running_integral(gained, time)
     shifts = np.arange(-_MAX_SHIFT, _MAX_SHIFT + _STEP / 2, _STEP)
-    missed, flown = 0.0, speed
-    for _ in range(1 if gained is None else _FILL_ROUNDS):  # what was missed is also missing in the dynamic pressure
-        flown = speed if gained is None else speed + max(missed, 0.0) * gained
-        found = [_fit(when + shift, height, time, climb, flown, beyond, track.noise) for shift in shifts]
-        cost, late = min((one[0], float(shift)) for one, shift in zip(found, shifts, strict=True))
-        scale, missed, sd = next(one[1:] for one in found if one[0] == cost)
-    misfit = float(np.sqrt(cost / when.size))
     step = median_step(track.time[inside])
-    inflation = np.sqrt(max(1.0, _CORRELATION_TIME / step)) * max(1.0, misfit)
+    spread = np.hypot(track.noise, _HEIGHT_ERROR * height)
+    alike = max(1.0, _CORRELATION_TIME / step)
+    decrease, flown = THRUST_DECREASE, speed
+
+    def tried(beyond: Array | None) -> list[tuple[float, float, float, float, float]]:
+        return [_fit(when + shift, height, time, climb, flown, beyond, spread, alike) for shift in shifts]
+
+    if full is None:
+        found = tried(None)
+        best = int(np.argmin([one[0] for one in found]))
+    else:
+        on_time = np.abs(shifts) < MAX_FILLED_DELAY + step
+        for decrease in (THRUST_DECREASE, 0.0):
+            missed = 0.0
+            for _ in range(_FILL_ROUNDS):  # what was missed is also missing in the dynamic pressure
+                gained = running_integral(shape_of_missed(push, full, missed, decrease)[felt], time)
+                flown = speed + max(missed, 0.0) * gained
+                found = tried(running_integral(gained, time))
+                costs = np.array([one[0] for one in found])
+                best = int(np.argmin(np.where(on_time, costs, np.inf)))
+                missed = found[best][3]
+            if found[best][1] < _MAX_MISFIT:
+                break
+        else:
+            best = int(np.argmin(costs))
+    late, (_, misfit, scale, missed, sd) = float(shifts[best]), found[best]
     derived, boost = _is_derived(push, seen), seen.fastest - lift.time
     onset = _onset(time, net, lift.time, seen.fastest) if derived else 0.0
     filtered = 0.0
@@ -173,10 +196,23 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
         even = np.arange(time[0], time[-1], _STEP)
         fast, high = np.interp(even, time, speed), np.interp(even, time, climb)
         behind = [lagged(high, float(high[0]), _STEP, lag) for lag in _FILTERS]
-        costs = [_fit(when, height, even, one, fast, None, track.noise)[0] for one in behind]
-        least = int(np.argmin(costs))
-        filtered = _FILTERS[least] if costs[least] < _MAX_MISFIT**2 * when.size else 0.0
-    return Agreement(scale, late, step, missed, misfit, float(sd * inflation), derived, boost, onset, filtered)
+        misfits = [_fit(when, height, even, one, fast, None, spread, alike)[1] for one in behind]
+        least = int(np.argmin(misfits))
+        filtered = _FILTERS[least] if misfits[least] < _MAX_MISFIT else 0.0
+    return Agreement(
+        scale, late, step, missed, misfit, sd * max(1.0, misfit), derived, boost, onset, filtered, decrease
+    )
+
+
+def shape_of_missed(push: Push, full: Flags, missed: float, decrease: float) -> Float[Array, "time"]:
+    """What a saturated accelerometer missed in each sample, relative to its average `missed` [m/s^2]: thrust decreases
+    by a fraction of its mean, and is never within the range. [1]
+
+    Derivation: a straight line with that average and that slope."""
+    place = np.cumsum(full) / max(int(full.sum()), 1)
+    thrust = float(push.felt[full].min()) + missed if full.any() else 0.0
+    fades = min(decrease * thrust / missed, _MOST_FADING) if missed > 0 else decrease
+    return np.asarray(full * (1 + fades * (0.5 - place)))
 
 
 def _onset(time: Float[Array, "time"], net: Float[Array, "time"], lift: float, fastest: float) -> float:
@@ -227,25 +263,28 @@ def _fit(
     climb: Float[Array, "time"],
     speed: Float[Array, "time"],
     beyond: Float[Array, "time"] | None,
-    noise: float,
-) -> tuple[float, float, float, float]:
-    """Weighted misfit of a climb to heights, the best scale, how much of `beyond` was missed, and its standard
-    deviation.
+    spread: Float[Array, "sample"],
+    alike: float,
+) -> tuple[float, float, float, float, float]:
+    """Cost of a climb through heights, its misfit in standard deviations of these, the best scale, how much of `beyond`
+    was missed, and its standard deviation.
 
-    The airframe's pressure error, a fraction of the dynamic pressure, is fitted together with the scale.
+    `spread` is the standard deviation of each height [m], `alike` the number of neighbors that share its error. The
+    airframe's pressure error, a fraction of the dynamic pressure, is fitted together with the scale.
     """
     felt = np.interp(when, time, climb)
     ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)
-    spread = np.hypot(noise, _HEIGHT_ERROR * height)
     columns, sds = [felt, ram], [_SCALE if beyond is None else _FILLED_SCALE, _RAM]
     if beyond is not None:
         columns, sds = [*columns, np.interp(when, time, beyond)], [*sds, _MISSED]
     prior = np.diag(1 / np.array(sds))
-    design = np.concatenate([np.stack(columns, axis=1) / spread[:, None], prior])
-    target = np.concatenate([height / spread, prior[0]])
+    wide = spread * np.sqrt(alike)
+    design = np.concatenate([np.stack(columns, axis=1) / wide[:, None], prior])
+    target = np.concatenate([height / wide, prior[0]])
     values, *_ = np.linalg.lstsq(design, target, rcond=None)
-    cost = float(((target - design @ values) ** 2).sum())
+    left = target - design @ values
+    cost, misfit = float(left @ left), float(np.sqrt(alike * np.mean(left[: when.size] ** 2)))
     if beyond is None:
-        return cost, float(values[0]), 0.0, 0.0
-    spread = np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
-    return cost, float(values[0]), float(values[2]), float(spread[2])
+        return cost, misfit, float(values[0]), 0.0, 0.0
+    sd = float(np.sqrt(np.linalg.inv(design.T @ design)[2, 2]))
+    return cost, misfit, float(values[0]), float(values[2]), sd

@@ -5,7 +5,7 @@ neighboring samples and return. Longer disturbances are left to the fit, which i
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,13 +55,17 @@ failed: at such a rate a rocket climbs 5 m more in that time."""
 _REST_PART, _MANY_RUNS = 0.1, 10
 """Largest height of a rest above the lowest heights, as a fraction of the highest, and how many times longer than any
 run of one value before it a run is that is not from a coarse resolution. [1]"""
+_REST_TIME, _MOST_TERRAIN = 5.0, 100.0
+"""Time at the end of a log that shows where it rests [s], and the largest height of a landing above or below the pad
+[m]."""
 _WINDOW, _MIN_SIZE, _MAX_SIZE = 0.5, 5, 61
 """Length of the running median that reveals spikes [s], and its limits in samples. [1]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heights:
-    """Clean heights on one clock. `zeroed` if the logger itself subtracted the pad's height.
+    """Clean heights on one clock. `zeroed` if the logger itself subtracted the pad's height, and does not end at rest
+    far from zero.
 
     `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` if samples near the
     speed of sound were removed because shocks faked a fall. `lag` is the delay from a filter or small vents, which has
@@ -90,9 +94,10 @@ class Push:
 
     `vertical` if it is already the vertical acceleration with gravity added, for example from an inertial speed.
     `weighs` if the channel itself includes gravity, so that its scale is visible on the pad. `full` marks the samples
-    at the end of the range, to which `missed` has been added based on the heights; None if the range was never
-    exceeded. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the ratio of the climb from heights to
-    the climb from the accelerometer; it differs from 1 because of calibration, tilt, or a pressure error [1].
+    at the end of the range, to which `missed` has been added on average based on the heights; None if the range was
+    never exceeded, up to its `range_end` [m/s^2]. The resulting speed error is `missed_speed_sd` [m/s]. `scale` is the
+    ratio of the climb from heights to the climb from the accelerometer; it differs from 1 because of calibration, tilt,
+    or a pressure error [1].
     `blur` is the delay of a filtered channel, and so about the time over which it spreads a change of thrust [s].
     """
 
@@ -103,6 +108,7 @@ class Push:
     weighs: bool = False
     full: Flags | None = None
     missed: float = 0.0
+    range_end: float = np.inf
     missed_speed_sd: float = 0.0
     scale: float = 1.0
     blur: float = 0.0
@@ -304,7 +310,20 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
     line = away <= 5 * np.maximum(usual, noise) + _sagitta(time)
     if line.sum() < MIN_SAMPLES:
         return None
-    return Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, CHANNEL_TITLES[name])
+    found = Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, CHANNEL_TITLES[name])
+    rest = rest_level(found)
+    return replace(found, zeroed=found.zeroed and not (rest is not None and abs(rest) > _MOST_TERRAIN))
+
+
+def rest_level(track: Heights) -> float | None:
+    """The height at which a log ends at rest [m]; None if it does not.
+
+    Derivation: both halves of the last seconds have one median."""
+    last = track.height[track.time > track.time[-1] - _REST_TIME]
+    early, late = np.array_split(last, 2)
+    if last.size < 6 or abs(np.median(early) - np.median(late)) > 4 * track.noise + 0.5:
+        return None
+    return float(np.median(last))
 
 
 def _sagitta(time: Float[Array, "_"]) -> Float[Array, "_"]:

@@ -22,6 +22,9 @@ _BACK = 0.5
 """A fault's return step equals its first step to within this fraction. [1]"""
 _MAX_STEP_GAP = 3
 """Steps of one sign within this many samples count as one. [1]"""
+_REST_TIME, _NOTICED = 2.0, 0.5
+"""Time before a step in which a rocket that waits stays at one height, but for the time in which a logger notices a
+flight. [s]"""
 _MIN_STEP = 10.0
 """Smaller steps are left to the fit. [m]"""
 _SCATTER_WINDOW = 2.0
@@ -45,12 +48,27 @@ def undisturbed(track: Heights) -> Heights:
 
     If hardly any samples would remain, the heights are returned unchanged.
     """
+    track = _on_one_zero(track)
     kept = ~_steps(track)
     if not kept.all() and kept.sum() >= MIN_SAMPLES:
         track = replace(track, time=track.time[kept], height=track.height[kept])
     fallen = _shocks(track)
     if fallen.any() and (~fallen).sum() >= MIN_SAMPLES:
         return replace(track, time=track.time[~fallen], height=track.height[~fallen], disturbed=True)
+    return track
+
+
+def _on_one_zero(track: Heights) -> Heights:
+    """Heights of a logger that sets its zero while it waits or when it notices the flight: what it recorded at rest
+    before a step down toward zero, which no rocket makes and no later step reverses, is moved to zero."""
+    jumps = list(_jumps(track))
+    for n, (place, size) in enumerate(jumps):
+        since = track.time - track.time[place]
+        before = track.height[(since > -_REST_TIME) & (since < -_NOTICED)]
+        rests = before.size > 2 and float(np.ptp(before)) < max(_MIN_STEP, _MIN_FALL_SDS * track.noise)
+        lasts = not any(_reverses(track, (place, size), one) for one in jumps[n + 1 :])
+        if size < -2 * _MIN_STEP and rests and lasts and abs(track.height[place + 1]) < np.median(before) / 2:
+            return replace(track, height=track.height - np.where(since <= 0, np.median(before), 0.0))
     return track
 
 

@@ -19,6 +19,8 @@ _CHARGES = ("ejection", "drogue")
 """Logger events that mark the first charge to deploy a parachute."""
 _SHOCK = 4 * GRAVITY
 """An acceleration this strong after burnout is not drag but a charge or a line going taut. [m/s^2]"""
+_AT_ITS_END = 0.999
+"""Fraction of the end of a range above which an accelerometer is saturated. [1]"""
 _RISE = 0.02
 """Longest rise time of a shock: the charge fired anything up to that earlier. [s]"""
 _FREE_FALL = 0.55
@@ -34,7 +36,8 @@ _BASELINE_TIME = 0.4
 
 
 def shock(push: Push | None, burnout: float, top: float) -> Event | None:
-    """The first shock that an accelerometer felt around apogee, given the times of `burnout` and `top` [s]."""
+    """The first shock that an accelerometer felt around apogee, given the times of `burnout` and `top` [s]. One that
+    was saturated in the boost shows no more of a shock than the end of its range."""
     if push is None or push.vertical:
         return None
     near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
@@ -42,7 +45,7 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     if time.size < 8:
         return None
     away = np.minimum(np.abs(felt - np.median(felt)), np.abs(felt - _before(time, felt)))
-    shocks = np.flatnonzero(away > max(_SHOCK, 8 * mad_sd(felt)))
+    shocks = np.flatnonzero((away > max(_SHOCK, 8 * mad_sd(felt))) | (felt > _AT_ITS_END * push.range_end))
     if shocks.size == 0:
         return None
     begin, end = time[max(int(shocks[0]) - 1, 0)], time[shocks[0]]

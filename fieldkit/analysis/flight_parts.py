@@ -44,9 +44,12 @@ _STEP_REACH = 0.5
 """How long after the top speed of a curve a step of the heights may be that causes that speed. [s]"""
 _BLIND_PART = 0.75
 """Largest spacing of samples that still show a boost, as a fraction of its duration. [1]"""
-_RECEIVER_LAG, _FROM_BOOST = 0.5, ("time_to_apogee", "coast_to_apogee", "duration")
-"""How late the heights of a satellite receiver follow a boost by its own filter, more than those later [s], and the
-times that it lengthens or shortens."""
+_FELT_SCALE_SD, _FELT_ZERO_SD = 0.045, 0.15
+"""Error of a felt speed relative to that of heights in standard air, by 2% of the accelerometer's scale and 12 K of the
+air [1], and of an accelerometer's zero since the pad [m/s^2]."""
+_RECEIVER_LAG, _FROM_JOLTS = 0.5, ("time_to_apogee", "coast_to_apogee", "apogee_to_eject", "duration")
+"""How late the heights of a satellite receiver follow a boost or a braking by its own filter, more than smooth parts of
+a flight [s], and the times that it lengthens or shortens."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +114,7 @@ def recorded_of(log: FittedLog, lift: Event | None, clocks: Sequence[Series]) ->
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
     if log.track.source == CHANNEL_TITLES["gps_altitude_msl"] and not log.ascent.fused:
-        late = {name: figures[name] for name in _FROM_BOOST if name in figures}
+        late = {name: figures[name] for name in _FROM_JOLTS if name in figures}
         figures |= {name: replace(one, sd=float(np.hypot(one.sd, _RECEIVER_LAG))) for name, one in late.items()}
     coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
     known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
@@ -179,6 +182,9 @@ def _boost(log: FittedLog, lift: Event | None, begin: float, end: float) -> tupl
     burnout = replace(burnout, sd=float(np.hypot(burnout.sd, felt.blur))) if felt else burnout
     if felt is not None and not log.compared:
         speed = _doubted(speed, felt, lift.time, burnout.time)
+    if felt is not None and felt.full is not None and not log.slanted:
+        charge = shock(log.felt, burnout.time, end)
+        speed = _with_coast(speed, felt, log.ascent, burnout.time, min(end, charge.time) if charge else end)
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
     return lift, _FlightPart({"burnout": burnout}, figures, notes)
 
@@ -196,6 +202,27 @@ def _doubted(speed: Figure, push: Push, begin: float, burnout: float) -> Figure:
     time, net = push.time[inside], net[inside]
     gained = float(np.trapezoid(net, time))
     return replace(speed, sd=float(np.hypot(speed.sd, speed.value - gained)))
+
+
+def _with_coast(speed: Figure, push: Push, ascent: Ascent, burnout: float, free: float) -> Figure:
+    """A top speed averaged with what a saturated accelerometer felt from burnout until the rocket is free of its thrust
+    and its charge [s], at nearly no speed. [m/s]
+
+    What it missed was found from heights, which static ports move; the coast after it is within its range. If the two
+    differ by more than their errors, both errors are larger by Birge's ratio.
+
+    Derivation: v(burnout) = v(end) + integral of g - a.
+    """
+    inside = (push.time >= burnout) & (push.time <= free)
+    level = levelled(push, float(ascent.time[0]))
+    if level is None or inside.sum() < MIN_SAMPLES or (push.full is not None and push.full[inside].any()):
+        return speed
+    lost = -float(np.trapezoid(level[inside], push.time[inside]))
+    value = lost + float(np.interp(free, ascent.time, ascent.speed))
+    sd = float(np.hypot(_FELT_SCALE_SD * lost, _FELT_ZERO_SD * (free - burnout)))
+    ratio = max(1.0, abs(value - speed.value) / float(np.hypot(sd, speed.sd)))
+    part = speed.sd**2 / (speed.sd**2 + sd**2)
+    return replace(speed, value=speed.value + part * (value - speed.value), sd=ratio * sd * float(np.sqrt(part)))
 
 
 def _burn(log: FittedLog, lift: Event, burnout: Event, speed: Figure) -> dict[str, Figure]:

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.channels import MIN_SAMPLES, Heights, Push
 from fieldkit.analysis.hard_boost import checked_by_climb
 from fieldkit.analysis.phases import LEAST_GAIN, LONGEST_CLIMB, Outline
 from fieldkit.analysis.records import Event
-from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
+from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step, running_median
 from fieldkit.integrals import running_integral
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -23,6 +23,8 @@ _IGNITION = 0.02
 _SPEED_AT_BOOST_START = 0.05
 """Fraction of the speed at burnout that a rocket has at the start of its boost. [1]"""
 
+_LEAST_DIVE, _LONGEST_DIVE = 3.0, 3.0
+"""Least depth [m] and longest duration [s] of a dive below the pad before the rise of a hard boost."""
 _STEP, _QUICK_STEP = 0.01, 0.03
 """Steps between the lift-off times to try: for lift-off, and for how a lag shifts it. [s]"""
 _RIDGE, _TINY = 1e-10, 1e-30
@@ -35,6 +37,8 @@ def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
     if felt is not None:
         return felt
     corner = _by_rise(track, seen)
+    if corner is not None and track.is_barometric:
+        corner = _by_dive(corner, track, seen) or corner
     if corner is not None and push is not None and _is_under_way(push, corner.time - corner.sd):
         return None
     return checked_by_climb(corner, track, seen) if corner is not None and track.is_barometric else corner
@@ -169,6 +173,35 @@ def _by_rise(track: Heights, seen: Outline, lag: float = 0.0, spacing: float = _
     near_times = track.time[(track.time >= about) & (track.time <= until)]
     blind = max(step, hole_at(track.time, mean), np.diff(near_times).max(initial=0.0)) / 4
     return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + blind**2 + early**2)), track.source)
+
+
+def _by_dive(corner: Event, track: Heights, seen: Outline) -> Event | None:
+    """Lift-off where heights leave the pad downward just before they rise; None if they do not, or if too little of the
+    pad is before that to show its level.
+
+    Derivation: static ports that are off by a fraction s of the dynamic pressure lower heights by s v²/2g, in a boost
+    with acceleration a by s a/g of the height itself. Where that is more than 1 the heights dive below the pad until
+    thrust decreases. Nothing else sinks right before a rocket climbs.
+    """
+    near = (track.time > corner.time - _LONGEST_DIVE) & (track.time < seen.fastest)
+    time = track.time[near]
+    if seen.lift is None or time.size < 5:
+        return None
+    calm = running_median(track.height[near], 5) - seen.pad
+    lowest = int(np.argmin(calm))
+    deep = max(_LEAST_DIVE, 8 * track.noise)
+    on_pad = np.flatnonzero(calm[:lowest] > -3 * track.noise)
+    if calm[lowest] > -deep or on_pad.size < MIN_SAMPLES or np.median(calm[on_pad]) > 3 * track.noise:
+        return None
+    mirrored = replace(
+        seen,
+        lift=float(time[on_pad[-1]]),
+        fastest=float(time[lowest]),
+        pad=-seen.pad,
+        top_height=-float(calm[lowest]) - seen.pad,
+        calm=-seen.calm,
+    )
+    return _by_rise(replace(track, height=-track.height), mirrored)
 
 
 def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:

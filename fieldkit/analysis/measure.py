@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.analysis.accelerometer_check import Agreement, agreement, unchecked
+from fieldkit.analysis.accelerometer_check import MAX_FILLED_DELAY, Agreement, agreement, shape_of_missed, unchecked
 from fieldkit.analysis.ascent import Ascent, LaggedAscent, ascend
 from fieldkit.analysis.boost_length import SHORTEST_BOOST
 from fieldkit.analysis.burnout import felt_burnout
@@ -46,8 +46,6 @@ from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
-_MAX_FILLED_DELAY = 0.1
-"""Above this delay, what a saturated accelerometer missed cannot be distinguished from the delay. [s]"""
 _MAX_MISS = 0.08
 """Largest difference between the apogee of the fused curve and that of the heights, smoothed over a second, as a
 fraction of the climb. [1]"""
@@ -293,12 +291,13 @@ def _ends_in_boost(push: Push, seen: Outline) -> bool:
 
 def _filled(push: Push, full: Flags, found: Agreement | None) -> _Trust:
     """An accelerometer with the saturated samples filled in, if the rest of it agrees with the heights."""
-    if found is None or not found.is_consistent or abs(found.late) > _MAX_FILLED_DELAY + found.step:
+    if found is None or not found.is_consistent or abs(found.late) > MAX_FILLED_DELAY + found.step:
         return _Trust(None, notes=(CLIPPED_NOTE,), clock_only=None if found and found.is_off else push)
-    felt = push.felt + np.where(full, found.missed, 0.0)
+    felt = push.felt + found.missed * shape_of_missed(push, full, found.missed, found.decrease)
     lasts = float(full.sum()) * median_step(push.time)
     note = FILLED_NOTE.format(lasts, found.missed / GRAVITY)
-    filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=found.missed_sd * lasts)
+    ends, unsure = float(push.felt[full].min()), found.missed_sd * lasts
+    filled = replace(push, felt=felt, full=full, missed=found.missed, missed_speed_sd=unsure, range_end=ends)
     return _Trust(filled, notes=(note,))
 
 

@@ -68,7 +68,7 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, m
                     return None  # it may have come at ignition, before the first sample
                 return _felt_peak(push.time[there], level[there], push)
             hidden = inside & (np.interp(ascent.time, push.time, push.full) > 0)
-            floor = float(level[there & push.full].min()) - push.missed
+            floor = push.range_end - GRAVITY
             lasts = float(push.full[there].sum()) * median_step(push.time)
             filled = float(level[there & push.full].mean())
             return _above(_smoothed_peak(ascent, inside, mean, hidden, (filled, lasts)), max(floor, GRAVITY))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.channels import Heights, rest_level
 from fieldkit.analysis.robust_statistics import lag_one, median_step, running_median_over, stretches
 from fieldkit.shapes import Array, Float
 
@@ -230,8 +230,5 @@ def _own_zero(track: Heights) -> float:
     The zero and the ground where the log comes to rest measure the same level equally well, so each is assigned half of
     their difference as its error.
     """
-    last = track.height[track.time > track.time[-1] - 5]
-    early, late = np.array_split(last, 2)
-    if last.size < 6 or abs(np.median(early) - np.median(late)) > 4 * track.noise + 0.5:
-        return _ZERO
-    return float(np.hypot(_ZERO, min(abs(float(np.median(last))), _GROUND) / 2))
+    rest = rest_level(track)
+    return _ZERO if rest is None else float(np.hypot(_ZERO, min(abs(rest), _GROUND) / 2))

@@ -328,13 +328,26 @@ def test_a_log_that_ends_before_landing_has_no_landing(early: float) -> None:
         assert "duration" not in measure((series,)).figures
 
 
-def test_heights_above_sea_level_that_begin_in_flight_have_no_pad_to_refer_to() -> None:
+@pytest.mark.parametrize("channel", ["altitude_msl", "altitude"])
+def test_heights_above_sea_level_that_begin_in_flight_have_no_pad_to_refer_to(channel: str) -> None:
+    """Also if nothing but the height of the landing says that they are above sea level."""
     (series,) = log(flown(LARGE), Logger(late=3.0), np.random.default_rng(1))
     assert series.altitude is not None
-    recorded = measure((Series(time=series.time, altitude_msl=series.altitude + 900),))
+    recorded = measure((Series(time=series.time, **{channel: series.altitude + 900}),))
     assert "apogee" not in recorded.figures
     assert "apogee" in recorded.events
     assert NO_PAD in recorded.notes
+
+
+@pytest.mark.parametrize("notices", [-2.0, 0.3])
+def test_a_logger_may_set_its_zero_when_it_notices_the_flight(notices: float) -> None:
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(), np.random.default_rng(1))
+    assert series.altitude is not None
+    before = series.time < series.time[0] + Logger().wait + notices
+    recorded = measure((replace(series, altitude=series.altitude + np.where(before, 412.0, 0.0)),))
+    assert abs(off(recorded, truth, "apogee")) < 1
+    assert abs(off(recorded, truth, "time_to_apogee")) < 0.2
 
 
 def test_without_samples_on_the_pad_the_zero_is_as_certain_as_the_landing_height() -> None:
