@@ -23,6 +23,7 @@ def _damaged(log: bytes) -> bytes:
 
 FILES: Mapping[str, Callable[[bytes], bytes]] = {
     "line ends of Windows": lambda log: log.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"),
+    "line ends of an old Mac": lambda log: log.replace(b"\r\n", b"\n").replace(b"\n", b"\r"),
     "a byte order mark": lambda log: b"\xef\xbb\xbf" + log.removeprefix(b"\xef\xbb\xbf"),
     "saved as UTF-16": lambda log: log.decode("latin-1").removeprefix("\xef\xbb\xbf").encode("utf-16"),
     "blank lines below": lambda log: log + b"\n\n\n",

@@ -53,19 +53,20 @@ class Path:
 
     def readouts(self, *, barometric: bool = True) -> dict[str, float]:
         """The readouts of a perfect device in SI units, with heights from pressure or from satellites; speeds are
-        vertical."""
+        vertical, and those of the heights."""
         if not barometric:
             return replace(self, height=self.above).readouts()
         climbs = self.time <= self.apogee_time
-        fastest = int(np.argmax(np.where(climbs, self.speed, -np.inf)))
+        speed = np.gradient(self.height, STEP)
+        fastest = int(np.argmax(np.where(climbs, speed, -np.inf)))
         burn, top = float(self.time[fastest]), int(np.argmax(self.height))
         width = max(1, round(PEAK_WINDOW / STEP))
         smooth = np.convolve(self.push[: fastest + 1], np.ones(width) / width, "same")
         found = {
             "apogee": float(self.height[top]),
-            "top_speed": float(self.speed[fastest]),
+            "top_speed": float(speed[fastest]),
             "burn_time": burn,
-            "avg_accel": float(self.speed[fastest]) / burn,
+            "avg_accel": float(speed[fastest]) / burn,
             "peak_accel": float(smooth.max()) - GRAVITY,
             "time_to_apogee": self.apogee_time,
             "coast_to_apogee": self.apogee_time - burn,

@@ -32,8 +32,17 @@ RIGHT = (
     "a barometer that fails in the climb",
     "a barometer that fails in the descent",
     "cut off in the coast, a barometer alone",
+    "heights alone with points between thousands",
+    "numbered packets, some lost",
+    "heights zeroed when the flight is noticed",
 )
-REFUSED = ("cut off in the boost", "cut off in the boost, a barometer alone", "milliseconds called seconds")
+REFUSED = (
+    "cut off in the boost",
+    "cut off in the boost, a barometer alone",
+    "milliseconds called seconds",
+    "a tracker in feet by the name of meters",
+    "pressures of 16 bits",
+)
 
 
 OF_NO_FLIGHT = {
