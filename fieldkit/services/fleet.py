@@ -30,6 +30,10 @@ from fieldkit.services.provenance import flight_digest, motor_digest
 
 MESSAGE_PREFIX = "fleet: "
 """Prefix of the name under which the ledger stores a rocket's message."""
+MAX_ROCKETS = 40
+"""Number of rockets whose flights inform forecasts of the others, those flown latest: the mean of a fleet is then known
+to a sixth of the differences between its rockets, and the prior of another one is at most 1.2% wider than with any
+number of them. Each takes a fit. [1]"""
 DIGITS = 7
 """Significant digits of a saved figure. [1]"""
 
@@ -92,10 +96,16 @@ def _fleet(ledger: Ledger, motors: Catalogue, made_with: str) -> _Fleet:
 
 
 def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight, Found]]]:
-    """The flights used in the fit, by rocket."""
-    found: dict[str, list[tuple[Flight, Found]]] = {}
-    for flight, motor in followed(ledger.flights(), motors):
-        if flight.clean and flight.readouts():
+    """The flights used in the fit, by rocket: at most `MAX_ROCKETS`, those flown latest, which a remark says."""
+    used = [one for one in followed(ledger.flights(), motors) if one[0].clean and one[0].readouts()]
+    every = list(dict.fromkeys(flight.rocket for flight, _ in reversed(used)))
+    if len(every) > MAX_ROCKETS:
+        ledger.remark(
+            f"the {MAX_ROCKETS} rockets flown latest inform forecasts of the others, of {len(every):,} rockets"
+        )
+    kept, found = set(every[:MAX_ROCKETS]), dict[str, list[tuple[Flight, Found]]]()
+    for flight, motor in used:
+        if flight.rocket in kept:
             found.setdefault(flight.rocket, []).append((flight, motor))
     return found
 

@@ -1,5 +1,6 @@
 """Messages of other rockets are saved in the ledger and updated when their flights change."""
 
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.motors.motor import Motor
+from fieldkit.services import fleet
 from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
 from fieldkit.services.provenance import motor_digest
 from tests.seasons import season
@@ -88,6 +90,19 @@ def test_a_rocket_does_not_inform_itself(ledger: Ledger) -> None:
     assert of_the_other is not None
     assert again is not None
     np.testing.assert_allclose(of_the_other.mean, again.mean, atol=1e-6)  # the second is read from the ledger
+
+
+def test_the_rockets_flown_latest_inform_the_others(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Otherwise the first forecast in a ledger of thousands of rockets would take as many fits."""
+    fitted: list[str] = []
+    fleet_prior(ledger, catalogue(), "New", lambda name, done: fitted.append(name))
+    assert fitted == ["R0", "R1"]
+    assert not ledger.remarks
+    monkeypatch.setattr(fleet, "MAX_ROCKETS", 1)
+    ledger.add([ledger.flights("R0")[0].with_changes(flight_id="last", date_time=datetime(2030, 1, 1, 10))])
+    fleet_prior(ledger, catalogue(), "New", lambda name, done: fitted.append(name))
+    assert fitted[2:] == ["R0"]
+    assert "of 2 rockets" in ledger.remarks[-1]
 
 
 def test_an_empty_ledger_has_no_fleet(tmp_path: Path) -> None:
