@@ -106,7 +106,7 @@ def _of_calls(folder: Path, others: int, most: int) -> Iterator[Part]:
             yield f"fails_{name}", partial(lambda outcome: outcome, left)
             continue
         there = folder / "trials" / str(number)
-        if name in session.APART:
+        if name in session.SEPARATE:
             yield f"fails_{name}", partial(failing.in_its_own_process, there, name, others, most)
         else:
             yield f"fails_{name}", partial(failing.every_call, there, name, found, others, most)

@@ -38,7 +38,7 @@ TRACEBACK = 99
 HANGS = 98
 """Exit status of a command that was killed because it took too long."""
 PATIENCE = 60.0
-"""Time limit of a command under a fault. [s]"""
+"""Least time limit of a command under a fault. [s]"""
 FULL = "/dev/full"
 """A device on which nothing can be written."""
 ROOM = 1 << 20
@@ -88,19 +88,27 @@ def run_with(
     largest: int | None = None,
     *,
     full: bool = False,
+    patience: float = PATIENCE,
 ) -> Ended:
     """Run some work in a fork, with a fault in its calls on files of `folder`; `notes` is a folder for logs.
 
-    `largest` is a file size limit [byte]; with `full`, nothing can be written to the standard output.
+    `largest` is a file size limit [byte]; with `full`, nothing can be written to the standard output. Work that takes
+    longer than `patience` [s] counts as hanging.
     """
-    ended = forked(folder, notes, fault, largest, full=full)
+    ended = forked(folder, notes, fault, largest, full=full, patience=patience)
     if ended is None:
         leave(work)
     return ended
 
 
 def forked(
-    folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None, *, full: bool = False
+    folder: Path,
+    notes: Path,
+    fault: Fault | None = None,
+    largest: int | None = None,
+    *,
+    full: bool = False,
+    patience: float = PATIENCE,
 ) -> Ended | None:
     """Fork, with a fault in the fork: how the fork ended, and None in the fork itself, which must call `leave`."""
     notes.mkdir(parents=True, exist_ok=True)
@@ -116,7 +124,7 @@ def forked(
     if tracer is None:
         os.waitpid(pid, os.WUNTRACED)
         os.kill(pid, signal.SIGCONT)
-    status = _waited(pid)
+    status = _waited(pid, patience)
     if tracer is not None:
         tracer.wait(PATIENCE)
     trace = (notes / "calls.txt").read_text(errors="replace") if tracer is not None else ""
@@ -205,9 +213,9 @@ def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[byt
     return tracer
 
 
-def _waited(pid: int) -> int:
+def _waited(pid: int, patience: float) -> int:
     """Exit status of a process, negative for a signal; a process that takes too long is killed."""
-    ends, late = time.monotonic() + PATIENCE, False
+    ends, late = time.monotonic() + patience, False
     while True:
         found, status = os.waitpid(pid, os.WNOHANG)
         if found:

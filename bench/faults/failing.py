@@ -15,11 +15,11 @@ from collections.abc import Callable, Sequence
 from contextlib import chdir
 from pathlib import Path
 
-from bench.faults.calls import GROUPS, HANGS, TRACEBACK, Ended, Fault, command, faults, forked, made, run_with
+from bench.faults.calls import GROUPS, HANGS, PATIENCE, TRACEBACK, Ended, Fault, command, faults, forked, made, run_with
 from bench.faults.kills import unit
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, after, at_home, fieldkit, season, state
 from bench.faults.paused import from_first_write
-from bench.faults.session import Call, apart, named, new_day
+from bench.faults.session import Call, named, new_day, separate
 from fieldkit.paths import DATA_FILES
 
 FILES_OF_THE_START = ("ledger.db", "home", "sample_logs", "fieldkit", "docs", "home-backups", "ledger.db-backups")
@@ -30,6 +30,8 @@ EVERY = sys.maxsize
 
 SLOW = 1.0
 """A command that takes this long is forked where it first writes, and fewer of its reads fail. [s]"""
+PATIENT = 20.0
+"""A command that takes so many times as long as without a fault hangs, on a busy machine too. [1]"""
 MAX_READS = 64
 """Number of reads of a writing command that fail at most, spread evenly. [1]"""
 
@@ -66,7 +68,8 @@ class Bench:
         self.fresh()
         with chdir(self.workplace), at_home(self.workplace / "home"), unit(self.call.arguments) as arguments:
             work = self.call.work(self.file, arguments)
-            return run_with(work, self.workplace, self.notes, fault, largest, full=full)
+            patience = max(PATIENCE, PATIENT * self.takes)
+            return run_with(work, self.workplace, self.notes, fault, largest, full=full, patience=patience)
 
     def learn(self) -> list[tuple[str, int]]:
         """Record the states before and after the call, and the system calls that it makes."""
@@ -184,10 +187,10 @@ def on_a_new_day(folder: Path, few: int, most: int = EVERY) -> Outcome:
 
 
 def in_its_own_process(folder: Path, name: str, few: int, most: int = EVERY) -> Outcome:
-    """A command of `APART`, with each of its system calls failing, as in `every_call`."""
+    """A command of `SEPARATE`, with each of its system calls failing, as in `every_call`."""
     outcome = Outcome("a call fails", name)
     with at_home(folder / "home"):
-        (call,) = apart(folder / "found", name)
+        (call,) = separate(folder / "found", name)
     _each(outcome, Bench(folder / "0", call), few, most)
     return outcome
 
@@ -196,7 +199,7 @@ def _each(outcome: Outcome, bench: "Bench", few: int, most: int) -> None:
     found, line = bench.learn(), bench.call.line
     size = bench.file.stat().st_size
     writes = any(one in GROUPS["write"] for one, _ in found)
-    waits, slow = "PORT" in bench.call.arguments or bench.call.apart, bench.takes > SLOW
+    waits, slow = "PORT" in bench.call.arguments or bench.call.separate, bench.takes > SLOW
     some = few if waits or slow or not writes else MAX_READS
     for fault in faults(found, min(some, most), min(few if waits else 0 if slow else EVERY, most)):
         ended = bench.tried(fault)

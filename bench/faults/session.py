@@ -61,7 +61,7 @@ FLOWN = "2026-05-02T10:00"
 """Time of flights without one in the session: otherwise the clock's minute would differ between trials."""
 FIRST = ("demo",)
 """Commands that require an empty ledger."""
-APART = {"tui": ("tui",), "train": ("train", "--out", "ensemble", "--n-train", "256")}
+SEPARATE = {"tui": ("tui",), "train": ("train", "--out", "ensemble", "--n-train", "256")}
 """Commands that run in a process of their own only, and how they are called."""
 LEFT_OUT = {"serve": "stays open, and writes nothing itself"}
 """Commands that are not run, with the reason."""
@@ -96,12 +96,12 @@ def files() -> Iterator[tuple[str, str]]:
 @dataclass(frozen=True, slots=True)
 class Call:
     """A command as a user calls it, and the folder it starts from: its ledger and the user's files. `work` runs it; it
-    runs from its start in each trial if `apart`."""
+    runs from its start in each trial if `separate`."""
 
     arguments: tuple[str, ...]
     found: Path
     work: Callable[[Path, Sequence[str]], Callable[[], int]] = command
-    apart: bool = False
+    separate: bool = False
 
     @property
     def line(self) -> str:
@@ -142,12 +142,12 @@ def calls(folder: Path) -> list[Call]:
     return made
 
 
-def apart(folder: Path, name: str) -> list[Call]:
-    """The call of a command of `APART`, in a ledger with a flight whose tag can be undone."""
+def separate(folder: Path, name: str) -> list[Call]:
+    """The call of a command of `SEPARATE`, in a ledger with a flight whose tag can be undone."""
     found = furnished(folder)
     season(found / "ledger.db")
     fieldkit(found / "ledger.db", "tag", "1", "mine")
-    return [Call(APART[name], found, undoing_app if name == "tui" else command, apart=True)]
+    return [Call(SEPARATE[name], found, undoing_app if name == "tui" else command, separate=True)]
 
 
 def undoing_app(file: Path, _: Sequence[str]) -> Callable[[], int]:

@@ -113,7 +113,7 @@ def test_commands_beside_two_open_apps_lose_nothing(tmp_path: Path) -> None:
 
 def test_every_command_of_the_tree_is_called_or_left_out_with_a_reason() -> None:
     called = {session.named(words) for words in (*session.lines(), *session.more())}
-    assert set(session.commands()) == called | session.APART.keys() | session.LEFT_OUT.keys()
+    assert set(session.commands()) == called | session.SEPARATE.keys() | session.LEFT_OUT.keys()
     assert not called & session.LEFT_OUT.keys()
 
 
@@ -122,7 +122,7 @@ def test_every_option_that_takes_a_file_is_called_unless_its_command_is_left_out
     uncalled = [
         (name, option)
         for name, option in session.files()
-        if name not in {*session.LEFT_OUT, *session.APART}
+        if name not in {*session.LEFT_OUT, *session.SEPARATE}
         and not any(session.named(words) == name and option in words for words in lines)
     ]
     read = [("score", "--hyperprior"), ("motors", "--compare"), ("motors", "--in-stock")]
@@ -130,7 +130,7 @@ def test_every_option_that_takes_a_file_is_called_unless_its_command_is_left_out
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", session.APART)
+@pytest.mark.parametrize("name", session.SEPARATE)
 def test_a_command_in_its_own_process_reports_the_truth(name: str, tmp_path: Path) -> None:
     outcome = failing.in_its_own_process(tmp_path, name, 1, 1)
     assert outcome.tried > 4
