@@ -20,6 +20,7 @@ from typer.main import get_command
 
 from fieldkit import cli
 from fieldkit.cli import main as commands
+from fieldkit.cli.formula_text import formula_text
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
@@ -203,6 +204,17 @@ def test_the_rules_of_the_manual_are_applied(tmp_path: Path, capsys: pytest.Capt
     (wind,) = [line for line in made["safety"] if line["check"] == "ground wind"]
     assert wind["verdict"] == "caution"
     assert "unverified" in str(wind)
+
+
+def test_formulas_are_lines_of_text_in_the_terminal() -> None:
+    formulas = [block for page in PAGES for block in blocks("math", PAGES[page])]
+    assert len(formulas) > 10
+    for line in (line for formula in formulas for line in formula_text(formula).splitlines()):
+        assert not set(line) & set("\\{}")
+        assert len(line) < 76
+    assert (
+        formula_text(r"\frac{v_1^2 + c}{2 g} \sqrt{x}, \qquad \vec u = 10^{-3}") == "(v_1² + c)/(2 g) √x,\nu = 10^(-3)"
+    )
 
 
 def test_the_claims_of_the_readme_are_the_output_of_commands() -> None:

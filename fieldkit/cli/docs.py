@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from fieldkit.cli.formula_text import formula_text
 from fieldkit.cli.screen import print_table, say
 from fieldkit.errors import BadValue, unknown
 from fieldkit.plugins import plugin_folder
@@ -59,11 +60,17 @@ def _title(name: str) -> str:
 
 
 def _readable(text: str) -> str:
-    """A page without its pictures, with links replaced by the commands that print those pages, and with long commands
-    continued on the next line so that they can be copied."""
-    text = re.sub(r"^!\[[^]]*\]\([^)]*\)\n", "", text, flags=re.MULTILINE)
+    """A page with pictures replaced by what they show, links by the commands that print those pages, formulas as text,
+    and with long commands continued on the next line so that they can be copied."""
+    text = re.sub(r"^!\[([^]]*)\]\([^)]*\)$", r"*Picture: \1*", text, flags=re.MULTILINE)
     text = re.sub(r"\(\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)\)", r"(\1: `fieldkit docs \2`)", text)
     text = re.sub(r"\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)", r"\1 (`fieldkit docs \2`)", text)
+    text = re.sub(
+        r"^```math\n(.*?)^```",
+        lambda block: f"```\n{formula_text(block[1])}\n```",
+        text,
+        flags=re.MULTILINE | re.DOTALL,
+    )
     return re.sub(r"^```sh\n.*?^```", lambda block: _continued(block[0]), text, flags=re.MULTILINE | re.DOTALL)
 
 
