@@ -7,7 +7,7 @@ import pytest
 from tools import flight_path
 from tools.flight_path import stops
 
-MAX_STOPS = 27
+MAX_STOPS = 28
 MAX_FILES = 9
 MAX_READINGS = 24
 passes = cache(flight_path.passes)

@@ -164,11 +164,11 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
     shifts = np.arange(-_MAX_SHIFT, _MAX_SHIFT + _STEP / 2, _STEP)
     step = median_step(track.time[inside])
     spread = np.hypot(track.noise, _HEIGHT_ERROR * height)
-    alike = max(1.0, _CORRELATION_TIME / step)
+    correlated = max(1.0, _CORRELATION_TIME / step)
     decrease, flown = THRUST_DECREASE, speed
 
     def tried(beyond: Array | None) -> list[tuple[float, float, float, float, float]]:
-        return [_fit(when + shift, height, time, climb, flown, beyond, spread, alike) for shift in shifts]
+        return [_fit(when + shift, height, time, climb, flown, beyond, spread, correlated) for shift in shifts]
 
     if full is None:
         found = tried(None)
@@ -196,7 +196,7 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event, full: Flag
         even = np.arange(time[0], time[-1], _STEP)
         fast, high = np.interp(even, time, speed), np.interp(even, time, climb)
         behind = [lagged(high, float(high[0]), _STEP, lag) for lag in _FILTERS]
-        misfits = [_fit(when, height, even, one, fast, None, spread, alike)[1] for one in behind]
+        misfits = [_fit(when, height, even, one, fast, None, spread, correlated)[1] for one in behind]
         least = int(np.argmin(misfits))
         filtered = _FILTERS[least] if misfits[least] < _MAX_MISFIT else 0.0
     return Agreement(
@@ -264,13 +264,13 @@ def _fit(
     speed: Float[Array, "time"],
     beyond: Float[Array, "time"] | None,
     spread: Float[Array, "sample"],
-    alike: float,
+    correlated: float,
 ) -> tuple[float, float, float, float, float]:
     """Cost of a climb through heights, its misfit in standard deviations of these, the best scale, how much of `beyond`
     was missed, and its standard deviation.
 
-    `spread` is the standard deviation of each height [m], `alike` the number of neighbors that share its error. The
-    airframe's pressure error, a fraction of the dynamic pressure, is fitted together with the scale.
+    `spread` is the standard deviation of each height [m], `correlated` the number of neighbors that share its error.
+    The airframe's pressure error, a fraction of the dynamic pressure, is fitted together with the scale.
     """
     felt = np.interp(when, time, climb)
     ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)
@@ -278,12 +278,12 @@ def _fit(
     if beyond is not None:
         columns, sds = [*columns, np.interp(when, time, beyond)], [*sds, _MISSED]
     prior = np.diag(1 / np.array(sds))
-    wide = spread * np.sqrt(alike)
+    wide = spread * np.sqrt(correlated)
     design = np.concatenate([np.stack(columns, axis=1) / wide[:, None], prior])
     target = np.concatenate([height / wide, prior[0]])
     values, *_ = np.linalg.lstsq(design, target, rcond=None)
     left = target - design @ values
-    cost, misfit = float(left @ left), float(np.sqrt(alike * np.mean(left[: when.size] ** 2)))
+    cost, misfit = float(left @ left), float(np.sqrt(correlated * np.mean(left[: when.size] ** 2)))
     if beyond is None:
         return cost, misfit, float(values[0]), 0.0, 0.0
     sd = float(np.sqrt(np.linalg.inv(design.T @ design)[2, 2]))

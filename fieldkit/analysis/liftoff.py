@@ -191,7 +191,8 @@ def _by_dive(corner: Event, track: Heights, seen: Outline) -> Event | None:
     lowest = int(np.argmin(calm))
     deep = max(_LEAST_DIVE, 8 * track.noise)
     on_pad = np.flatnonzero(calm[:lowest] > -3 * track.noise)
-    if calm[lowest] > -deep or on_pad.size < MIN_SAMPLES or np.median(calm[on_pad]) > 3 * track.noise:
+    climbed = calm[:lowest].max(initial=0.0) > deep  # heights that fall after a climb do not show its start
+    if calm[lowest] > -deep or climbed or on_pad.size < MIN_SAMPLES or np.median(calm[on_pad]) > 3 * track.noise:
         return None
     mirrored = replace(
         seen,

@@ -25,6 +25,7 @@ from fieldkit.model.shared_prior import Message, SharedPrior
 from fieldkit.model.term_names import TermName
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
+from fieldkit.quantities import counted
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import flight_digest, motor_digest
 
@@ -101,7 +102,7 @@ def _by_rocket(ledger: Ledger, motors: Catalogue) -> dict[str, list[tuple[Flight
     every = list(dict.fromkeys(flight.rocket for flight, _ in reversed(used)))
     if len(every) > MAX_ROCKETS:
         ledger.remark(
-            f"the {MAX_ROCKETS} rockets flown latest inform forecasts of the others, of {len(every):,} rockets"
+            f"of {counted(len(every), 'rocket')} the {MAX_ROCKETS} flown latest inform forecasts of the others"
         )
     kept, found = set(every[:MAX_ROCKETS]), dict[str, list[tuple[Flight, Found]]]()
     for flight, motor in used:

@@ -235,7 +235,7 @@ def test_remeasure_lists_its_changes_makes_them_and_can_be_undone(
 
     lower = before.with_changes(apogee=(before.apogee or 0) - 2, sd=before.sd, source=before.source)
     ledger.renew([Renewal(id, before, lower)])
-    assert f"`fieldkit remeasure {id}`" in run("show", id).err
+    assert f"`fieldkit remeasure {id} --dry-run`" in run("show", id).err
     ledger.undo()
     assert "1 would change, 0 unchanged, 1 without samples" in run("remeasure", "--dry-run").out
     assert ledger.flight(id) == before
