@@ -44,13 +44,13 @@ class Assumed:
         return [(chance, (*own, *(declared_places(flights, own) if self.declared else ()))) for chance, own in sets]
 
     def model(self, history: History, places: Sequence[Place]) -> Model:
-        """The model of a rocket's flights with effects in their places. Raises ImpossibleFlight for a flight without a
-        dry mass, DamagedModel for a damaged card."""
+        """The model of a rocket's flights with effects in their places, in one order, so that equal models have equal
+        fits. Raises ImpossibleFlight for a flight without a dry mass, DamagedModel for a damaged card."""
         shared = self.shared
         designs = {one.config: self.cds[one.config] for one in history.flights if one.config in self.cds}
         if designs and shared:  # a design replaces the information from other rockets about drag
             shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
-        model = forecast_model(history, places, shared, self.hyperprior)
+        model = forecast_model(history, sorted(places, key=str), shared, self.hyperprior)
         return designed(model, designs) if designs else model
 
 

@@ -4,11 +4,14 @@ from itertools import pairwise
 
 import pytest
 
+from fieldkit.forecast.assumed import Assumed
 from fieldkit.forecast.evaluation.rivals import rival_scores
 from fieldkit.forecast.one_offs import beside_others
+from fieldkit.forecast.predict import Fits, predict
 from fieldkit.importing.read import read
 from fieldkit.motors import catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
+from fieldkit.selection.candidates import Place
 from tests.inference.laplace.test_one_offs import season
 
 CHECK_SHAPES = False
@@ -25,6 +28,18 @@ def test_the_miss_is_the_flown_apogee_minus_the_forecast_without_the_flight() ->
     assert one.singled_out
     assert again.singled_out
     assert again.suggested_tags == ()
+
+
+def test_comparing_flights_and_forecasting_the_next_need_the_same_fits() -> None:
+    """Each fit takes as long as a key may take; the wind acts before or after an effect of a set."""
+    windy = [(flight.with_changes(wind=2.0 + row % 3), motor) for row, (flight, motor) in enumerate(season())]
+    assumed = Assumed(((0.5, ()), (0.5, (Place("wear"),))))
+    fits: Fits = {}
+    beside_others(windy, assumed, fits=fits)
+    known = len(fits)
+    flight, motor = windy[-1]
+    predict(windy, [(flight.unflown(flight_id="next"), motor)], assumed, fits=fits)
+    assert len(fits) == known
 
 
 def test_a_flight_without_readouts_has_no_probability_of_anything() -> None:
