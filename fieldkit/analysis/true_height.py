@@ -13,6 +13,8 @@ import numpy as np
 from fieldkit.analysis.labels import sensor_of
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.flight import Series
+from fieldkit.flight.columns import CONDITIONS
+from fieldkit.flight.limits import possible
 from fieldkit.physics.standard_atmosphere import (
     HYDROSTATIC_EXPONENT,
     STANDARD_PRESSURE,
@@ -33,6 +35,7 @@ deviation of that. [K]"""
 _LAYER_SD = 2.0
 """Standard deviation between the mean temperature of a layer and that of the ground, each relative to the standard
 ones: on a sunny day it falls by up to 9.8 K/km, not 6.5, and below an inversion it rises. [K]"""
+_AIR = {column.name: column for column in CONDITIONS}
 
 
 def true_apogee(
@@ -58,11 +61,11 @@ def _scale(
         value, sd = recorded.sighted
         return 1 / value, sd / value**2, SATELLITES
     lift = recorded.events.get("liftoff")
-    pressure = _on_pad([series.pressure for series in clocks], clocks, lift.time if lift else None)
+    pressure = _on_pad("pressure", clocks, lift.time if lift else None)
     if pressure is None:
         pressure = float(height_pressure(np.array([elevation or 0.0]))[0])
     standard = STANDARD_TEMPERATURE * (pressure / STANDARD_PRESSURE) ** (1 / HYDROSTATIC_EXPONENT)
-    sensor = _on_pad([series.temperature for series in clocks], clocks, lift.time if lift else None)
+    sensor = _on_pad("temperature", clocks, lift.time if lift else None)
     air, sd, source = standard, _DAY_SD, STANDARD_AIR
     if temperature is not None:
         air, sd, source = temperature, 0.0, MEASURED_AIR
@@ -72,11 +75,14 @@ def _scale(
     return air / standard, float(np.hypot(sd, _LAYER_SD)) / standard, source
 
 
-def _on_pad(channels: Sequence[object], clocks: Sequence[Series], lift: float | None) -> float | None:
-    """The median of a channel before lift-off, or of its first samples; None if no clock has it."""
-    for series, values in zip(clocks, channels, strict=True):
+def _on_pad(name: str, clocks: Sequence[Series], lift: float | None) -> float | None:
+    """The median of the air's `pressure` or `temperature` before lift-off, or its first value; None if no clock has one
+    that is possible on a pad. [Pa] or [K]"""
+    low, high = possible(_AIR[name])
+    for series in clocks:
+        values = getattr(series, name)
         if isinstance(values, np.ndarray):
-            known = np.flatnonzero(np.isfinite(values))
+            known = np.flatnonzero((values >= low) & (values <= high))
             before = known[series.time[known] < lift] if lift is not None else known[:1]
             if known.size:
                 return float(np.median(values[before if before.size else known[:1]]))

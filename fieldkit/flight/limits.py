@@ -41,15 +41,21 @@ LIMITS: Mapping[str, tuple[float, float]] = MappingProxyType(_EDGE)
 """Lowest and highest possible value of each column, in the column's own unit."""
 
 
+def possible(column: Column) -> tuple[float, float]:
+    """The lowest and highest possible value of a column, in SI units."""
+    low, high = LIMITS[column.name]
+    own = units.unit(column.quantity, column.unit)
+    return own.to_si(low), own.to_si(high)
+
+
 def check(column: Column, value: float, unit: str = "") -> float:
     """Return the SI value of a column if it is possible. Raises BadValue with the expected range, in `unit` (as it was
     typed) or in the column's own unit."""
     low, high = LIMITS[column.name]
-    own = units.unit(column.quantity, column.unit)
-    number = own.from_si(value)
+    number = units.unit(column.quantity, column.unit).from_si(value)
     slack = 1e-9 * (1 + abs(number))
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
-        least, most = own.to_si(low), own.to_si(high)
+        least, most = possible(column)
         if not unit:
             raise BadValue(message(f"found {of_column(column, value)}, expected {of_column(column, least, most)}"))
         shown = units.unit(column.quantity, unit)

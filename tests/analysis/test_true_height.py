@@ -84,3 +84,12 @@ def test_apogees_by_other_sensors_have_none() -> None:
     by_satellites = Recorded(figures={"apogee": Figure(300.0, 2.0, "GPS altitude")})
     assert true_apogee(by_satellites, [], None, None) is None
     assert true_apogee(Recorded(), [], None, None) is None
+
+
+@pytest.mark.parametrize("name", ["pressure", "temperature"])
+@pytest.mark.parametrize("broken", [0.0, -40.0, 1e7])
+def test_air_that_no_pad_has_is_not_used(name: str, broken: float) -> None:
+    value, pad = shown(1000.0)
+    clock = Series(np.arange(3.0), pressure=np.full(3, pad), temperature=np.full(3, HOT))
+    found = true_apogee(recorded(value), [replace(clock, **{name: np.full(3, broken)})], None, ELEVATION)
+    assert found == true_apogee(recorded(value), [replace(clock, **{name: None})], None, ELEVATION)
