@@ -9,6 +9,7 @@ environment. Without it, the tool prints a message, and only the test with hypot
 """
 
 import argparse
+import json
 import subprocess
 import sys
 import warnings
@@ -39,7 +40,11 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="The same seed tries the same inputs.")
     parser.add_argument("--reader", help="One reader only, by its name.")
     parser.add_argument("--again", type=Path, help="An input to run once more.")
+    parser.add_argument("--list", action="store_true", help="Print the names of the readers as JSON.")
     options = parser.parse_args()
+    if options.list:
+        print(json.dumps(list(_readers())))
+        return 0
     try:
         import atheris
     except ImportError:
