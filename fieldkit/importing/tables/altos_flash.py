@@ -156,10 +156,7 @@ def _old_record(line: str, layout: RecordLayout) -> bytes | None:
     match = OLD_RECORD.match(line)
     if not match:
         return None
-    clock = int(match[2], 16).to_bytes(2, "little")
-    if layout.size > 8 and len(match[3]) == 3 * layout.payload:
-        return bytes([ord(match[1]), 0]) + clock + bytes.fromhex(match[3])
-    words = match[3].split()
+    clock, words = int(match[2], 16).to_bytes(2, "little"), match[3].split()
     size = 2 if layout.size == 8 else 1
     if len(words) * size != layout.payload or any(len(word) > 2 * size for word in words):
         return None

@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fieldkit.importing.tables.altos import Coefficients, mp3h6115, ms5607, net_acceleration, seconds, sound
+from fieldkit.importing.tables.altos_flash import LAYOUTS, RecordLayout, old_form
 
 pytestmark = pytest.mark.fast
 
@@ -55,3 +58,20 @@ def test_acceleration_is_zero_on_the_pad_and_one_g_more_at_twice_the_weight() ->
     assert net_acceleration(counts, 8158, 8158, 8340) == pytest.approx([0.0] * 10 + [9.80665])
     assert net_acceleration(counts, 4000, 8158, 8340) is None
     assert net_acceleration(counts, 8158, None, 8340) is None
+
+
+@given(st.sampled_from(list(LAYOUTS.values())), st.lists(st.from_regex(r"[0-9a-f]{1,4}", fullmatch=True), max_size=40))
+def test_words_of_any_length_are_a_record_or_damage(layout: RecordLayout, words: list[str]) -> None:
+    size = 2 if layout.size == 8 else 1
+    whole = len(words) * size == layout.payload and all(len(word) <= 2 * size for word in words)
+    found = old_form(f"D 12ab {' '.join(words)}\n".encode(), 1, "", layout)
+    assert len(found.records) == (1 if whole else 0)
+    assert bool(found.found) is not whole
+
+
+@pytest.mark.parametrize("layout", LAYOUTS.values(), ids=str)
+def test_words_that_run_together_are_damage(layout: RecordLayout) -> None:
+    """As long as a good line, with spaces at other places."""
+    good = " 12" * layout.payload
+    for bad in (" 1 222" + good[6:], good[:-6] + " 222 1", " 1212  " + good[8:]):
+        assert old_form(f"D 12ab {bad.strip()}\n".encode(), 1, "", layout).found
